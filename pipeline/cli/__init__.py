@@ -23,7 +23,6 @@ from typing import Any
 import pipeline
 from pipeline import interrupts
 from pipeline.cli.parser import function_of, parse
-from pipeline.run import forkserver
 from pipeline.words import remarks
 
 _SETTINGS = {
@@ -54,8 +53,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run_command(options: argparse.Namespace) -> Any:
     """Import the command's module, run the command and return its result."""
-    if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
-        forkserver.start()  # it imports modules for the workers while this process goes on
     function = _load(options)
     with interrupts.keyboard_interrupts():
         return function(options)

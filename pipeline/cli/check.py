@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
 
 import pipeline
-from pipeline.analysis.condition_words import unmodelled_rise_words
-from pipeline.analysis.preset_error import has_unknown_error
-from pipeline.analysis.tables import frame_of, records
+from pipeline.answers.condition_words import unmodelled_rise_words
+from pipeline.answers.preset_error import has_unknown_error
+from pipeline.answers.tables import frame_of, records
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
@@ -22,7 +22,7 @@ from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.left_out import UNKNOWN_FILM
-from pipeline.sweep.remarks import FromLibrary
+from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, worker_bytes
@@ -169,19 +169,6 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
             "error",
             "not known for own numerical choices; --accuracy 2% replaces them by a preset",
         )
-
-
-def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
-
-    The text names the table and its values, such as "pin: density 7800 kg/m³".
-    """
-    tables: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in taken:
-        table, _, name = key.rpartition(".")
-        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
-    for (table, source), values in tables.items():
-        yield f"{table}: {', '.join(values)}", source
 
 
 def _surface_words(facts: SurfaceFacts) -> str:

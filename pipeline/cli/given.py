@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import argparse
-import json
-import shlex
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import pipeline
-from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.preset_error import KEPT_FIELDS
+from pipeline.answers.preset_error import KEPT_FIELDS
+from pipeline.answers.units import value_words
 from pipeline.cli.output import tell
+from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
+from pipeline.quantities import ALIKE
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import VARIANT
+from pipeline.sweep.variants import VARIANT, dimension_of
+from pipeline.units import to_si
 from tribo import Fidelity, InputError
 
 if TYPE_CHECKING:
@@ -28,6 +31,7 @@ CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
 _NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
 """Numerical choices, which an accuracy replaces."""
+_OF_CONDITIONS = {path: name for name, path in PATHS.items()}
 PLACE = ("load", "velocity", "realization")
 """Options that select the point of a figure, named as in `pipeline.plot`."""
 
@@ -68,9 +72,14 @@ def settings_in(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions given as options such as --friction, by name; several values are a tuple."""
+    """Conditions given as options such as --friction, by name; several values are a list."""
     given = values_in(options, *CONDITIONS).items()
-    conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
+    conditions = {name: values[0] if len(values) == 1 else [*values] for name, values in given}
+    for path, value in getattr(options, "at", ()):
+        if path in _OF_CONDITIONS:
+            if _OF_CONDITIONS[path] in conditions:
+                raise InputError(f"{path} is given twice; give it once")
+            conditions[_OF_CONDITIONS[path]] = value
     criterion = conditions.get("criterion", "share")
     if "share" in conditions and criterion != "share":
         raise InputError(f"criterion {criterion} has no share; leave out --share")
@@ -95,7 +104,7 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     """Load the command's scene, changed by the options for conditions and numerical choices."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
-    if several := [path for path, value in conditions.items() if isinstance(value, tuple)]:
+    if several := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{several[0]} takes one value at a time here; give one")
     if "share" in conditions_in(options):
         conditions[PATHS["criterion"]] = "share"
@@ -106,24 +115,6 @@ def scene_in(options: argparse.Namespace) -> Sweep:
         if named:
             raise InputError(f"--accuracy picks the preset; leave out {', '.join(named)}")
     return sweep
-
-
-def typed_scene(options: argparse.Namespace) -> str:
-    """The scene and the options that change it, without numerical choices, as typed."""
-    words = [str(options.scene)]
-    for key, value in options.set:
-        if key.removeprefix("fidelity.") not in _NUMERICAL:
-            words += ["--set", f"{key}={value if isinstance(value, str) else _toml(value)}"]
-    return shlex.join(words)
-
-
-def _toml(value: Any) -> str:
-    """Value of an entry in TOML, on one line."""
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{json.dumps(key)}={_toml(one)}' for key, one in value.items())}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    return json.dumps(value, ensure_ascii=False)
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:
@@ -147,6 +138,29 @@ def stored_tests_of(sweep: Sweep) -> str | None:
 
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:
-    """Dataset of the command's store, under the conditions in the options."""
-    flags = values_in(options, "without_tests")
-    return pipeline.at(options.store, **conditions_in(options), **flags, **dict(options.at))
+    """Dataset of the command's store, at the values of entries in --at."""
+    ds = pipeline.open_sweep(options.store)
+    for path, value in options.at:
+        if path not in _OF_CONDITIONS:
+            ds = select_entry(ds, path, value)
+    return ds.assign_attrs(without_tests="yes") if options.without_tests else ds
+
+
+def select_entry(ds: xr.Dataset, path: str, value: Any) -> xr.Dataset:
+    """Select a value of an entry that varies in a sweep."""
+    dim = dimension_of(path)
+    if dim not in ds.dims:
+        others = ", ".join(map(str, ds["status"].dims[:-2])) or "no entry"
+        raise InputError(
+            f"{path} does not vary in this sweep, but {others}; run the scene with {path} = "
+            f"{value} into another store"
+        )
+    values = ds[dim].values
+    wanted = value if values.dtype.kind not in "if" else to_si(str(value), like=str(value))
+    close = (
+        values == wanted if values.dtype.kind not in "if" else np.isclose(values, wanted, ALIKE, 0)
+    )
+    if not close.any():
+        known = ", ".join(value_words(ds[dim], one) for one in values.tolist())
+        raise InputError(f"{path} is {value}; the sweep has {known}")
+    return ds.isel({dim: int(np.flatnonzero(close)[0])})

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import math
 from dataclasses import asdict, astuple, replace
 
+import xarray as xr
+
 import pipeline
-from pipeline.analysis.condition_words import unmodelled_rise_words
-from pipeline.analysis.inferred import Inferred
-from pipeline.analysis.tables import TABLES, frame_of, records, short, writable_path
-from pipeline.analysis.tested import tests_frame
+from pipeline.answers import words
+from pipeline.answers.frames import answer_frame
+from pipeline.answers.tables import TABLES, frame_of, records, short, writable_path
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.quantities import display, shown_in
@@ -42,35 +43,26 @@ def infer(options: argparse.Namespace) -> Result:
     least = replace(sweep._alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
     with working("simulating the tests") as progress, writing(options.kept, least) as store:
         compute_here(store, source=stored_tests_of(sweep), report=progress)
-    beside = unmodelled_rise_words(sweep.conditions)
-    return _inferred_result(pipeline.infer(computed_dataset(store)), [beside] if beside else [])
+    ds = computed_dataset(store)
+    return _inferred_result(pipeline.infer(ds), pipeline.tests(ds))
 
 
-def _inferred_result(found: Inferred, beside: Sequence[str]) -> Result:
+def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
     """Result for the critical temperature: its value or bound, and the tests."""
-    frame = tests_frame(found.evidence)
-    count = counted(len(found.evidence.rows), "test", "tests")
-    if found.at_least is not None:
-        said = f"critical temperature at least {display(found.at_least, '°C', 3)} (95 %)"
-    elif found.at_most is not None:
-        said = f"critical temperature at most {display(found.at_most, '°C', 3)} (95 %)"
+    values = {str(name): one.item() for name, one in found.items()}
+    count = counted(tests.sizes["test"], "test", "tests")
+    if not math.isnan(values["at_least"]):
+        said = f"critical temperature at least {display(values['at_least'], '°C', 3)} (95 %)"
+    elif not math.isnan(values["at_most"]):
+        said = f"critical temperature at most {display(values['at_most'], '°C', 3)} (95 %)"
     else:
         said = (
-            f"critical temperature {display(found.temperature, '°C', 4)}, ± {found.spread:.2g} K "
-            f"on another rig, ± {found.own_spread:.2g} K on this one"
+            f"critical temperature {display(values['critical_temperature'], '°C', 4)}, "
+            f"± {values['spread']:.2g} K on another rig, ± {values['own_spread']:.2g} K on this one"
         )
-    text = [
-        f"{said}, from {count}",
-        "",
-        short(frame, ["notes"]),
-        *(f"{row.name} {row.reason}" for row in found.evidence.waiting),
-        *found.evidence.misfits,
-        *beside,
-    ]
-    names = "temperature", "spread", "own_spread", "at_least", "at_most"
-    document = {name: getattr(found, name) for name in names}
-    document |= {"tests": records([frame])}
-    return Result(document, wrapped(text), frames=[frame])
+    frame = answer_frame(tests)
+    text = [f"{said}, from {count}", "", short(frame), *words.common_lines(tests)]
+    return Result({**values, "tests": records([frame])}, wrapped(text), frames=[frame])
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:

@@ -134,6 +134,10 @@ KEPT = (
     ),
     WORKERS,
 )  # fmt: skip
+OF_TRADE = (
+    KEPT[0].but(help="new store for the points; default: results/<scene>-trade.zarr"),
+    WORKERS, FIGURE_OR_TABLE,
+)  # fmt: skip
 OF_RUN = (
     output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.store),
     OptionGroup("", (
@@ -222,13 +226,39 @@ OF_BOUNDARY = (
 )  # fmt: skip
 OF_PLOT = (
     Option(
-        "--kind", default="diagram",
-        choices=("diagram", "ramp", "fields", "temperature", "tests"),
-        help="default: diagram; temperature is drawn over the velocity",
+        "--kind", choices=("diagram", "rows", "ramp", "fields", "temperature", "tests"),
+        help="default: diagram, or rows if each has its own load and velocity; temperature is "
+        "drawn over the velocity",
     ),
     output("FILE.png", "file of the figure; default: beside the store"),
     quantity("--width", "W", "8.5 cm", "width of the figure, whose words shrink less than it does"),
     flag("--plain", "draw no title and no caption"),
     flag("--log", "logarithmic axes of the diagram"),
     value("--show NAME", "variable that a ramp shows, such as wear_volume"),
+)  # fmt: skip
+OF_REPORT = (
+    output("FILE.html", "file of the report, .html or .pdf; default: beside the store"),
+    value("--title TITLE", "title of the report; default: that of the scene"),
+    value("--author NAME", "who has written it"),
+)
+OF_SURFACE = (
+    Option(
+        "scan", metavar="SCAN", type=user_path, nargs="?",
+        help="map of heights: .npy, a matrix in text, or the file of an instrument",
+    ),
+    Option(
+        "--height-unit", metavar="UNIT",
+        help='unit of the heights, such as "um", where the file gives none or a wrong one',
+    ),
+    Option(
+        "--pixel-size", metavar="DX[,DY]", type=values.sides,
+        help='sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"',
+    ),
+    flag("--transpose", "exchange x and y of the file"),
+    value(
+        "--missing SHARE", "share of missing heights up to which they are filled; default: 10%%",
+        values.share,
+    ).but(default=0.1),
+    quantity("--ra", "RA", "0.2 um", "Ra of a profile or data sheet, with --rsm, without a file"),
+    quantity("--rsm", "RSM", "60 um", "RSm of a profile or data sheet"),
 )  # fmt: skip

@@ -9,14 +9,12 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.margin_frame import asked_of, margin_frame
-from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.tables import frame_of, transposed
-from pipeline.analysis.words import case_lines, missing_lines
+from pipeline.answers import words
+from pipeline.answers.frames import whole_frame
+from pipeline.answers.results import sweep_of as scene_sweep
+from pipeline.answers.tables import frame_of, transposed
 from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, tell, working, wrapped
-from pipeline.cli.verdicts import place_lines
 from pipeline.run.here import compute_here, computed_dataset
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
@@ -55,20 +53,15 @@ def point(options: argparse.Namespace) -> Result:
 
 def _margin_result(ds: xr.Dataset, place: Place) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
-    data = pipeline.results(ds)
-    conditions = data.conditions
-    point = ds.sel(load=[place[0]], velocity=[place[1]])
-    contact = _contact_frame(point)
-    if conditions.critical_temperature is None:
-        decides = conditions.contact_temperature(pipeline.results(point).rises(conditions))
-        frame = contact = frame_of(_PLACE, [[*place, decides.item()]]).join(contact)
-        text = ["mild or severe is not known without temperature.critical"]
+    contact = _contact_frame(ds.sel(load=[place[0]], velocity=[place[1]]))
+    if scene_sweep(ds).conditions.critical_temperature is None:
+        text, frame = ["mild or severe is not known without temperature.critical"], contact
     else:
-        found = [*asked_of(data, OperatingPoints((place,), {}))]
-        frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
-        text += case_lines(data)
-    text += [*missing_lines(data.missing), "", transposed(contact), "", *caveats_of(data)]
-    return Result(text=wrapped(text), warned=pipeline.warned(data), frames=[frame])
+        found = pipeline.margin(ds, *place)
+        text = [*words.margin_lines(found), *words.common_lines(found)]
+        frame = whole_frame(found).join(contact)
+    text += ["", transposed(contact)]
+    return Result(text=wrapped(text), warned=pipeline.warned(ds), frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
@@ -79,7 +72,6 @@ def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
     return frame_of([*values], [[*values.values()]])
 
 
-_PLACE = "load [N]", "velocity [m/s]", "deciding temperature [°C]"
 _CONTACT = {
     "max_temperature": "highest temperature [°C]", "failed_fraction": "failed share [%]",
     "pin_heat_share": "pin's heat share [%]", "contact_width": "contact width [µm]",

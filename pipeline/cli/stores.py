@@ -8,8 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
-from pipeline.analysis.preset_error import error_in_words
-from pipeline.analysis.tables import frame_of, records, short
+from pipeline.answers.preset_error import error_in_words
+from pipeline.answers.tables import frame_of, records, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.store import Summary, states

@@ -58,7 +58,7 @@ def table(text: str, or_figure: bool = False) -> Path:
 
     The suffix tells them apart. Refuses another suffix, or a path that cannot be written.
     """
-    from pipeline.analysis.tables import FIGURES, TABLES, writable_path
+    from pipeline.answers.tables import FIGURES, TABLES, writable_path
 
     try:
         return writable_path(text, (*FIGURES, *TABLES) if or_figure else TABLES)
@@ -72,6 +72,13 @@ def count(text: str, least: int = 1) -> int:
         if (number := int(text)) >= least:
             return number
     raise Refused(f'"{text}": give a whole number of at least {least}')
+
+
+def sides(text: str) -> tuple[float, float]:
+    """Read the sides of a pixel [m] from ``DX,DY``, or from one length for a square pixel."""
+    read = quantity("0.8 um")
+    first, comma, second = text.partition(",")
+    return read(first), read(second if comma else first)
 
 
 def share(text: str) -> float:

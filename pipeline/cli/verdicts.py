@@ -1,146 +1,102 @@
-"""The commands ``irg boundary`` and ``irg margin``."""
+"""The commands ``irg boundary`` and ``irg margin``, which print answers and compute nothing."""
 
 from __future__ import annotations
 
 import argparse
-import itertools
-from collections.abc import Sequence
-from dataclasses import astuple
+from typing import Any
 
+import numpy as np
 import pandas as pd
+import xarray as xr
 
 import pipeline
-from pipeline.analysis import words
-from pipeline.analysis.boundary import ERRORS, JUDGED, boundary_frame
-from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.condition_words import judged_by
-from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.judge import judge_of
-from pipeline.analysis.margin_frame import LONG, Asked, asked_of, counts_in_words, margin_frame
-from pipeline.analysis.results import Results
-from pipeline.analysis.scenes import words as entries_in_words
-from pipeline.analysis.tables import frame_of, lines_of, notes_of, short, some_rows
-from pipeline.analysis.tested import test_parts, tests_frame
-from pipeline.analysis.warned_points import MELTS, MOLTEN
-from pipeline.cli.given import dataset_in, operating_points_in, values_in
+from pipeline.answers import words
+from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
+from pipeline.answers.judge import UNKNOWN
+from pipeline.answers.tables import short, some_rows
+from pipeline.answers.units import named_value
+from pipeline.cli.given import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import Result, counted, working, wrapped
-from pipeline.words import remarks
+from pipeline.store.schema import PLANE
 from tribo import InputError
 
 _MOST_ROWS = 8  # rows of a table printed; --all, --json and files have all
-_MOST_LINES = 14  # lines of the answer on a table of operating points
 
 
 def margin(options: argparse.Namespace) -> Result:
     """Answer ``irg margin``: judge one operating point, or each row of a table."""
-    is_one = bool(values_in(options, "load", "velocity"))
-    points = operating_points_in(options)
-    data = pipeline.results(dataset_in(options))
+    points, ds, conditions = (
+        operating_points_in(options),
+        dataset_in(options),
+        conditions_in(options),
+    )
+    is_one, place = False, dict[str, Any](load=points)
+    if points is not None and options.points is None:
+        is_one = True
+        place = dict(zip(PLANE, points.places[0], strict=True))
     with working("judging operating points"):
-        found = [*asked_of(data, points)]
-    table, caveats = margin_frame(data, found, points), caveats_of(data)
-    lines = place_lines(data, found) if is_one else []
-    if not is_one:
-        count = counted(len(table), "operating point", "operating points")
-        known = [one.margin for one in found if one.margin]
-        lines += [f"{count}: {counts_in_words(table, points)}"]
-        lines += words.condition_lines(one.conditions for one in known)
-        rests = notes_of(table, caveats)
-        rests += [words.model_error_line(one.model_error for one in known)] if known else []
-        if points and not options.all:
-            lines, caveats = _few_lines(lines, table, [*rests, *caveats])
-        else:
-            lines += ["", short(words.in_words(table), LONG), "", *rests]
-    frames = [table.join(_details(found))]
-    lines += words.case_lines(data)
-    lines += words.missing_lines(data.missing)
-    return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=frames)
+        found = pipeline.margin(ds, **place, **conditions)
+    if is_one and (found["verdict"] == UNKNOWN).all():
+        raise InputError(str(found["reason"].values.flat[0]))
+    text = _margin_text(found, is_one, options.all)
+    return Result(text=wrapped(text), warned=pipeline.warned(ds), frames=[whole_frame(found)])
 
 
-def _details(found: Sequence[Asked]) -> pd.DataFrame:
-    """Numbers behind each verdict that a terminal has no room for; for --json and files."""
-    rows = [
-        (one.margin.lowest, one.margin.highest, *astuple(one.margin.error), one.margin.model_error)
-        if one.margin
-        else (None,) * 7
-        for one in found
-    ]
-    return frame_of(_DETAILS, rows)
-
-
-_DETAILS = (
-    "lowest probability", "highest probability", "error by interpolation [K]",
-    "error by the preset [K]", "error by warned points [K]", "error by the surface [K]",
-    "model error",
-)  # fmt: skip
-
-
-def _few_lines(
-    lines: Sequence[str | pd.DataFrame], table: pd.DataFrame, rests: Sequence[str]
-) -> tuple[list[str | pd.DataFrame], list[str]]:
-    """Lines with at most 8 rows of a table, the worst first, and as many `rests` as fit in 14."""
-    above, below = wrapped(lines), [one for one in wrapped(rests) if isinstance(one, str)]
-    order = table["distance [K]"].astype(float).sort_values().index
-    worst = short(words.in_words(table), LONG).loc[order]
-    room = _MOST_LINES - len(above)
-    few, most = worst.head(_MOST_ROWS), len(worst)
-    while len(lines_of(few)) + (len(few) < most or bool(below)) > room and len(few) > 1:
-        few = few.head(len(few) - 1)
-    room -= len(lines_of(few))
-    hidden = [f"{most - len(few)} more rows"] * (len(few) < most)
-    if hidden or len(below) > room:
-        kept = [*itertools.takewhile(lambda line: not line.startswith(" "), below[: room - 1])]
-        left = sum(not line.startswith(" ") for line in below[len(kept) :])
-        hidden += [counted(left, "further note", "further notes")] * bool(left)
-        below = [*kept, f"{' and '.join(hidden)}: --all; -o TABLE.csv has all rows"]
-    return [*above, few], below
-
-
-def place_lines(data: Results, found: Sequence[Asked]) -> list[str | pd.DataFrame]:
-    """Lines with the verdict on one operating point, for each scene of a sweep.
-
-    `found` has the verdict for each scene. Raises an `InputError` if there is only one scene, and
-    no verdict on it.
-    """
+def _margin_text(found: xr.Dataset, is_one: bool, has_all: bool) -> list[str | pd.DataFrame]:
     lines = list[str | pd.DataFrame]()
-    if len(found) == 1:
-        found[0].known()
-    sizes = {"velocity": len(data.velocities), "load": len(data.loads)}
-    axes = [axis for axis, size in sizes.items() if size > 1]
-    for one in found:
-        labels = one.source.labels.items()
-        own = {name: value for name, value in labels if name in data.front}
-        lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
-        lines += words.margin_lines(one.margin, axes) if one.margin else [one.reason]
-    is_molten = any(one.margin and one.margin.deciding_temperature > MELTS for one in found)
-    return [*lines, *remarks("warning", MOLTEN * is_molten)]
+    if is_one:
+        for here in _each(found):
+            own = [named_value(here[dim]) for dim in found.sizes]
+            lines += [f"{', '.join(own)}:"] * bool(own)
+            lines += words.margin_lines(here)
+        return [*lines, *words.common_lines(found)]
+    verdicts, counts = np.unique(found["verdict"].values.astype(str), return_counts=True)
+    said = ", ".join(f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True))
+    lines += [f"{counted(int(counts.sum()), 'operating point', 'operating points')}: {said}"]
+    lines += words.judged_at(found)
+    frame = margin_frame(found)
+    worst = frame if has_all else frame.sort_values("distance [K]").head(_MOST_ROWS)
+    lines += ["", worst, ""]
+    lines += [f"{len(frame) - len(worst)} more rows: --all, or -o TABLE.csv"] * (
+        len(worst) < len(frame)
+    )
+    lines += words.reason_lines(found)
+    lines += [f"the model's own error: {one}" for one in words.told(found, "model_error")[:1]]
+    return [*lines, *words.common_lines(found)]
+
+
+def _each(found: xr.Dataset) -> list[xr.Dataset]:
+    """The answer at each place."""
+    sizes = found.sizes
+    return [found.isel(dict(zip(sizes, k, strict=True))) for k in np.ndindex(*sizes.values())]
 
 
 def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
-    data = pipeline.results(dataset_in(options))
-    require_kind(data.kind, Layout.PLANE)
+    ds = dataset_in(options)
     if options.by == "test":
-        return _tests(data)
+        return _tests(ds, options)
     with working("finding the boundary"):
-        crossings = pipeline.boundary(data)
-    table = boundary_frame(crossings, options.by)
-    alone = ["friction"] if "friction" in crossings.attrs else []
-    shown = short(table, [*alone, *JUDGED.values(), ERRORS["surface_error"], "notes"])
+        found = pipeline.boundary(ds, **conditions_in(options))
+    parts = [name for name in map(str, found) if found[name].dims[-1:] == (options.by,)]
+    shown = short(boundary_frame(found, options.by))
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
-    left_out = len(shown) - len(few)
-    rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
-    rests += words.boundary_lines(crossings)
-    rule = judged_by((one.conditions for one in data.scenes), data.told_tests)
-    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
-    return Result(text=text, warned=pipeline.warned(data), frames=[table])
+    left = len(shown) - len(few)
+    rests = [f"{left} more rows: --all, or -o TABLE.csv"] * bool(left)
+    rule = [f"judged at {one}" for one in words.told(found, "conditions")]
+    text = [*wrapped(rule[:1]), "", few, "", *wrapped([*rests, *words.boundary_lines(found)])]
+    return Result(text=text, warned=pipeline.warned(ds), frames=[whole_frame(found, *parts)])
 
 
-def _tests(data: Results) -> Result:
-    """The tests of the first scene, each at its own conditions, beside what is computed there."""
-    evidence = judge_of(next(data.scenes)).evidence
-    if not evidence.rows:
+def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
+    """The tests of a scene, each at its own conditions, beside what is computed there."""
+    found = pipeline.tests(ds, **conditions_in(options))
+    if not found.sizes["test"]:
         raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
-    table = tests_frame(evidence)
-    lines = [*test_parts(evidence)]
-    return Result(text=wrapped(lines), warned=pipeline.warned(data), frames=[table])
+    table = answer_frame(found)
+    lines: list[Any] = ["tests, each at its own friction and bulk temperature", short(table)]
+    return Result(
+        text=wrapped([*lines, *words.common_lines(found)]),
+        warned=pipeline.warned(ds),
+        frames=[whole_frame(found)],
+    )

@@ -1,244 +1,303 @@
-"""The transition diagram: mild and severe wear in the plane of velocity and load."""
+"""The transition diagram: mild and severe wear in the plane of velocity and load.
+
+All that it draws are variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps, rcParams
-from matplotlib.artist import Artist
+import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import Normal, Stroke
+from scipy.ndimage import distance_transform_edt
 
-from pipeline.analysis.caveats import doubt_lines
-from pipeline.analysis.condition_words import judged_by
-from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.film import OUTSIDE
-from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
-from pipeline.analysis.results import Results
-from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
-from pipeline.analysis.rises import Rises, rises_of
-from pipeline.analysis.scenes import value_text
-from pipeline.analysis.warned_points import warning_flags
-from pipeline.analysis.words import error_words
+import pipeline
+from pipeline.answers import words
+from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.results import CaseResults, cases_of, sweep_of
+from pipeline.answers.units import value_words
 from pipeline.constants import DECIDED
 from pipeline.figures import style
-from pipeline.figures.overlays import (
-    film_lines,
-    mark_tests,
-    name_regions,
-    number_tests,
-    reachable_tests,
-    zero_line,
-)
+from pipeline.figures.markers import mark_places, mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
-from pipeline.store.schema import DONE, FAILED, PLANE
-from pipeline.sweep.conditions import Conditions, rise_limit
-from pipeline.sweep.sweep import variant_words
-from tribo import Criterion, InputError
-from tribo.types import Array, Mask
+from pipeline.store.schema import PLANE
+from pipeline.sweep.case import Place
+from pipeline.units import in_si
+from pipeline.words import split_notes
+from tribo import InputError, lubrication_regime
+from tribo.simulation.lubrication import find_lubrication
+from tribo.types import Array
 
 _SIZE = 8.0, 5.6  # width and height of a diagram [in]
-_LIGHTEST = 0.85  # end of the colour map used for several scenes
-_MANY = 1500  # points from which marks are small
+_LIGHTEST = 0.85  # end of the colour map used for several cases
+_NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
+_STEEPEST = 50.0  # largest |y| of a figure
+_BESIDE = 1e-6  # of a probability, beside the end of a region
+_ERROR: dict[str, Any] = {"color": "#C8C8C8"}
+_NAMES = (
+    (MILD, "mild wear\n(I and II)", BLUE),
+    (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
+)
+"""Name of each region and its colour, by verdict."""
+_WIDE = 3.0  # width of a name over its height
+_LEAST_ROOM = 0.1  # around a name, over the width of a usual figure
+
+Legend = dict[str, Any]
+"""Handle of each entry of a legend, by its label; several side by side are a tuple."""
 
 
 @style.house_style
-def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
+def diagram(
+    ds: xr.Dataset,
+    conditions: Mapping[str, Any],
+    realization: int | None = None,
+    log: bool = False,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
+    places: Sequence[Place] = (),
+) -> Figure:
     """Draw the transition diagram.
 
-    The load–velocity plane is coloured by the verdict of `pipeline.margin`. The computed boundary
-    is drawn, and that with tests where they differ, with its band from 5 to 95 %. Several surfaces
-    are patches of one specimen; `realization`, the seed of a surface, chooses a single one. Of
-    several scenes only the boundaries are drawn, each in its own colour. `log` makes both axes
-    logarithmic, without velocity 0.
+    The load–velocity plane is shaded by the verdict of `pipeline.margin`. The computed boundary is
+    drawn with its numerical error, and that with tests, if there are any. Several surfaces are
+    patches of one specimen; `realization`, the seed of a surface, chooses a single one. Of several
+    cases only the boundaries are drawn, each in its own colour. `log` makes both axes logarithmic,
+    without velocity 0. The operating point at `load` and `velocity` is marked, in SI or as text
+    with a unit; `places` are several, as pairs in SI.
     """
-    data = data.take_surface(realization)
-    require_kind(data.kind, Layout.PLANE)
-    if log:
-        data = data.take_moving()
+    if (load is None) != (velocity is None):
+        raise InputError("load and velocity go together; give both, or neither")
+    if load is not None and velocity is not None:
+        places = [(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))]
+    if not {*PLANE} <= {*ds["status"].dims}:
+        raise InputError(
+            "each row of the sweep has its own load and velocity, so there is no plane of them; "
+            "irg margin prints its rows"
+        )
+    ds = ds if realization is None else ds.sel(realization=[realization])
+    case = cases_of(ds)[0]
+    is_plane = min(len(case.loads), len(case.velocities)) > 1
     figure, axes = style.canvas(_SIZE)
-    conditions = next(data.scenes).conditions
-    legend, caption = (_draw_scenes if data.entry_dims else _draw_scene)(axes, data)
-    tests, beyond = reachable_tests(data, number_tests(data.sweep.tests))
-    own_bulk = data.stored.conditions.bulk_temperature
-    legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
-    axes.use_sticky_edges = False  # the edges of filled regions would leave no margin
-    axes.margins(0.04)
+    found = pipeline.boundary(ds, **conditions)
+    bulk = float(found["bulk_temperature"].values.flat[0])
+    tests, entry, caption = mark_tests(axes, case, bulk)
+    mark_places(axes, places)
+    marked = [*tests, *places]
+    several = [str(dim) for dim in found["critical_velocity"].dims if dim not in PLANE]
+    if several:
+        if not is_plane:
+            raise InputError(
+                "the diagram of several cases needs at least two loads and two velocities; irg "
+                "boundary prints their transitions"
+            )
+        x, y, plane = _plane(ds, case, conditions)
+        legend = _draw_cases(axes, plane, x, y, several)
+        each = words.told(found, "conditions")
+        alike = f"; judged at {each[0]}" * (len(each) == 1)
+        caption.insert(0, f"transition by {' and '.join(several).replace('_', ' ')}{alike}")
+    else:
+        told = [f"judged at {words.told(found, 'conditions')[0]}"]
+        legend = Legend()
+        if is_plane:
+            x, y, plane = _plane(ds, case, conditions)
+            legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
+            _name_regions(axes, x, y, plane["verdict"].values, marked)
+            told += _captions(case, found, x, y, bulk)
+        else:
+            legend = _mark_points(axes, ds, case, conditions)
+        caption = [*told, *_mark_lacking(axes, ds, conditions), *caption]
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    style.write_title(axes, ", ".join([style.title_of(data), *variant_words(data.surface)]))
+    lowest = 0.0 if case.from_rest and not log else case.velocities[0]
+    for limit, ends, at in (
+        (axes.set_ylim, case.loads[[0, -1]], [place[0] for place in marked]),
+        (axes.set_xlim, (lowest, case.velocities[-1]), [place[1] for place in marked]),
+    ):
+        if ends[0] < ends[1]:
+            limit(min([ends[0], *at]), max([ends[1], *at]))
+    surface = f", surface {realization}" * (realization is not None)
+    style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    caption = "\n".join([caption, *doubt_lines(data.sweep, most=1, answered=True)])
-    style.legend_below(figure, handles=legend, caption=caption)
+    legend |= entry
+    notes = split_notes(words.told(found, "notes"))
+    style.legend_below(
+        figure,
+        2 if len(legend) == 4 else 3,
+        handles=[*legend.values()],
+        labels=[*legend] or None,
+        caption="\n".join([*caption, *notes[:1]]),
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+    )
     return figure
 
 
-def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw one scene; return the entries of the legend, and the caption."""
-    judge = judge_of(data)
-    caption, legend = judged_by([judge.conditions], data.told_tests), list[Artist]()
-    if min(len(data.loads), len(data.velocities)) > 1:
-        x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
-        plane = _plane(judge.rises, x, y)
-        legend += _shade_verdicts(axes, judge, x, y, plane)
-        places = [axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")]
-        plane = np.where(np.reshape(judge.outside(*places), plane.shape), np.nan, plane)
-        if zero_line(axes, x, y, plane, "boundary", **style.BOUNDARY):
-            legend.append(Line2D([], [], label="computed transition", **style.BOUNDARY))
-        legend += _lines_with_tests(axes, judge, x, y, plane)
-        legend += _friction_lines(axes, judge.rises, x, y)
-        legend += film_lines(axes, data, judge.conditions)
-        critical = judge.rises.turns("velocity", data.loads).critical
-        errors = velocity_errors(judge.rises, data.loads, critical)
-        caption += f"\nnumerical error: {error_words(totals(errors), errors[SURFACE])}"
-        caption += f"\nthe model's own error: {judge.evidence.text}"
-        if waiting := ", ".join(str(row.test.number) for row in judge.evidence.waiting):
-            said = f"without a result, so not every verdict is given: test {waiting}"
-            legend.append(Line2D([], [], ls="none", label=said))
-    return [*legend, *_mark_points(axes, data, judge.conditions)], caption
+def _plane(
+    ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
+) -> tuple[Array, Array, xr.Dataset]:
+    """Velocities, loads, and the answers on this grid."""
+    x, y = map(_refined, (case.velocities, case.loads), _NODES)
+    at = xr.DataArray(y, dims="load"), xr.DataArray(x, dims="velocity")
+    return x, y, pipeline.margin(ds, *at, **conditions).transpose(..., *PLANE)
 
 
-def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw the boundary of each scene of a sweep over entries; return legend and caption."""
-    if min(len(data.loads), len(data.velocities)) < 2:
-        raise InputError(
-            "the diagram of several scenes needs at least two loads and two velocities; irg "
-            "boundary prints their transitions"
-        )
-    several, legend = [rises_of(scene) for scene in data.scenes], list[Artist]()
-    shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, len(several)))
-    x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
-    for rises, shade in zip(several, shades, strict=True):
-        plane, labels = _plane(rises, x, y), rises.source.labels
-        name = ", ".join(value_text(data.rows[path], labels[path]) for path in data.entry_dims)
-        look: dict[str, Any] = style.BOUNDARY | {"color": shade}
-        if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
-            name, look = f"{name}: no transition computed", {"ls": "none"}
-        legend.append(Line2D([], [], label=name, **look))
-    entries = " and ".join(data.entry_dims).replace("_", " ")
-    caption, conditions = f"transition by {entries}", {rises.conditions for rises in several}
-    return legend, caption + (
-        f"; {judged_by(conditions, data.told_tests)}" if len(conditions) == 1 else ""
-    )
-
-
-_STEEPEST = 50.0  # largest |y| of a figure
-_BESIDE = 1e-6  # of a probability, beside the end of a region
-_INSIDE = 1e-4  # distance from a point, over the interval: at points the error is smaller
-
-
-def _refine_axis(points: Array, count: int) -> Array:
+def _refined(points: Array, count: int) -> Array:
     """Fine axis with at least `count` values, equally many between any two `points`."""
-    begins, ends = points[:-1], points[1:]
-    inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(count / len(begins)))
-    return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
+    parts = max(2, math.ceil(count / (len(points) - 1)))
+    return np.append(np.linspace(points[:-1], points[1:], parts, False, axis=1).ravel(), points[-1])
 
 
-def _plane(rises: Rises, x: Array, y: Array) -> Array:
-    """Y = ln(rise/limit) at loads y and velocities x (y, x), NaN where unknown."""
-    places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
-    found = np.reshape(rises.known(*places).y, (len(y), len(x)))
-    return np.clip(found, -_STEEPEST, _STEEPEST)  # finite without friction
+def _captions(
+    case: CaseResults, found: xr.Dataset, x: Array, y: Array, bulk: float
+) -> Iterable[str]:
+    """Yield lines on errors, on the oil film, and on tests without a result."""
+    yield from words.error_lines(found)
+    if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
+        film = oil.film_parameter(y[:, None], x, bulk)
+        ends = float(film.min()), float(film.max())
+        regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
+        yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
+    yield from (f"not every verdict is given: {why}" for why in words.told(found, "waiting"))
 
 
-def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) -> list[Artist]:
-    """Shade regions by verdict where `plane` is known; return the undecided one's entry."""
-    places = tuple(axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
-    verdicts = np.reshape(judge.verdicts(*places), plane.shape)
-    low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(places[0], places[1]))
-    outside = verdicts == OUTSIDE
-    is_known, (mild, _, severe) = np.isfinite(plane) & ~outside, DECIDED
+def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
+    """Shade the plane by verdict, and hatch what is outside the model."""
+    verdict = plane["verdict"].values.astype(str)
+    low, high = plane["probability_low"].values, plane["probability_high"].values
+    mild, _, severe = DECIDED
     # Within a region its edge is where the probability passes; a test may cut it at a node.
-    highest = np.where(verdicts == "mild", high, np.maximum(high, mild + _BESIDE))
-    lowest = np.where(verdicts == "severe", low, np.minimum(low, severe - _BESIDE))
-    highest, lowest = (np.where(is_known, part, np.nan) for part in (highest, lowest))
-    between, legend = np.minimum(highest - mild, severe - lowest), list[Artist]()
-    for values, levels, gid, look in (
-        (highest, [-1.0, mild], "mild region", {"colors": [TINTS["mild"]]}),
-        (lowest, [severe, 2.0], "severe region", {"colors": [TINTS["severe"]]}),
-        (between, [0.0, 1.0], NOT_DECIDED, {"colors": [TINTS["band"]], "alpha": 0.6}),
+    highest = np.where(verdict == MILD, high, np.maximum(high, mild + _BESIDE))
+    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - _BESIDE))
+    outside, legend = (verdict == OUTSIDE).astype(float), Legend()
+    for values, levels, gid in (
+        (highest, (-1.0, mild), "mild"),
+        (highest, (mild, 2.0), "not decided"),
+        (lowest, (severe, 2.0), "severe"),  # upon what is not decided
     ):
         if ((values > levels[0]) & (values < levels[1])).any():
-            axes.contourf(x, y, values, levels, zorder=0, **look).set_gid(gid)  # below the grid
-            if gid == NOT_DECIDED:
-                legend.append(Patch(label="next run not decided", **style.BAND))
+            filled = axes.contourf(x, y, values, levels, colors=[TINTS[gid]], zorder=0)
+            filled.set_gid(f"{gid} region")
     if outside.any():
-        hatched = axes.contourf(
-            x, y, outside.astype(float), [0.5, 1.5], colors="none", hatches=["///"], zorder=0
-        )
-        hatched.set_gid(OUTSIDE)
-        legend.append(Patch(label="outside the model: oil film", fc="none", ec=GREY, hatch="///"))
-    name_regions(axes, x, y, verdicts == "mild", verdicts == "severe")
+        look: dict[str, Any] = {"colors": ["white"], "hatches": ["///"], "zorder": 0.5}
+        hatched = axes.contourf(x, y, outside, [0.5, 1.5], **look)
+        hatched.set(gid=OUTSIDE, edgecolor=GREY, linewidth=[0.0])
+        legend["outside the model: oil film"] = Patch(fc="none", ec=GREY, hatch="///")
+    if (verdict == NOT_DECIDED).any():
+        legend["next run not decided (5 to 95 %)"] = Patch(**style.BAND)
     return legend
 
 
-def _lines_with_tests(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) -> list[Artist]:
-    """Draw where severe wear is 5, 50 and 95 % likely, if a test has a result."""
-    if not judge.evidence.results:
-        return []
-    low, middle, high = judge.levels
-    legend = list[Artist]()
-    look: dict[str, Any] = {"color": GREEN, "lw": style.THIN}
-    edges = [
-        zero_line(axes, x, y, plane - level, "band with tests", **look) for level in (low, high)
-    ]
-    if any(edges):
-        legend.append(Line2D([], [], label="5 and 95 % severe, with tests", **look))
-    look = {"color": GREEN}
-    if zero_line(axes, x, y, plane - middle, "boundary with tests", **look):
-        legend.insert(0, Line2D([], [], label="transition with tests (50 %)", **look))
+def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: Array) -> Legend:
+    """Draw the boundary as computed, with its numerical error, with tests, and by friction."""
+    legend, inside = Legend(), plane["verdict"] != OUTSIDE
+    severity = plane["log_severity"].clip(-_STEEPEST, _STEEPEST).where(inside).values
+    if zero_line(axes, x, y, severity, "boundary", **style.BOUNDARY):
+        apart = abs(plane["distance"]) - plane["temperature_error"].fillna(0.0)
+        beside = apart.where(inside).values
+        if (beside < 0).any():
+            low = np.nanmin(beside) - 1.0
+            axes.contourf(x, y, beside, [low, 0.0], colors=[_ERROR["color"]]).set_gid("error")
+        band = [Stroke(linewidth=9, foreground=_ERROR["color"]), Normal()]
+        line = Line2D([], [], path_effects=band, **style.BOUNDARY)
+        legend["computed transition, numerical error"] = line
+    look: dict[str, Any] = {"color": GREEN, "lw": style.THICK}
+    if plane.attrs["tests"]:
+        above = plane["probability"].where(inside).values - DECIDED[1]
+        if zero_line(axes, x, y, above, "boundary with tests", **look):
+            legend["transition with tests (50 %)"] = Line2D([], [], **look)
+    frictions = case.sweep.friction_band or (0.0, 0.0)
+    look = {"color": GREY, "lw": style.THIN, "ls": "--"}
+    critical = plane["critical_friction"].where(inside).values
+    ends = frictions if frictions[0] < frictions[1] else ()
+    drawn = [zero_line(axes, x, y, critical - one, "friction", **look) for one in ends]
+    if any(drawn):
+        legend[f"at friction {frictions[0]:g} and {frictions[1]:g}"] = Line2D([], [], **look)
     return legend
 
 
-def _friction_lines(axes: Axes, rises: Rises, x: Array, y: Array) -> list[Artist]:
-    """Draw boundaries at the lowest and highest measured friction, at velocities x, loads y."""
-    band = rises.source.sweep.friction_band
-    if not band or min(band) == max(band):
-        return []
-    look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}
-    drawn = []
-    for friction in (min(band), max(band)):
-        under = rises.under(replace(rises.conditions, friction=float(friction)))
-        drawn.append(zero_line(axes, x, y, _plane(under, x, y), "band edge", **look))
-    label = f"transition at friction {min(band):g} and {max(band):g}"
-    return [Line2D([], [], label=label, **look)] * any(drawn)
+def zero_line(
+    axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
+) -> bool:
+    """Draw the contour on which `plane` (load, velocity) is 0; return False if it is empty.
+
+    `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file, and `look`
+    has properties of Matplotlib's lines.
+    """
+    if not ((plane < 0).any() and (plane > 0).any()):
+        return False
+    axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
+    return True
 
 
-def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
-    """Mark each point by its outcome on all surfaces, and by its warning; return legend entries."""
-    r, limit = data.rises(conditions), rise_limit(conditions)
-    severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
-    failed = ~(severe | mild) & _any_surface(np.isin(data.columns["status"], (DONE, FAILED)))
-    pending = ~(severe | mild) & ~failed & _any_surface(data.asked)
-    usual = rcParams["lines.markersize"]
-    kinds: list[tuple[str, Mask, dict[str, Any]]] = [
-        ("mild wear, computed", mild & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
-        ("severe wear, computed", severe & ~mild, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
-        ("severe on some patches", mild & severe,
-         {"marker": "s", "mfc": "white", "mec": VERMILION}),
-        ("failed", failed, {"marker": "x", "mec": BLACK}),
-        ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
-        ("carries a warning", _any_surface(warning_flags(data) != 0),
-         {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG * usual}),
-    ]  # fmt: skip
-    look_of_all = {"ls": "none", "ms": usual * (0.5 if failed.size > _MANY else 0.8)}
-    legend = list[Artist]()
-    for label, where, look in kinds:
+def _name_regions(axes: Axes, x: Array, y: Array, verdicts: Array, marked: Iterable[Place]) -> None:
+    """Write the name of each region where it is widest, beside marks; none without room."""
+    free = np.ones(verdicts.shape, bool)
+    for load, velocity in marked:
+        free[np.abs(y - load).argmin(), np.abs(x - velocity).argmin()] = False
+    least = _LEAST_ROOM * (_SIZE[0] / style.wanted_width(_SIZE[0])) ** 0.5
+    for verdict, name, colour in _NAMES:
+        padded = np.pad((verdicts == verdict) & free, 1)  # the edges of the diagram bound it, too
+        room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]
+        row, column = np.unravel_index(int(room.argmax()), room.shape)
+        if room[row, column] > least:
+            axes.text(
+                x[column], y[row], name, ha="center", va="center", fontweight="bold",
+                color=colour, gid="region", path_effects=style.HALO, zorder=3,
+            )  # fmt: skip
+
+
+def _mark_points(
+    axes: Axes, ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
+) -> Legend:
+    """Mark the points of a single load or velocity, open where they are mild."""
+    at = (xr.DataArray(case.loads, dims="load"), xr.DataArray(case.velocities, dims="velocity"))
+    y = pipeline.margin(ds, *at, **conditions)["log_severity"].transpose(*PLANE).values
+    legend = Legend()
+    for gid, where, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
         rows, columns = np.nonzero(where)
         if rows.size:
-            places = data.velocities[columns], data.loads[rows]
-            legend += axes.plot(
-                *places, label=label, gid=label, mew=style.THIN, **look_of_all | look
-            )
+            look: dict[str, Any] = {"mfc": face, "mec": VERMILION, "gid": gid}
+            (marks,) = axes.plot(case.velocities[columns], case.loads[rows], "o", **look)
+            legend[f"{gid}, computed"] = marks
     return legend
 
 
-def _any_surface(holds: Mask) -> Mask:
-    """Mask (load, velocity): True where `holds` (..., load, velocity) is on any surface."""
-    return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))
+def _mark_lacking(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterable[str]:
+    """Mark points that are pending or failed; yield a line of the caption on them."""
+    found = pipeline.points(ds, **conditions)
+    lacking = found["state"].isin(["failed", "pending"]).any("realization").values
+    if lacking.any():
+        rows, columns = np.nonzero(lacking)
+        places = found["velocity"].values[columns], found["load"].values[rows]
+        axes.plot(*places, "x", color=BLACK, clip_on=False, gid="lacking")
+        yield f"×: {len(rows)} points are pending or failed"
+
+
+def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
+    """Draw the transition of each case in its own colour; return the entries of the legend."""
+    planes = plane["log_severity"].clip(-_STEEPEST, _STEEPEST).stack(case=dims)
+    planes = planes.transpose("case", *PLANE)
+    shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, planes.sizes["case"]))
+    legend = Legend()
+    for one, shade in zip(planes, shades, strict=True):
+        name = ", ".join(_name(plane[dim], one[dim].item()) for dim in dims)
+        look: dict[str, Any] = style.BOUNDARY | {"color": shade}
+        if not zero_line(axes, x, y, one.values, f"boundary {name}", **look):
+            name, look = f"{name}: no transition computed", {"ls": "none"}
+        legend[name] = Line2D([], [], **look)
+    return legend
+
+
+def _name(axis: xr.DataArray, value: Any) -> str:
+    """A value of a varied entry or condition, such as "1 mm" or "friction 0.1"."""
+    shown = value_words(axis, value)
+    return f"{axis.name} {shown}" if shown == f"{value:g}" else shown

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.condition_words import heating_words
-from pipeline.analysis.results import Results
+from pipeline.answers.condition_words import heating_words
+from pipeline.answers.conditions import judged
+from pipeline.answers.results import CaseResults, case_dims, cases_of
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
 from pipeline.sweep.conditions import Conditions, rise_limit
 from pipeline.units import in_si
 from tribo import InputError
-from tribo.simulation.severity import columns_needed, corrected_columns
+from tribo.simulation.severity import columns_needed, corrected_columns, rises_above_colder
 from tribo.types import Array, Mask
 
 Wanted = float | str | Iterable[float | str] | None
@@ -25,34 +28,76 @@ Spot = tuple[int, int]
 _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
-def chosen_points(
-    data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
-) -> list[Spot]:
+class Shown(NamedTuple):
+    """What a figure shows: one patch of one case, with the conditions that judge it."""
+
+    case: CaseResults
+    conditions: Conditions
+
+    def values(self, name: str) -> Array:
+        """Values of a variable (load, velocity, ...)."""
+        return np.asarray(self.case.array(name)[0])
+
+    def columns(self) -> Mapping[str, Any]:
+        """Rises above the colder body, and all other variables by step (load, velocity, step)."""
+        held = {str(k) for k, one in self.case.ds.items() if {"step"} <= {*one.dims}}
+        return rises_above_colder({name: self.values(name) for name in held}, self.conditions)
+
+    def words(self, point: Spot) -> str:
+        """The point in words, such as "750 N, 1.25 m/s"."""
+        return f"{self.case.loads[point[0]]:g} N, {self.case.velocities[point[1]]:g} m/s"
+
+    def rises(self, conditions: Conditions) -> Array:
+        """Rises at the points (load, velocity) [K], NaN where one is not done."""
+        rises = np.exp(self.case.log_rises(conditions)[0])
+        return np.asarray(rises * conditions.friction_factor(self.case.velocities))
+
+    def title(self, *more: str) -> str:
+        """Title of the figure."""
+        seed = self.case.ds["realization"].values if "realization" in self.case.ds.coords else ()
+        words = [f"surface {one}" for one in seed if len(self.case.ds["realization"]) > 1]
+        return "\n".join([", ".join([style.as_text(self.case.sweep.title), *words]), *more])
+
+
+def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
+    """The patch of a sweep that a figure shows: by default the first."""
+    if several := case_dims(ds):
+        raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
+    if "realization" in ds["status"].dims:
+        seeds = ds["realization"].values.tolist()
+        if realization is not None and realization not in seeds:
+            raise InputError(f"realization is {realization}; the sweep has {seeds}")
+        ds = ds.sel(realization=[seeds[0] if realization is None else realization])
+    case = cases_of(ds)[0]
+    return Shown(case, judged(case.sweep.conditions, conditions))
+
+
+def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:
     """Indices (load, velocity) of the points that a figure shows.
 
     There is one point for each pair of the wanted loads and velocities: the nearest one. By default
-    the load is the highest with a computed point, and the velocity the nearest to the transition
-    under `conditions`; without a transition the contact is hottest there. Raises an `InputError` if
-    a point is not done.
+    the load is the highest with a computed point, and the velocity the nearest to the transition;
+    without a transition the contact is hottest there. Raises an `InputError` if a point is not
+    done.
     """
-    rises = data.rises(conditions)
+    case, conditions = shown.case, shown.conditions
+    rises = shown.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
-    judged = conditions.critical_temperature is not None
-    limit, points = rise_limit(conditions) if judged else math.inf, list[Spot]()
-    for i in nearest_indices(data.loads, "load", load) or reached[-1:].tolist() or [0]:
-        require_done_at(data.loads[i], is_done[i])
+    known = conditions.critical_temperature is not None
+    limit, points = rise_limit(conditions) if known else math.inf, list[Spot]()
+    for i in nearest_indices(case.loads, "load", load) or reached[-1:].tolist() or [0]:
+        require_done_at(case.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        wanted = nearest_indices(data.velocities, "velocity", velocity) or [
+        wanted = nearest_indices(case.velocities, "velocity", velocity) or [
             int(np.nanargmin(distance))
         ]
         points += [(i, j) for j in wanted]
     for point in points:
         if not is_done[point]:
-            reason = str(data.messages[point])
             raise InputError(
-                f"the point {data.point(*point)} is not done{reason and ': '}{reason}; "
-                "give another load or velocity, or go on with irg run"
+                f"the point {shown.words(point)} is not done; give another load or velocity, or go "
+                "on with irg run; irg status tells why it failed"
             )
     return points
 
@@ -91,7 +136,8 @@ _COLUMN = 4.7  # width of a figure below which its panels are stacked [in]
 
 @style.house_style
 def fields(
-    data: Results,
+    ds: xr.Dataset,
+    conditions: Mapping[str, Any],
     load: float | str | None = None,
     velocity: float | str | None = None,
     realization: int | None = None,
@@ -103,21 +149,20 @@ def fields(
     to the transition. `realization` is the seed of the surface; by default the first one. In a
     figure as narrow as a journal's column the panels are stacked.
     """
-    if "pressure" not in data.rest:
+    if "pressure" not in ds:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
-    data = data.take_row(realization)
-    conditions = data.conditions
-    point = chosen_points(data, load, velocity, conditions)[0]
-    shown = _surface_fields(data, point, conditions)
+    here = shown_of(ds, conditions, realization)
+    point = chosen_points(here, load, velocity)[0]
+    shown = _surface_fields(here, point)
     if np.isnan(shown[0]).all():
         raise InputError(
             "no fields of this point are kept: a run with an accuracy keeps those of the first "
             "patch; leave out the realization"
         )
-    x, y = (shown_in(data.rest[axis].values, "µm") for axis in "xy")
+    x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
     panel = 1.4 + height
@@ -132,25 +177,27 @@ def fields(
         axes.label_outer()
         bar = axes.inset_axes((0, 1 + _BAR / height, 1, _BAR / height))
         figure.colorbar(image, cax=bar, label=label, location="top")
-    if (critical := conditions.critical_temperature) is not None and len(y) > 1:
+    if (critical := here.conditions.critical_temperature) is not None and len(y) > 1:
         limit = shown_in(critical, "°C")
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
-    title = f"{style.title_of(data)}\n{data.point(*point)}, {heating_words(conditions)}"
-    style.write_title(figure, title)
+    where = f"{here.words(point)}, {heating_words(here.conditions)}"
+    style.write_title(figure, here.title(where))
     return figure
 
 
-def _surface_fields(data: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
+def _surface_fields(shown: Shown, point: Spot) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at the end of a point."""
-    here = data.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
+    conditions = shown.conditions
+    here = shown.case.ds.isel(realization=0, load=point[0], velocity=point[1])
+    here = here.transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
         rise += max(0.0, -conditions.bulk_ratio)  # rise above the colder body
     if conditions.corrections:
-        columns = {name: data.columns[name][point] for name in columns_needed(conditions)}
+        columns = {name: shown.values(name)[point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
         zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
         rise = zero + (one - zero) * rise

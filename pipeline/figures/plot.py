@@ -3,45 +3,40 @@
 from __future__ import annotations
 
 import inspect
+import os
 import pkgutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, Unpack
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.analysis.at import CONDITIONS, ConditionKeywords, asked_at
-from pipeline.analysis.tables import FIGURES, writable_path
+from pipeline.answers.conditions import NAMES
+from pipeline.answers.results import open_sweep
+from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
+from pipeline.figures.rows import rows
 from pipeline.figures.tested import draw_tests
+from pipeline.store.schema import PLANE
 from pipeline.units import in_si
 from tribo import InputError
 
-Kind = Literal["diagram", "ramp", "fields", "temperature", "tests"]
-
-
-class PlotOptions(ConditionKeywords, total=False):
-    """Options of figures of a sweep, and conditions to judge by."""
-
-    load: float | str | Sequence[float | str]
-    velocity: float | str | Sequence[float | str]
-    realization: int
-    show: str
-    log: bool
+Kind = Literal["diagram", "rows", "ramp", "fields", "temperature", "tests"]
 
 
 KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
+    "rows": rows,
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
     "tests": draw_tests,
 }
-"""Function that draws each kind of figure of a sweep; the first is the default."""
+"""Function that draws each kind of figure of a sweep."""
 
 
 @np.errstate(under="ignore")
@@ -51,17 +46,18 @@ def plot(
     out: str | Path | None = None,
     width: float | str | None = None,
     plain: bool = False,
-    **options: Unpack[PlotOptions],
+    **options: Any,
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
 
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of a store; or a result
-        of `pipeline.trade`.
-    kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
-        Name of the figure of a sweep; "diagram" by default.
+        Dataset of `pipeline.open_sweep`, or path or URL of a store; or a result of
+        `pipeline.trade`.
+    kind : {"diagram", "rows", "ramp", "fields", "temperature", "tests"}, optional
+        Name of the figure of a sweep; by default "diagram", or "rows" if each row of the sweep has
+        its own load and velocity.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
@@ -72,16 +68,17 @@ def plot(
     **options
         Options of the kind:
 
-        - all but tests: ``realization``, seed of the surface to draw. By default the first; a
-          diagram shows the specimen of all.
-        - diagram: ``log``, True for logarithmic axes, without velocity 0.
+        - all but tests and rows: ``realization``, seed of the surface to draw. By default the
+          first; a diagram shows the specimen of all.
+        - diagram: ``log``, True for logarithmic axes, without velocity 0; ``load`` and
+          ``velocity`` of an operating point to mark.
         - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
           nearest load of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
 
-        Of a sweep also conditions to judge by, as in `pipeline.at`, such as ``friction=0.12``.
+        Of a sweep also conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -102,12 +99,14 @@ def plot(
     study = getattr(ds, "drawn_by", None)
     only = study.rpartition("draw_")[2] if study else ""
     kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
-    named: str = kind or next(iter(kinds))
-    if named not in kinds:
-        raise InputError(f"kind is {named!r}; give one of {', '.join(kinds)}")
+    if kind and kind not in kinds:
+        raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
     asked: dict[str, Any] = {**options}
-    judged = {} if study else {name: asked.pop(name) for name in CONDITIONS & asked.keys()}
-    _, *allowed = inspect.signature(kinds[named]).parameters  # the first is what is drawn
+    judged = {} if study else {name: asked.pop(name) for name in {*NAMES} & asked.keys()}
+    ds = open_sweep(ds) if isinstance(ds, str | os.PathLike) else ds
+    named: str = kind or only or ("diagram" if {*PLANE} <= {*ds["status"].dims} else "rows")
+    # The first are what is drawn, and conditions.
+    allowed = [*inspect.signature(kinds[named]).parameters][1 if study else 2 :]
     for name in asked:
         if name not in allowed:
             others = ", ".join(allowed) or "none"
@@ -115,5 +114,5 @@ def plot(
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
-        drawn: Figure = kinds[named](ds if study else asked_at(ds, judged), **asked)
+        drawn: Figure = kinds[named](ds, *[judged] * (not study), **asked)
     return drawn if path is None else style.save_figure(drawn, path)

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.caveats import doubt_lines
-from pipeline.analysis.condition_words import heating_words
-from pipeline.analysis.results import Results
-from pipeline.analysis.rises import rises_of
+from pipeline.answers.condition_words import heating_words
+from pipeline.answers.field import Field
+from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
-from pipeline.figures.fields import Spot, Wanted, chosen_points, nearest_indices, require_done_at
+from pipeline.figures.fields import (
+    Shown,
+    Spot,
+    Wanted,
+    chosen_points,
+    nearest_indices,
+    require_done_at,
+    shown_of,
+)
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import MADE, STEPPED, VARIABLES
-from pipeline.sweep.conditions import Conditions, changed_conditions
+from pipeline.sweep.conditions import Conditions, changed_conditions, rise_limit
+from pipeline.sweep.left_out import doubt_lines
 from tribo import InputError
-from tribo.simulation.severity import rises_above_colder
 from tribo.types import Array
 
 _NODES = 400  # velocities of a curve of temperature
@@ -34,7 +43,8 @@ _COARSE_RAMP = "; marks: end of the ramp, on smaller elements than the lines"
 
 @style.house_style
 def ramp(
-    data: Results,
+    ds: xr.Dataset,
+    conditions: Mapping[str, Any],
     load: Wanted = None,
     velocity: Wanted = None,
     realization: int | None = None,
@@ -51,14 +61,12 @@ def ramp(
     If a point's last step was computed on smaller elements than its earlier steps, a separate
     marker shows the last step; the line ends at the step before.
     """
-    data = data.take_row(realization)
-    conditions = data.conditions
-    points = chosen_points(data, load, velocity, conditions)
-    data = replace(data, columns=rises_above_colder(data.columns, conditions))
-    panels = [_CONTACT, _WEAR] if show is None else [(_stored_variable(data, show),)]
+    shown = shown_of(ds, conditions, realization)
+    points, columns = chosen_points(shown, load, velocity), shown.columns()
+    panels = [_CONTACT, _WEAR] if show is None else [(_stored_variable(columns, show),)]
     figure = style.Picture((8.0, 4.2 + 2.1 * len(panels)))
     top, *below = figure.subplots(1 + len(panels), sharex=True)
-    _temperatures(top, data, points, conditions)
+    _temperatures(top, shown, columns, points)
     for axes, panel in zip(below, panels, strict=True):
         handles = []
         # The right axis has more room, so that proportional curves do not coincide.
@@ -66,55 +74,58 @@ def ramp(
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
-            values = data.values(name).astype(float)
+            values = columns[name].astype(float)
             values = values if show else shown_in(values, unit.split()[0])
-            _draw(side, data, values, points, look)
+            _draw(side, columns, values, points, look)
             side.ticklabel_format(axis="y", scilimits=(-2, 3))
             side.set(ylabel=label, ylim=(0, room * side.get_ylim()[1]))  # room for the legend
             handles.append(Line2D([], [], color=BLACK, label=words, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
     below[-1].set_xlabel("time [s]")
     below[-1].set_xlim(left=0)
-    _load_axis(top, data, max(points))
-    style.write_title(figure, style.title_of(data))
+    _load_axis(top, columns, max(points))
+    style.write_title(figure, shown.title())
     names = [
-        Line2D([], [], color=f"C{k}", lw=3, label=str(data.point(*point)))
+        Line2D([], [], color=f"C{k}", lw=3, label=shown.words(point))
         for k, point in enumerate(points)
     ]
-    time, own = data.values("time"), data.values("own_grid")
+    time, own = columns["time"], columns["own_grid"]
     is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
-    said = heating_words(conditions) + _COARSE_RAMP * is_coarse
-    caption = "\n".join([said, *doubt_lines(data.sweep, most=1, answered=True)])
+    said = heating_words(shown.conditions) + _COARSE_RAMP * is_coarse
+    caption = "\n".join([said, *doubt_lines(shown.case.sweep, most=1, answered=True)])
     style.legend_below(figure, handles=names, caption=caption)
     return figure
 
 
-def _stored_variable(data: Results, name: str) -> tuple[str, str]:
+def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
     """Axis label with unit, and `name`; `InputError` unless it is stored at each step."""
-    stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
+    stepped = {*STEPPED, *MADE, "own_grid"} & {*columns}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
     return f"{name} [{VARIABLES[name].units}]", name
 
 
-def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
+def _draw(
+    axes: Axes, columns: Mapping[str, Any], values: Array, points: list[Spot], look: Any
+) -> None:
     """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
     for number, point in enumerate(points):
-        time, own = (data.values(name)[point] for name in ("time", "own_grid"))
+        time, own = (columns[name][point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
         for part, marks in ((known & ~own, {"marker": "None"}), (known & own, {"markevery": [-1]})):
             if part.any():
                 axes.plot(time[part], values[point][part], color=f"C{number}", **look | marks)
 
 
-def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
+def _temperatures(axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[Spot]) -> None:
     """Draw the highest, the criterion's and the critical temperature of points over time."""
-    handles = []
+    handles, conditions = [], shown.conditions
+    shares = shown.case.ds["cooler_share"].values
     for judged, look in _line_styles(conditions):
-        rise = judged.criterion.rise({**data.columns, "quantile": data.shares})
+        rise = judged.criterion.rise({**columns, "quantile": shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
-        _draw(axes, data, temperature, points, look)
+        _draw(axes, columns, temperature, points, look)
         handles.append(Line2D([], [], color=BLACK, label=judged.criterion.temperature, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
@@ -138,9 +149,9 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
     return [axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")]
 
 
-def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
+def _load_axis(axes: Axes, columns: Mapping[str, Any], point: Spot) -> None:
     """Add an upper axis with the load of `point` at each time, if this load grows at every step."""
-    time, load = (np.append(0.0, data.values(name)[point]) for name in ("time", "normal_load"))
+    time, load = (np.append(0.0, columns[name][point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
@@ -151,7 +162,10 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 
 @style.house_style
 def temperature(
-    data: Results, load: float | str | None = None, realization: int | None = None
+    ds: xr.Dataset,
+    conditions: Mapping[str, Any],
+    load: float | str | None = None,
+    realization: int | None = None,
 ) -> Figure:
     """Draw the highest and the criterion's temperature over velocity, at one load and surface.
 
@@ -159,26 +173,32 @@ def temperature(
     a number in N or text with a unit. The sweep's load nearest to it is drawn; by default the
     highest. `realization` is the seed of the surface; by default the first one.
     """
-    data = data.take_row(realization)
-    conditions, velocities = data.conditions, data.velocities
-    row = (nearest_indices(data.loads, "load", load) or [-1])[0]
-    load_here = float(data.loads[row])
+    shown = shown_of(ds, conditions, realization)
+    case, own, velocities = shown.case, shown.conditions, shown.case.velocities
+    row = (nearest_indices(case.loads, "load", load) or [-1])[0]
+    load_here = float(case.loads[row])
     figure, axes = style.canvas()
-    for judged, look in _line_styles(conditions):
-        rises = data.rises(judged)[row]
+    x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))
+    for judged, look in _line_styles(own):
+        rises = shown.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
-        x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))
-        between = x, rises_of(data, judged).rise(load_here, x)
-        for (x, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
-            curve = shown_in(conditions.contact_temperature(rise), "°C")
-            axes.plot(x, curve, color=BLUE, **look | part)
+        between = x, np.exp(_field(shown, judged)(np.full(len(x), load_here), x))
+        for (at, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
+            curve = shown_in(own.contact_temperature(rise), "°C")
+            axes.plot(at, curve, color=BLUE, **look | part)
         axes.plot([], [], color=BLUE, label=judged.criterion.temperature, **look)
-    if _critical_line(axes, conditions):
-        turns = rises_of(data).turns("velocity", np.array([load_here])).places
+    if _critical_line(axes, own) and (limit := rise_limit(own)) > 0:
+        line = np.array([load_here]), np.array([math.log(limit)])
+        turns = _field(shown, own).along_velocity(*line).places
         for turn in turns[np.isfinite(turns)]:
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    style.write_title(axes, f"{style.title_of(data)}\n{load_here:g} N")
-    said = [heating_words(conditions), *doubt_lines(data.sweep, most=1, answered=True)]
+    style.write_title(axes, shown.title(f"{load_here:g} N"))
+    said = [heating_words(own), *doubt_lines(case.sweep, most=1, answered=True)]
     style.legend_below(figure, caption="\n".join(said))
     return figure
+
+
+def _field(shown: Shown, conditions: Conditions) -> Field:
+    """ln(rise) of the patch under conditions."""
+    return specimen_of(shown.case, conditions, np.zeros(shown.case.status.shape, int)).field

@@ -22,20 +22,20 @@ from matplotlib.legend import Legend
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from pipeline.analysis.results import Results
-from pipeline.analysis.tables import write_bytes
+from pipeline.answers.tables import write_bytes
 from tribo import InputError
 
 BLACK, GREY = "#1A1A1A", "#777777"
-BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",
+BLUE, VERMILION, GREEN, SKY = (
+    "#0072B2", "#D55E00", "#009E73", "#56B4E9",
 )  # fmt: skip
 """Okabe and Ito's palette, distinguishable with any colour vision."""
-TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
+TINTS = {"mild": "#EAF2F8", "not decided": "#FBE9DE", "severe": "#F5CDB3"}
+ASKED = "#6A1B9A"  # marks of operating points
 THIN, THICK = 0.9, 2.2  # width of thin and heavy lines [pt]
 BIG, FAINT = 1.9, 0.35  # factor on the size of prominent marks; opacity of faint ones
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
-BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": "none", "alpha": 0.6}
+BAND: dict[str, Any] = {"fc": TINTS["not decided"], "ec": "none"}
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 """White outline for words over lines and marks; a box would hide these."""
 
@@ -194,11 +194,6 @@ def write_title(owner: Axes | Figure, words: str) -> None:
     """Write a title over axes or a figure (`owner`), wrapped to its width."""
     write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
     write("" if _PLAIN.get() else words, wrap=True)
-
-
-def title_of(data: Results) -> str:
-    """Title of a sweep, escaped for a figure."""
-    return as_text(data.sweep.title)
 
 
 def as_text(words: str) -> str:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 
-from pipeline.analysis.dataset import require_one_scene
-from pipeline.analysis.judge import judge_of
-from pipeline.analysis.results import Results
-from pipeline.analysis.tested import ComparedTest
+import pipeline
+from pipeline.answers import words
+from pipeline.answers.results import case_dims, sweep_of
 from pipeline.figures import style
-from pipeline.figures.overlays import mark_test
+from pipeline.figures.markers import legend_of_tests, mark_test
 from pipeline.figures.style import BLACK, GREEN, GREY
 from tribo import InputError
 
@@ -21,45 +24,54 @@ _BESIDE = 1.15  # factor between the outermost values and the axis' ends
 
 
 @style.house_style
-def draw_tests(data: Results) -> Figure:
+def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     """Draw rise over limit of each test, at its own conditions, and the band that they leave.
 
-    A bar joins the mild and the severe end of a transition with a step. The legend counts tests
+    A bar joins the mild and the severe end of a transition with a step. The caption counts tests
     without a result.
     """
-    require_one_scene(data.entry_dims)
-    judge = judge_of(data)
-    rows = judge.evidence.rows
-    if not rows:
+    if several := case_dims(ds):
+        raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
+    found = pipeline.tests(ds, **conditions)
+    if not found.sizes["test"]:
         raise InputError(
-            "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
-            "log file; irg tests LOG prints its lines"
+            "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene"
         )
-    known = [row for row in rows if not row.reason]
-    if not known:
-        raise InputError(f"no test of the scene has a result: {rows[0].name} {rows[0].reason}")
-    figure, axes = style.canvas((8.0, 1.8 + 0.35 * len(known)))
-    low, middle, high = map(math.exp, judge.levels)
-    axes.axvspan(low, high, label="next run not decided (5 to 95 %)", **style.BAND)
-    axes.axvline(middle, color=GREEN, label="50 % severe, with tests")
-    axes.axvline(1.0, color=BLACK, label="as computed: mild below, severe above")
-    for place, row in enumerate(known):
-        ends = np.exp([end for end in (row.mild, row.severe) if not math.isnan(end)])
+    known = found.isel(test=found["reason"].values == "")
+    if not known.sizes["test"]:
+        raise InputError(f"no test of the scene has a result: {found.attrs['waiting']}")
+    low, middle, high = map(math.exp, found.attrs["levels"])
+    figure, axes = style.canvas((8.0, 1.8 + 0.35 * known.sizes["test"]))
+    legend: dict[str, Any] = {
+        "next run not decided (5 to 95 %)": axes.axvspan(low, high, **style.BAND),
+        "50 % severe, with tests": axes.axvline(middle, color=GREEN),
+        "as computed: mild below, severe above": axes.axvline(1.0, color=BLACK),
+    }
+    pairs = np.exp(np.stack([known["mild"].values, known["severe"].values], axis=1))
+    outcomes = known["outcome"].values.tolist()
+    for place, pair in enumerate(pairs):
+        ends = pair[np.isfinite(pair)]
         axes.plot(ends, [place] * len(ends), color=GREY)
-        mark_test(axes, str(row.test.number), row.test, (float(ends.mean()), place))
-    values = np.exp([e for row in known for e in (row.mild, row.severe) if not math.isnan(e)])
-    ends = np.array([min(low, *values) / _BESIDE, max(high, *values) * _BESIDE])
-    axes.set(xscale="log", xlim=ends, ylim=(len(known) - 1 + _ROOM, -_ROOM))
-    axes.set_yticks(range(len(known)), [_label(row) for row in known])
+        at = float(ends.mean()), place
+        mark_test(axes, str(known["test"].values[place]), outcomes[place], at)
+    legend |= legend_of_tests(outcomes)
+    ends = np.array([min(low, np.nanmin(pairs)) / _BESIDE, max(high, np.nanmax(pairs)) * _BESIDE])
+    axes.set(xscale="log", xlim=ends, ylim=(len(pairs) - 1 + _ROOM, -_ROOM))
+    places = zip(known["load"].values, known["velocity"].values, strict=True)
+    axes.set_yticks(range(len(pairs)), [f"{load:g} N, {speed:g} m/s" for load, speed in places])
     style.plain_numbers(axes)
-    if missing := len(rows) - len(known):
-        axes.plot([], [], ls="none", label=f"{missing} of {len(rows)} tests: no result")
     axes.set(xlabel="rise of the deciding temperature over its limit, computed for the test")
-    style.write_title(axes, f"{style.title_of(data)}\ntests at their own conditions")
-    caption = f"the model's own error: {judge.evidence.text}"
-    style.legend_below(figure, ncols=2, caption=caption)
+    title = style.as_text(sweep_of(ds).title)
+    style.write_title(axes, f"{title}\ntests at their own conditions")
+    caption = f"the model's own error: {words.told(found, 'model_error')[0]}"
+    if missing := found.sizes["test"] - len(pairs):
+        caption += f"\n{missing} of {found.sizes['test']} tests: no result"
+    style.legend_below(
+        figure,
+        2,
+        handles=[*legend.values()],
+        labels=[*legend],
+        caption=caption,
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+    )
     return figure
-
-
-def _label(row: ComparedTest) -> str:
-    return f"{row.test.normal_load:g} N, {row.test.velocity:g} m/s"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import keyword
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
@@ -136,13 +137,19 @@ class List(Kind):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
             raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
         items = [self.of.read(item, f"{place}[{i}]", faults) for i, item in enumerate(value)]
-        if self.distinct:
-            first: dict[Any, int] = {}
-            for index, item in enumerate(items):
-                if item is not None and first.setdefault(item, index) != index:
-                    problem = f"{quoted(value[index])} equals entry [{first[item]}]"
+        if self.distinct and None not in items:
+            order = sorted(range(len(items)), key=lambda k: (isinstance(items[k], str), items[k]))
+            for pair in itertools.pairwise(order):
+                first, index = sorted(pair)
+                if _are_alike(items[first], items[index]):
+                    problem = f"{quoted(value[index])} equals entry [{first}]"
                     faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
         return None if None in items else tuple(items)
+
+
+def _are_alike(a: Any, b: Any) -> bool:
+    """True if values are equal, numbers but for rounding."""
+    return a == b or (isinstance(a, float) and math.isclose(a, b, rel_tol=1e-9))
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from pipeline.quantities import display
+from pipeline.shipped import typed_name
 from pipeline.sweep.sweep import Sweep
 from tribo import Corrections, Track
 
@@ -66,3 +67,20 @@ def note_on_ends(sweep: Sweep) -> str | None:
     if sweep.scene.pin.length is None or pin_turns:
         return None
     return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"
+
+
+def doubt_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
+    """Lines with the gravest doubts about a scene, `most` of them, and the number of the others.
+
+    In an answer (`answered`) those are left out that have caveats of their own: on sharp ends, on
+    earlier turns, and on a narrow window, which stands at the points that it limits.
+    """
+    own = (note_on_ends(sweep), note_on_turns(sweep))
+    lines = [
+        str(doubt)
+        for doubt in sweep.doubts
+        if not answered or (doubt.words not in own and doubt.place != "window.pixels")
+    ]
+    if (more := len(lines) - most) > 0:
+        lines[most:] = [f"and {more} more: irg check {typed_name(sweep.name)}"]
+    return lines

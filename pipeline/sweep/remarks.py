@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 Grade = Literal["note", "warning"]
@@ -32,3 +33,16 @@ class FromLibrary(NamedTuple):
     key: str
     value: str
     source: str
+
+
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+
+    The text names the table and its values, such as "pin: density 7800 kg/m³".
+    """
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source

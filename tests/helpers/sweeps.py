@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import xarray as xr
 
-import pipeline
 import tribo
+from pipeline.answers.conditions import judged as judged_by
+from pipeline.answers.results import cases_of, sweep_of
 from pipeline.scene.build import Files
 from pipeline.scene.faults import Faults
 from pipeline.scene.read import Source
@@ -52,18 +54,20 @@ def attributes_of(sweep, held=frozenset()):
 def with_fields(ds, **values):
     """Copy of a dataset whose sweep has other values of these fields."""
     held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
-    return ds.assign_attrs(attributes_of(changed(pipeline.results(ds).sweep, **values), held))
+    return ds.assign_attrs(attributes_of(changed(sweep_of(ds), **values), held))
 
 
 def deciding_rise(ds, conditions):
     """Deciding rise [K] at friction 1 of each point as a labelled array; NaN if not done."""
-    held = pipeline.results(ds)
-    dims = [*held.front, *PLANE]
-    coords = {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords}
-    return xr.DataArray(held.rises(conditions), coords, dims)
+    (case,) = cases_of(ds)
+    rises = np.exp(case.log_rises(conditions)) * conditions.friction_factor(case.velocities)
+    coords = {name: case.ds[name] for name in ("load", "velocity")}
+    coords |= {"realization": ds["realization"]} if "realization" in ds.dims else {}
+    found = xr.DataArray(rises, coords, ("realization", *PLANE)).reindex(velocity=ds["velocity"])
+    return found if "realization" in ds.dims else found.squeeze("realization")
 
 
-def deciding(ds):
+def deciding(ds, **conditions):
     """Deciding temperature [K] at each point of one scene, as a labelled array."""
-    judged = pipeline.results(ds).conditions
+    judged = judged_by(sweep_of(ds).conditions, conditions)
     return judged.contact_temperature(deciding_rise(ds, judged))

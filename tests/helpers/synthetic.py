@@ -7,7 +7,7 @@ import xarray as xr
 
 import tribo
 from pipeline import Conditions
-from pipeline.analysis.dataset import scene_sweep
+from pipeline.answers.results import sweep_of
 from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, test_variable
 from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
 from tests.helpers.entries import bare_test
@@ -146,7 +146,7 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     `status` is one state of all their points, or one for each. `moved` has the factor on the rise
     of each simulated uncertain input, by path.
     """
-    stored = scene_sweep(ds)
+    stored = sweep_of(ds)
     slots = wanted_slots(stored)
     if not slots:
         return ds

@@ -5,6 +5,7 @@ import pytest
 
 import pipeline
 from tests.helpers import synthetic
+from tests.helpers.asked import asked
 from tests.pipeline.conftest import commit_all
 
 OWN = "Not validated: no test of this steel."
@@ -22,7 +23,7 @@ def store(tmp_path):
 
 def doors(irg, store, tmp_path):
     """Yield, for each command and page, the caveats to expect, those told as data, and its text."""
-    lines = [*pipeline.margin(store, 400.0, 2.0).caveats]
+    lines = [*asked(store, 400.0, 2.0).notes]
     place = "--load=400 N", "--velocity=2 m/s"
     for command in (("margin", store, *place), ("boundary", store)):
         out = tmp_path / f"{command[0]}.csv"
@@ -34,7 +35,7 @@ def doors(irg, store, tmp_path):
 
 
 def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
-    expected = pipeline.margin(store, 400.0, 2.0).caveats
+    expected = asked(store, 400.0, 2.0).notes
     assert expected[0] == OWN
     for part in ("sharp pin ends", "taken as exact"):
         assert sum(part in line for line in expected) == 1
@@ -45,7 +46,7 @@ def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
 
 def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
     said = {
-        preset: any("numerical choices" in one for one in pipeline.margin(ds, 400.0, 2.0).caveats)
+        preset: any("numerical choices" in one for one in asked(ds, 400.0, 2.0).notes)
         for preset in ("standard", None)
         for ds in [synthetic.sweep(preset=preset)]
     }
@@ -54,5 +55,5 @@ def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
 
 def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():
     for preset in ("standard", None):
-        for line in pipeline.margin(synthetic.sweep(preset=preset), 400.0, 2.0).caveats:
+        for line in asked(synthetic.sweep(preset=preset), 400.0, 2.0).notes:
             assert len(line) <= 100

@@ -5,6 +5,7 @@ import re
 import pytest
 
 import pipeline
+from tests.helpers.asked import asked
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -31,8 +32,8 @@ def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
         "margin": irg("margin", store, *PLACE),
         "one point": irg("point", odd, *PLACE),
         "JSON": irg("margin", store, *PLACE, "--json")[0]["notes"],
-        "Python": " ".join(pipeline.margin(store, "300 N", "1.5 m/s").caveats),
-        "attributes": pipeline.boundary(store).attrs["caveats"],
+        "Python": " ".join(asked(store, "300 N", "1.5 m/s").notes),
+        "attributes": pipeline.boundary(store).attrs["notes"],
     }
     for door, said in doors.items():
         assert " ".join(said.split()).count(HARD) == 1, door

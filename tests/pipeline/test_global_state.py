@@ -3,7 +3,6 @@
 import decimal
 import subprocess
 import sys
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -33,7 +32,7 @@ def answers():
             scene.loads,
             {name: values.tolist() for name, values in point.columns.items()},
             pipeline.boundary(ds)["critical_velocity"].values.tolist(),
-            asdict(pipeline.margin(ds, "400.0001 N", "1.4 m/s")),
+            pipeline.margin(ds, "400.0001 N", "1.4 m/s").to_dict(),
             pipeline.margin(ds, rows).to_dict(),
             pipeline.temperatures(ds)["max_temperature"].values.tolist(),
         )

@@ -16,11 +16,11 @@ import pytest
 
 import tribo
 from pipeline import open_sweep
-from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.tables import write_frames
+from pipeline.answers.tables import write_frames
 from pipeline.cli import main
-from pipeline.laboratory.surfaces import read_surface
+from pipeline.operating_points import OperatingPoints
 from pipeline.store.store import opened
+from pipeline.surface.scan import read_scan
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
@@ -37,9 +37,9 @@ def fifo(tmp_path):
 
 def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for read in (
-        lambda: read_surface(fifo("a.npy"), 1.0),
+        lambda: read_scan(fifo("a.npy"), 1.0),
         lambda: OperatingPoints.read(fifo("a.csv")),
-        lambda: read_surface(fifo("a.x3p")),
+        lambda: read_scan(fifo("a.x3p")),
     ):
         with pytest.raises(tribo.InputError, match="not a file"):
             read()
@@ -161,7 +161,7 @@ _ASKED = """
 import sys
 from pathlib import Path
 from pipeline.cli import main
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.operating_points import OperatingPoints
 from tribo import InputError
 codes = [main(["check", path]) for path in sys.argv[3:]]
 for book in sys.argv[1:3]:

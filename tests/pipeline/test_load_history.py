@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import pipeline
 import tribo
 from pipeline import Conditions, run_point
 from tests.helpers import tiny
+from tests.helpers.asked import asked
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
@@ -46,7 +46,7 @@ def sweep_of(loading, motion=None, **changes):
 def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
     sweep = sweep_of(LOADINGS[loading], motion, steps=steps)
     commit_all(tmp_path / "a.zarr", sweep)
-    margin = pipeline.margin(tmp_path / "a.zarr", LOAD, VELOCITY)
+    margin = asked(tmp_path / "a.zarr", LOAD, VELOCITY)
     point = run_point(sweep_of(LOADINGS[loading], motion), LOAD, VELOCITY)
     verdict = point.verdict(sweep.conditions)
-    assert margin.deciding_temperature == pytest.approx(verdict.deciding_temperature, rel=1e-9)
+    assert margin.temperature == pytest.approx(verdict.deciding_temperature, rel=1e-9)

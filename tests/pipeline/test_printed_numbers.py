@@ -8,16 +8,16 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 import xarray as xr
-
-import pipeline
 from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.margin_frame import asked_of
-from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import attribute_values
-from pipeline.analysis.tables import records
+
+import pipeline
+from pipeline.answers.tables import records
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
 from pipeline.constants import PRESET_BOUNDS
+from pipeline.operating_points import OperatingPoints
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers

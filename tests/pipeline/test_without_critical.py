@@ -36,7 +36,7 @@ def test_the_boundary_asks_for_it_by_its_key(store):
     for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
         with pytest.raises(InputError, match=r"temperature\.critical.*--critical-temperature"):
             judge(ds)
-    crossings = pipeline.boundary(pipeline.at(ds, critical_temperature=330.0))
+    crossings = pipeline.boundary(ds, critical_temperature=330.0)
     assert crossings["critical_velocity"].notnull().any()
 
 
@@ -59,7 +59,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     place = ["--load", "200 N", "--velocity", "1 m/s"]
     (row,) = irg("point", scene, *place, "--json")
     assert "verdict" not in row
-    assert row["deciding temperature [°C]"] < row["highest temperature [°C]"]
+    assert row["highest temperature [°C]"] > 25
     assert "not known without temperature.critical" in irg("point", scene, *place)
     judged = irg("point", scene, *place, "--critical-temperature", "145 degC")
     assert "K below the critical" in judged.replace("\n    ", " ")

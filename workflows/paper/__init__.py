@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.analysis.tables import FIGURES, writable_path
+from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures.style import save_figure
 from pipeline.progress import staged
 from pipeline.words import did_you_mean

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pipeline.analysis.tables import markdown_of
+from pipeline.answers.tables import markdown_of
 
 from .report import WORDS, Report
 

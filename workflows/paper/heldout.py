@@ -13,8 +13,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from pipeline import results
-from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
+from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.answers.results import cases_of
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.sweep.conditions import known_critical_temperature
 from tribo.types import Array
@@ -143,10 +143,11 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
     scene = study.scene(_STORES[oil], changes)
     preset = "" if study.preset is None else f"_{study.preset}"
     _, ds = study.sweep(scene, f"heldout_{_STORES[oil]}{preset}")
-    data = results(ds)
-    rises = np.log(data.rises(data.conditions)).reshape(
-        *map(len, (transitions, lengths, _FACTORS)), -1
-    )
+    found = []
+    for case in cases_of(ds):
+        own = case.sweep.conditions
+        found.append(case.log_rises(own) + np.log(own.friction_factor(case.velocities)))
+    rises = np.reshape(found, (*map(len, (transitions, lengths, _FACTORS)), -1))
     # The surfaces are patches of one specimen, whose rise is the mean of their logarithms.
     means = rises.mean(axis=-1)
     return [
@@ -167,6 +168,12 @@ def _without(places: Sequence[_Place], number: int) -> list[_Place]:
     return [*places[:number], *places[number + 1 :]]
 
 
+def _outcomes(critical: float, length: float, tests: Sequence[_Place]) -> tuple[Outcome, ...]:
+    """The transitions, with what is computed there."""
+    computed = (test.y(critical, length) for test in tests)
+    return tuple(Outcome(y, y) for y in computed)
+
+
 def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
     """Predict a transition; the length has the least squares of ln(velocity) of the `tests`."""
 
@@ -175,9 +182,7 @@ def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Pred
         return _rms(velocities - np.log([test.velocity for test in tests]))
 
     length = min(place.curves, key=misfit)
-    belief = condition(
-        tuple(SpecimenResult(test.y(critical, length), width=0.0) for test in tests), Prior()
-    )
+    belief = update(_outcomes(critical, length, tests), Prior())
     return _predicted(place, belief.level(0.5), critical, length, constant=length)
 
 
@@ -186,9 +191,8 @@ def _by_tests(critical: float, tests: Sequence[_Place], place: _Place) -> _Predi
     (length,), bulk = place.curves, min(test.bulk for test in tests)
     found = critical
     for _ in range(_MOST_STEPS):
-        tested = tuple(SpecimenResult(test.y(found, length), width=0.0) for test in tests)
-        belief = condition(tested, Prior(bias=1.0))  # as in `infer`
-        step = -belief.bias_moments[0]
+        belief = update(_outcomes(found, length, tests), Prior(bias=1.0))  # as in `infer`
+        step = -float(belief.bias @ belief.weights)
         found = bulk + (found - bulk) * math.exp(step)
         if abs(step) < _SETTLED:
             break

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline import at, boundary, results
+from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from tribo import InputError
 
@@ -40,9 +40,7 @@ def band(study: Study) -> Report:
     )
     velocities = np.transpose(patches)
     spreads = velocities.std(axis=1, ddof=1) / velocities.mean(axis=1)
-    at_ends = boundary(at(ds, friction=(least, most)))["critical_velocity"].sel(
-        {"load": loads, "friction_coefficient": [most, least]}
-    )
+    at_ends = boundary(ds, friction=[most, least])["critical_velocity"].sel(load=loads)
     ends = at_ends.transpose("load", ...).values
     within = np.quantile(velocities, (0.1, 0.9), axis=1).T
     rows = list(zip(measured, specimen, within, spreads, ends, strict=True))
@@ -89,5 +87,5 @@ def band(study: Study) -> Report:
                 for entry, on_surfaces, pair in zip(measured, velocities, ends, strict=True)
             ]
         },
-        figure=diagram(results(ds)),
+        figure=diagram(ds, {}),
     )

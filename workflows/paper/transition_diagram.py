@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline import at, boundary, results
+from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN, HALO
 
@@ -32,7 +32,7 @@ def fig10(study: Study) -> Report:
     _, by_local_wear = study.sweep(dry, f"{name}_local")
 
     def critical(load: float, friction: float | None = None) -> float:
-        return float(boundary(at(ds, friction=friction))["critical_velocity"].sel(load=load))
+        return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
 
     rows, transitions, off = [], [], []
     for entry in sweep._measured:
@@ -74,15 +74,15 @@ def fig10(study: Study) -> Report:
             "points": outcome.done,
             "patches": ds.sizes["realization"],
         },
-        figure=_with_local_wear(diagram(results(ds)), boundary(by_local_wear)),
+        figure=_with_local_wear(diagram(ds, {}), boundary(by_local_wear)),
     )
 
 
 def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
     """Add to a diagram the boundary with wear by local pressure, the paper's Eq. (26)."""
-    computed = "computed transition"
+    computed = "computed transition, numerical error"
     (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == computed)
-    line.set_text(f"{computed}, swept wear")
+    line.set_text("computed transition, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.scene.doubts import note_on_ends
+from pipeline.sweep.left_out import note_on_ends
 from tests.helpers.scenes import SCENE as SMALL
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")

@@ -110,7 +110,7 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert re.search(r"of the rise \(90 %\), by [12] tests? and the", other_surface)
     (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
-    assert other["deciding temperature [°C]"] == row["deciding temperature [°C]"]
+    assert other["temperature [°C]"] == row["temperature [°C]"]
     irg("run", tested, "-o", "results/tested.zarr")
     (stored,) = irg(*point, "--json")  # the tests are those of the store
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
@@ -130,7 +130,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     assert by_option == by_setting
     assert by_option["failed share [%]"] > 5
     (document,) = irg(*point, "--friction", 0)
-    assert document["highest temperature [°C]"] == document["deciding temperature [°C]"] == 25
+    assert document["highest temperature [°C]"] == document["temperature [°C]"] == 25
     assert (document["failed share [%]"], document["verdict"]) == (0, "mild")
 
 
@@ -198,9 +198,3 @@ def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
     words = irg(*arguments, code=2)
     assert said in words
     assert words.count("\n") == 1
-
-
-def test_a_shell_completes_commands_and_options(irg):
-    script = irg("--completion", "bash")
-    assert all(name in script for name in ("boundary", "infer", "margin"))
-    assert "--accuracy" in script

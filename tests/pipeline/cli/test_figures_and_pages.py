@@ -27,8 +27,8 @@ def drawn(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "kind", "out", "look"),
     [
-        ([], "diagram", "a/out_diagram.png", {}),
-        (["--log", "--width", "8.5 cm", "--plain", "-o", "x.pdf"], "diagram", "x.pdf",
+        ([], None, "a/out_diagram.png", {}),
+        (["--log", "--width", "8.5 cm", "--plain", "-o", "x.pdf"], None, "x.pdf",
          {"log": True, "width": 0.085, "plain": True}),
         (["--kind", "ramp", "--load", "400 N", "--velocity", "2 m/s", "--show", "wear_volume"],
          "ramp", "a/out_ramp.png",

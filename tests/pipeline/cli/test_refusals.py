@@ -69,10 +69,12 @@ REFUSALS = {
     # options that do not go together
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            'critical_temperature: "150" has no unit'),
-    "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius is not one of"),
+    "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius does not vary"),
     "share of another": (irg("boundary", "tiny.zarr", "--criterion=highest", "--share=10%"),
                          "criterion highest has no share; leave out --share"),
-    "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet needs --points"),
+    "twice": (irg("margin", "tiny.zarr", *PLACE, "--friction=0.1", "--at=friction.coefficient=0.2"),
+              "friction.coefficient is given twice"),
+    "no scan": (irg("surface"), "give a SCAN, or --ra and --rsm"),
     "no velocity": (irg("margin", "tiny.zarr", "--load", "250 N"), "give --velocity, too"),
     "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
                    "leave out --load, --velocity"),
@@ -94,6 +96,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
+    "given.select_entry InputError": "tests/pipeline/test_over.py",
     "points.point InputError": "test_commands.py, at rest",
     "check.check InputError": "test_check.py, with the meaning that is printed before",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",

@@ -27,15 +27,22 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     )
     axes = pipeline.plot(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
     places, colours = lines(axes), faces(axes)
-    assert places["tested-mild"].tolist() == [[1.5, 250.0]]
-    assert places["tested-severe"].tolist() == [[3.0, 500.0]]
-    assert places["tested-severe-elsewhere"].tolist() == [[2.5, 350.0]]
-    assert colours["tested-mild"] == "white"
-    assert colours["tested-severe"] == colours["tested-severe-elsewhere"] != "white"
+    assert places["test mild"].tolist() == [[1.5, 250.0]]
+    assert places["test severe"].tolist() == [[3.0, 500.0]]
+    assert places["test severe, elsewhere"].tolist() == [[2.5, 350.0]]
+    assert colours["test mild"] == "white"
+    assert colours["test severe"] == colours["test severe, elsewhere"] != "white"
     numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
     assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
-    (far,) = (text for text in labels(axes.figure.legends[0]) if "outside the figure" in text)
-    assert far == "outside the figure: tests 4, 5"
+    (legend,) = axes.figure.legends
+    assert "outside the figure: tests 4, 5" in legend.get_title().get_text()
+    assert "test: mild, severe" in labels(legend)
+
+
+def test_an_operating_point_is_marked_at_its_load_and_velocity():
+    axes = pipeline.plot(synthetic.sweep(*NARROW), load="500 N", velocity=3.0).axes[0]
+    assert lines(axes)["operating point"].tolist() == [[3.0, 500.0]]
+    assert "500 N, 3 m/s" in {one.get_text() for one in axes.texts}
 
 
 # Contact and temperature

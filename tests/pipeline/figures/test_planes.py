@@ -46,18 +46,18 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     places = vertices(axes, "boundary")
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
-    assert "computed transition" in words
+    assert "computed transition, numerical error" in words
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert axes.get_title() == "White oil on ground steel"
     assert "the model's own error: " in legend.get_title().get_text()
     left, right = axes.get_xlim()
-    assert (left, right) == pytest.approx((1.0 - 0.04 * 3, 4.0 + 0.04 * 3))
+    assert (left, right) == (1.0, 4.0)
 
 
 def test_the_frictions_measured_have_a_line_each():
     axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
-    assert "transition at friction 0.08 and 0.12" in words
-    edges = [one for one in axes.collections if one.get_gid() == "band edge"]
+    assert "at friction 0.08 and 0.12" in words
+    edges = [one for one in axes.collections if one.get_gid() == "friction"]
     for edge, friction in zip(edges, (0.08, 0.12), strict=True):
         places = np.concatenate([path.vertices for path in edge.get_paths()])
         expected = synthetic.critical_velocity(places[:, 1], synthetic.limit(friction))
@@ -78,22 +78,12 @@ def surfaces(*factors):
 # Points
 
 
-def test_points_that_are_not_done_or_carry_a_warning_are_marked():
+def test_points_that_are_not_done_are_marked():
     ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
-    flags = xr.where((ds["load"] == 500) & (ds["velocity"] == 3), 1, 0)
-    axes, words, _ = drawn(ds.assign(warning_flags=flags))
-    assert marks(axes, "failed") == {(4.0, 200.0)}
-    assert marks(axes, "pending") == {(1.0, 300.0)}
-    assert marks(axes, "carries a warning") == {(3.0, 500.0)}
-    assert {"mild wear, computed", "severe wear, computed", "failed", "pending"} < {*words}
-    severe = marks(axes, "severe wear, computed")
-    expected = {
-        (v, load)
-        for load in LOADS
-        for v in VELOCITIES
-        if v > synthetic.critical_velocity(load, LIMIT)
-    }
-    assert severe == expected - {(4.0, 200.0)}
+    axes, words, legend = drawn(ds)
+    assert marks(axes, "lacking") == {(4.0, 200.0), (1.0, 300.0)}
+    assert "×: 2 points are pending or failed" in legend.get_title().get_text()
+    assert len(words) <= 5
 
 
 # One line, or several scenes
@@ -102,9 +92,9 @@ def test_points_that_are_not_done_or_carry_a_warning_are_marked():
 def test_a_single_load_or_velocity_has_its_points_alone():
     for one in ({"loads": (400.0,)}, {"velocities": (2.0,)}):
         axes, words, _ = drawn(sweep(**one))
-        assert marks(axes, "mild wear, computed")
-        assert marks(axes, "severe wear, computed")
-        assert "computed transition" not in words
+        assert marks(axes, "mild")
+        assert marks(axes, "severe")
+        assert not any("computed transition" in one for one in words)
 
 
 def two_pins(factors=(1.0, 0.1), **told):
@@ -130,7 +120,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
-    assert title.startswith("transition by pin radius; severe wear: ")
+    assert title.startswith("transition by pin radius; judged at ")
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
@@ -147,6 +137,5 @@ def test_logarithmic_scales_leave_rest_out():
     ds = sweep(velocities=(0.0, 1.0, 2.0, 4.0))
     axes = drawn(ds, log=True)[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert min(v for line in axes.lines for v in line.get_xdata()) == 1.0
-    linear = drawn(ds)[0]
-    assert min(v for line in linear.lines for v in line.get_xdata()) == 0.0
+    assert axes.get_xlim()[0] == 1.0
+    assert drawn(ds)[0].get_xlim()[0] == 0.0

@@ -9,6 +9,7 @@ import pytest
 
 import pipeline
 from pipeline import plot
+from pipeline.answers.results import sweep_of
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.style import GREY
@@ -16,13 +17,6 @@ from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tribo.simulation.lubrication import find_lubrication
-
-MILD, SEVERE = "mild wear, computed", "severe wear, computed"
-
-
-def film_of(ds):
-    sweep = pipeline.results(ds).sweep
-    return sweep.scene, sweep.lubricant
 
 
 @pytest.fixture(autouse=True)
@@ -74,26 +68,21 @@ def contour(axes, gid):
 
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
-    severe, numerical, error = legend.get_title().get_text().split("\n")
-    assert severe == (
-        "severe wear: more than 10 % of the contact above 145 °C; "
-        "friction 0.1 (tests 0.091 to 0.103), bulk 25 °C"
+    judged, numerical, error, lacking, _ = legend.get_title().get_text().split("\n")
+    assert judged == (
+        "judged at friction 0.1 (tests 0.091 to 0.103), bulk 25 °C, critical temperature 145 °C"
     )
     assert re.fullmatch("numerical error: ± .* % of the critical velocity .95 %.", numerical)
     assert re.fullmatch(
         "the model's own error: .* % of the rise .90 %., by 4 tests and the prior", error
     )
+    assert lacking == "×: 3 points are pending or failed"
     assert labels(legend) == [
-        "next run not decided",
-        "computed transition",
+        "next run not decided (5 to 95 %)",
+        "computed transition, numerical error",
         "transition with tests (50 %)",
-        "5 and 95 % severe, with tests",
-        "transition at friction 0.09 and 0.103",
-        MILD,
-        SEVERE,
-        "failed",
-        "pending",
-        "measured transition",
+        "at friction 0.09 and 0.103",
+        "test: transition",
     ]
 
 
@@ -160,17 +149,14 @@ def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_giv
     assert hottest == pytest.approx(25.0 + 0.1 * sweep["max_rise"][-1, :3, -1], rel=1e-4)
 
 
-def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
-    assert not [line for line in drawn.collections if "Λ" in str(line.get_gid())]
-    ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
-    axes = pipeline.plot(ds).axes[0]
-    (line,) = contour(axes, "Λ = 1, mixed beyond")
-    film = find_lubrication(*film_of(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
-    assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
-    rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
-    thick = pipeline.plot(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
-    said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
-    assert said[0].endswith(": boundary lubrication")
+def test_the_film_parameter_is_told_only_with_an_oil(drawn):
+    assert "Λ" not in drawn.figure.legends[0].get_title().get_text()
+    ds = synthetic.sweep([200.0, 600.0], [1.0, 2.0], oil=synthetic.OIL, roughness=of_height(2e-6))
+    said = pipeline.plot(ds).legends[0].get_title().get_text()
+    ends = re.search(r"film parameter Λ (.*) to (.*): boundary lubrication", said).groups()
+    film = find_lubrication(sweep_of(ds).scene, sweep_of(ds).lubricant).film_parameter
+    lowest, highest = float(film(600.0, 1.0, 298.15)), float(film(200.0, 2.0, 298.15))
+    assert [*map(float, ends)] == pytest.approx([lowest, highest], abs=0.006)
 
 
 def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
@@ -198,5 +184,5 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
 def test_a_diagram_names_a_test_without_a_result():
     ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
     waiting = synthetic.with_tests(ds, status=PENDING)
-    said = labels(plot(waiting).legends[0])
-    assert "without a result, so not every verdict is given: test 1" in said
+    said = plot(waiting).legends[0].get_title().get_text()
+    assert "not every verdict is given: test 1 (transition, 600 N, 1.5 m/s) waits for" in said

@@ -3,13 +3,14 @@
 from functools import cache
 
 import pipeline
-from pipeline.figures.tested import draw_tests
+from pipeline.figures.rows import draw_rows
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import bare_test, placed_rows
 from tests.helpers.refusals import refusal_tests
+from tests.pipeline.figures.test_planes import surfaces, two_pins
 
 
 @cache
@@ -28,9 +29,14 @@ def of_places():
     return pipeline.plot("a.zarr", "diagram", log=True)
 
 
+def rows_of_two():
+    with writing("b.zarr", tiny.sweep(variants=placed_rows((250.0, 1.0)))):
+        pass
+    return pipeline.plot("b.zarr", friction=[0.1, 0.12])
+
+
 def of_scenes():
-    several = pipeline.at(plane().isel(load=[0]), friction=(0.1, 0.12))
-    return pipeline.plot(several, "diagram")
+    return pipeline.plot(plane().isel(load=[0]), "diagram", friction=[0.1, 0.12])
 
 
 def begun():
@@ -39,33 +45,44 @@ def begun():
 
 
 def over_computed(*measured, **values):
-    return lambda: draw_tests(pipeline.results(synthetic.sweep(measured=measured, **values)))
+    return lambda: pipeline.plot(synthetic.sweep(measured=measured, **values), "tests")
 
 
 def begun_tests():
     ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
-    return draw_tests(pipeline.results(synthetic.with_tests(ds, status=PENDING)))
+    return pipeline.plot(synthetic.with_tests(ds, status=PENDING), "tests")
 
 
-TRADE = Trade("A scene", "scene.toml", (), (), ())
+def rows_beyond():
+    return draw_rows(pipeline.margin(plane(), [9000.0], [1.0]), "")
+
+
+TRADE = Trade("A scene", (), ())
 
 REFUSALS = {
-    "kind": (plot("pie"), "kind is 'pie'; give one of diagram, ramp, fields"),
-    "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
+    "kind": (plot("pie"), "kind is 'pie'; give one of diagram, rows, ramp"),
+    "option": (plot("diagram", show="time"), "diagram has no option 'show'; it has realization"),
     "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
     "places": (of_places, "so there is no plane of them; irg margin"),
+    "one of a pair": (plot("diagram", load=500.0), "load and velocity go together"),
+    "rows of two": (rows_of_two, "rows under several conditions"),
+    "rows": (rows_beyond, "no row has a verdict: load is 9000 N"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
-    "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
+    "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done; give another"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
     "begun": (begun, "no point at 400 N is done"),
+    "seed": (lambda: pipeline.plot(surfaces(1.0, 1.1), "ramp", realization=9),
+             "realization is 9; the sweep has [1, 2]"),
+    "pins": (lambda: pipeline.plot(two_pins(), "ramp"), "select one by pin_radius"),
     "load": (plot("fields", load=74.0), "load is 74 N; the sweep has 200 to 750 N: give a"),
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s; the sweep has 0.5 to"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
+    "tests of pins": (lambda: pipeline.plot(two_pins(), "tests"), "select one by pin_radius"),
     "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) waits for its point"),
 }  # fmt: skip
 

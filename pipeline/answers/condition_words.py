@@ -1,0 +1,72 @@
+"""Words on when wear is severe, by the conditions of a verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from pipeline.quantities import display
+from pipeline.sweep.case import Test
+from pipeline.sweep.conditions import Conditions, known_critical_temperature
+
+USUAL_SHARE = 0.1
+"""Failing share that verdicts leave unsaid."""
+_SAME = 1e-6  # relative rounding difference of equal frictions
+
+
+def heating_words(
+    conditions: Conditions, velocity: float | None = None, tests: Iterable[Test] = ()
+) -> str:
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
+
+    If friction depends on velocity, it is that at `velocity` [m/s]. Frictions of `tests` are named
+    if one of them had another. A rise beside the model is added, such as "rise +6 %".
+    """
+    bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
+    if conditions.disk_temperature is not None:
+        bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
+    added = f", rise {signed_percent(conditions.unmodelled_rise)}"
+    friction = conditions.friction if velocity is None else conditions.friction_at(velocity)
+    beside = _test_frictions(conditions, tests)
+    return f"friction {friction:.4g}{beside}, {bulk}{added * bool(conditions.unmodelled_rise)}"
+
+
+def _test_frictions(conditions: Conditions, tests: Iterable[Test]) -> str:
+    """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
+    used = {test.velocity: test.case.conditions.friction_at(test.velocity) for test in tests}
+    same = (
+        math.isclose(one, conditions.friction_at(velocity), rel_tol=_SAME)
+        for velocity, one in used.items()
+    )
+    if all(same):
+        return ""
+    ends = dict.fromkeys(f"{one:.3g}" for one in (min(used.values()), max(used.values())))
+    return f" (tests {' to '.join(ends)})"
+
+
+def verdict_conditions(
+    conditions: Conditions, velocity: float | None = None, tests: Iterable[Test] = ()
+) -> str:
+    """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
+
+    The failing share follows if it is not a tenth, and corrections if there are some.
+    """
+    critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
+    said = f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
+    name, share = conditions.criterion.name, conditions.criterion.share
+    is_usual = name != "share" or share == USUAL_SHARE
+    said += "" if is_usual else f", failing share {100 * share:.4g} %"
+    return f"{said}; {conditions.corrections.text}" if conditions.corrections else said
+
+
+def unmodelled_rise_words(conditions: Conditions) -> str:
+    """Line on the rise that is added for what acts beside the model; empty if none is added."""
+    if not conditions.unmodelled_rise:
+        return ""
+    added = signed_percent(conditions.unmodelled_rise)
+    return f"{added} of the rise is added for what acts beside the model (irg help physics)"
+
+
+def signed_percent(share: float) -> str:
+    """A share in percent with its sign, such as "+6 %"."""
+    return f"{100 * share:+.4g} %".replace("-", "−")

@@ -1,0 +1,91 @@
+"""Numerical choices (`tribo.Fidelity`): presets of a scene, and the error to expect of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from pipeline.constants import (
+    BOUNDS_OF_HIGHEST,
+    BOUNDS_OF_MOST,
+    HIGHEST_SHARE,
+    MOST_SHARE,
+    PRESET_BOUNDS,
+)
+from pipeline.sweep.sweep import Sweep
+from tribo import PRESETS, Criterion, Fidelity, Scene
+
+KEPT_FIELDS = ("heat_model",)
+"""Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
+
+
+def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
+    """Presets by name, adapted to a scene.
+
+    Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
+    "history", presets get this model too.
+    """
+    changes: dict[str, Any] = {"heat_model": "history"} if scene.remembers_heat else {}
+    return {
+        name: with_dividing_elements(scene, replace(PRESETS[name], **changes)) for name in names
+    }
+
+
+def with_dividing_elements(scene: Scene, fidelity: Fidelity) -> Fidelity:
+    """Return `fidelity` with elements small enough to tile the scene's grid of pixels.
+
+    An element is a block of n × n pixels. Its n is lowered until n divides the numbers of pixels
+    along x and along y.
+    """
+    nx, ny = scene.pixels.shape
+    fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
+    return replace(fidelity, pixels_per_element=next(fits))
+
+
+def preset_of(scene: Scene) -> str | None:
+    """Name of the preset, adapted to a scene, that the scene has; None for other numbers."""
+    adapted = presets_for(scene, PRESET_BOUNDS).items()
+    return next((name for name, fidelity in adapted if fidelity == scene.fidelity), None)
+
+
+def velocity_error(sweep: Sweep) -> float | None:
+    """Largest relative error to expect of a sweep's critical velocity; None if unknown.
+
+    It is known for presets of numerical choices alone, adapted to the scene.
+    """
+    return preset_bound(str(_preset(sweep)), sweep.conditions.criterion)
+
+
+def preset_bound(preset: str, criterion: Criterion) -> float | None:
+    """Bound of the relative error of critical velocities by a preset; None if it is none."""
+    shares = {"highest": 0.0, "share": criterion.share, "mean": 1.0}
+    larger, share = dict[str, float](), shares.get(criterion.name)
+    if share is not None and share < HIGHEST_SHARE:
+        larger = BOUNDS_OF_HIGHEST
+    elif share is not None and share >= MOST_SHARE:
+        larger = BOUNDS_OF_MOST
+    return larger.get(preset, PRESET_BOUNDS.get(preset))
+
+
+def has_unknown_error(sweep: Sweep) -> bool:
+    """True if a sweep has a boundary of severe wear whose error is not known.
+
+    The error is known for a preset.
+    """
+    is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
+    return is_judged and any(sweep.velocities) and velocity_error(sweep) is None
+
+
+def error_in_words(sweep: Sweep) -> str:
+    """Describe the error of a sweep's critical velocity, and how the error is known."""
+    error = velocity_error(sweep)
+    if error is None:
+        return "own numerical choices: how far boundary velocities err is not known"
+    by = f"{100 * error:g} % (irg help choosing)"
+    return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
+
+
+def _preset(sweep: Sweep) -> str | None:
+    """Name of the preset whose numbers a sweep has; None for numerical choices of one's own."""
+    return sweep.preset or preset_of(sweep.scene)

@@ -1,0 +1,389 @@
+"""A sweep's dataset, or its store, as arrays: the results of each of its cases.
+
+A case is one combination of varied entries. Its random surfaces are patches of one specimen.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+from collections import defaultdict, deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.paths import found_store
+from pipeline.store.place import PathLike
+from pipeline.store.read import open_store
+from pipeline.store.schema import (
+    AT_TESTS,
+    COORDINATES,
+    DONE,
+    FAILED,
+    INPUTS,
+    MADE,
+    PENDING,
+    PLANE,
+    SAMPLING,
+    STEPPED,
+    TEST_STEP,
+    split_arrays,
+    test_variable,
+)
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, wanted_slots
+from pipeline.sweep.stations import load_that_counts
+from pipeline.sweep.stored import sweep_of_plain
+from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.variants import Label, Variant
+from pipeline.units import to_si
+from tribo import InputError
+from tribo.simulation.severity import (
+    columns_needed,
+    relative_sampling,
+    require_bulks,
+    worst_rises,
+)
+from tribo.types import Array, Indices, Mask
+
+_SPECIMEN = ("realization", *PLANE)
+_INNER = ("step", "bulk_ratio", "cooler_share")
+
+
+def open_sweep(path: PathLike) -> xr.Dataset:
+    """Open a stored sweep.
+
+    Parameters
+    ----------
+    path : str or path
+        Path or URL of a store made by `pipeline.run_sweep`, which may still be running; or the
+        name of a scene, whose store is in ``results``.
+
+    Returns
+    -------
+    Dataset
+        The stored variables, with ascending loads, velocities and seeds of surfaces. ``step`` 0 is
+        the end of each point, −1 the step before. Values are NaN at steps that a point does not
+        have, and at points that are not done. Data are read when they are used.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+    """
+    ds = open_store(found_store(path)).drop_vars("message", errors="ignore")
+    return ascending(ds)
+
+
+def ascending(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset of a store with ascending numbers along each axis."""
+    axes = [str(name) for name in ds["status"].dims if ds[name].dtype.kind in "if"]
+    return ds.sortby([name for name in axes if (np.diff(ds[name]) < 0).any()])
+
+
+def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
+    """Select the end of each point: the step at the point's nominal load."""
+    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    return ds.sel(step=0, drop=True)
+
+
+def sweep_of(ds: xr.Dataset) -> Sweep:
+    """Sweep of a dataset."""
+    if "sweep" not in ds.attrs:
+        raise InputError(
+            "the dataset has no attribute sweep, which describes its scene; give one of "
+            "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
+        )
+    return _decoded(str(ds.attrs["sweep"]), _Arrays(ds.variables.get(INPUTS)))
+
+
+class _Arrays:
+    """Input arrays of a scene, equal if their digests are."""
+
+    def __init__(self, data: xr.Variable | None) -> None:
+        self.data, self.digests = data, "" if data is None else str(data.attrs["digests"])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Arrays) and self.digests == other.digests
+
+    def __hash__(self) -> int:
+        return hash(self.digests)
+
+
+@functools.lru_cache(maxsize=64)
+def _decoded(text: str, arrays: _Arrays) -> Sweep:
+    data = arrays.data
+    try:
+        plain = json.loads(text)
+    except ValueError as error:
+        raise InputError(f"the attribute sweep of the dataset is no JSON: {error}") from error
+    return sweep_of_plain(plain, {} if data is None else split_arrays(data.values, data.attrs))
+
+
+@dataclass(frozen=True, eq=False)
+class TestPoint:
+    """Result at one point of a test; a transition with a step has two, the easier one first."""
+
+    load: float  # [N]
+    velocity: float  # [m/s]
+    least_load: float  # from which on steps can decide [N]
+    status: int  # as in the store; None if the dataset does not have it
+    message: str
+    columns: Mapping[str, Array]
+
+    def rise(self, conditions: Conditions) -> float:
+        """Rise per unit friction coefficient at the worst step [K]."""
+        return float(worst_rises(self.columns, np.array([self.least_load]), conditions))
+
+    @property
+    def why_missing(self) -> str:
+        """Why there is no result, after the test's name; empty if there is one."""
+        if self.status == FAILED:
+            return f"has failed ({self.message}): irg run SCENE --retry-failed"
+        return "" if self.status == DONE else "waits for its point: irg run SCENE"
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResults:
+    """Results of one case of a sweep.
+
+    Arrays have the axes patch, load and velocity; those of stepped variables go on with step and
+    others. Points at velocity 0, without heat, are left out.
+    """
+
+    sweep: Sweep  #: The case and its patches, as the scene states them.
+    labels: Mapping[str, Label]  #: Values of varied entries, by dimension [SI].
+    name: Variant  #: The case, as the sweep names it.
+    ds: xr.Dataset = field(repr=False)
+    tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
+    from_rest: bool = False  #: True if the sweep also has velocity 0.
+    _arrays: dict[str, Array] = field(default_factory=dict, repr=False)
+
+    @property
+    def loads(self) -> Array:
+        """Ascending loads [N]."""
+        return np.asarray(self.ds["load"].values, float)
+
+    @property
+    def velocities(self) -> Array:
+        """Ascending velocities above 0 [m/s]."""
+        return np.asarray(self.ds["velocity"].values, float)
+
+    def array(self, name: str) -> Array:
+        """Array of a variable."""
+        if name not in self._arrays:
+            if name not in self.ds:
+                raise InputError(f"the dataset has no {name}; take all of its variables")
+            values = self.ds[name].transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
+            self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
+        return self._arrays[name]
+
+    @property
+    def status(self) -> Indices:
+        """Status of each point, as in the store."""
+        return np.asarray(self.array("status"), int)
+
+    @property
+    def done(self) -> Mask:
+        """True at points with a result."""
+        return np.asarray(self.status == DONE)
+
+    @property
+    def missing(self) -> int:
+        """Number of points to be computed that are pending or failed."""
+        return int(np.count_nonzero(np.isin(self.status, (FAILED, PENDING))))
+
+    @functools.cached_property
+    def counted(self) -> Indices:
+        """Patches that count.
+
+        One that failed is left out if 4 others have each of its places. One that shares no place
+        with the first waits.
+        """
+        done, failed = self.done, (self.status == FAILED).any(axis=(1, 2))
+        others = done[~failed].sum(axis=0)
+        replaced = failed & (~done | (others >= 4)).all(axis=(1, 2))
+        found = np.flatnonzero(done.any(axis=(1, 2)) & ~replaced)
+        if not found.size:
+            return np.array([0])
+        return np.asarray(found[(done[found] & done[found[0]]).any(axis=(1, 2))])
+
+    @property
+    def note_on_failed(self) -> str:
+        """Which patches failed and are left out, in words; empty if there are none."""
+        failed = (self.status == FAILED).any(axis=(1, 2))
+        failed[self.counted] = False
+        if len(failed) == 1 or not failed.any():
+            return ""
+        seeds = ", ".join(map(str, self.ds["realization"].values[failed].tolist()))
+        return f"left out as they failed at some point: the patches of seeds {seeds} (irg status)"
+
+    def log_rises(self, conditions: Conditions) -> Array:
+        """ln(rise) at the worst step of each point, NaN if it is not done.
+
+        The rise [K] is that which the criterion compares with its limit, per unit friction
+        coefficient, without the effect of velocity on friction.
+        """
+        require_bulks(self.ds, conditions)
+        if conditions.friction and not self.sweep.scene.friction_heat:
+            raise InputError(
+                f"friction is {conditions.friction:g}, but the sweep was computed without friction "
+                "and heat: run it again with friction, into another store"
+            )
+        names = {"normal_load", conditions.criterion.column, *columns_needed(conditions)}
+        columns: dict[str, Any] = {name: self.array(name) for name in names}
+        columns["quantile"] = self.ds["cooler_share"].values
+        least = [load_that_counts(self.sweep.scene, load) for load in self.loads.tolist()]
+        rises = worst_rises(columns, np.array(least)[:, None, None], conditions)
+        rises = np.where(self.done, rises / conditions.friction_factor(self.velocities), np.nan)
+        return np.log(np.maximum(rises, 1e-9))  # finite without heat
+
+    def sampling(self, conditions: Conditions) -> Array:
+        """Relative deviation of the rise from patch to patch, as each point states it."""
+        names = ("rise_quantile", "mean_rise", *SAMPLING)
+        columns = {name: self.array(name) for name in names}
+        found = relative_sampling(columns, conditions, self.ds["cooler_share"].values)
+        return np.where(self.done, found, np.nan)
+
+    @property
+    def durations(self) -> Array:
+        """Time of loading of each point [s]."""
+        return np.asarray(np.nan_to_num(self.array("time"), nan=-np.inf).max(axis=-1))
+
+
+def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
+    """Results of each case of a sweep, in the order of the dimensions of its varied entries.
+
+    Parameters
+    ----------
+    source : Dataset, str or path
+        Dataset of `open_sweep`, of which some loads, velocities, surfaces or values of entries may
+        be selected; or path of a store.
+    """
+    ds = open_sweep(source) if isinstance(source, str | os.PathLike) else source
+    if not isinstance(ds, xr.Dataset):
+        raise InputError(
+            f"a sweep cannot be a {type(ds).__name__}; give a dataset of pipeline.open_sweep, or "
+            "the path of a store"
+        )
+    sweep = sweep_of(ds)
+    if ds.attrs.get("without_tests"):
+        sweep = replace(sweep, tests=())
+    _require_sweep(ds)
+    tests, dims = tuple(_test_points(ds, sweep)), case_dims(ds)
+    sizes = [ds.sizes[dim] for dim in dims]
+    parts = (ds.isel(dict(zip(dims, places, strict=True))) for places in np.ndindex(*sizes))
+    return [_case(one, sweep, tests) for one in parts]
+
+
+def case_dims(ds: xr.Dataset) -> list[str]:
+    """Names of the dimensions of varied entries, and of rows of a table."""
+    return [str(dim) for dim in ds["status"].dims if dim not in _SPECIMEN]
+
+
+def sweeps_of(ds: xr.Dataset) -> Iterator[tuple[Sweep, xr.Dataset]]:
+    """Yield each case of a dataset, and the part of the dataset that belongs to it."""
+    sweep, dims = sweep_of(ds), case_dims(ds)
+    for places in np.ndindex(*(ds.sizes[dim] for dim in dims)):
+        part = ds.isel({dim: [place] for dim, place in zip(dims, places, strict=True)})
+        yield _named(part.squeeze(dims), sweep)[0], part
+
+
+def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, Variant]:
+    """The case of a sweep to which a dataset without varied entries belongs, and its name."""
+    table, name = sweep.variants, []
+    for column in table.chosen:
+        if column.name not in ds.coords:
+            raise InputError(f"the dataset has lost its coordinate {column.name}; keep it")
+        name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))
+    if not name:
+        return sweep, ()
+    words = ", ".join(f"{key} {one}" for key, one in table.in_words(tuple(name)).items())
+    return replace(sweep._take(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
+
+
+def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]) -> CaseResults:
+    case, name = _named(ds, sweep)
+    labels = {
+        str(key): one.item()
+        for key, one in ds.coords.items()
+        if not one.ndim and key not in (*COORDINATES, "realization")
+    }
+    status = ds["status"]
+    ds = ds.reset_coords([key for key in (*MADE, "own_grid") if key in ds.coords])
+    ds = ds.assign({key: ds[key].broadcast_like(status) for key in MADE if key in ds})
+    ds = ds.expand_dims([dim for dim in _SPECIMEN if dim not in status.dims])
+    moves = ds["velocity"] > 0
+    ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() else ds
+    return CaseResults(case, labels, name, ds, tests, from_rest=not moves.all())
+
+
+def _label(labels: tuple[Label, ...], value: Any) -> Label:
+    """Label nearest to a coordinate's value, which may have lost its last digits."""
+    if isinstance(labels[0], str):
+        return str(value)
+    return min(labels, key=lambda label: abs(float(label) - value))
+
+
+def _require_sweep(ds: xr.Dataset) -> None:
+    """Raise an `InputError` for a dataset whose axes are not those of a sweep."""
+    if "status" not in ds:
+        raise InputError("the dataset has no status; take it as pipeline.open_sweep gives it")
+    if "step" in ds.coords and 0 not in ds["step"].values:
+        raise InputError("the dataset lacks step 0, the end of each point, which decides")
+    if "step" not in ds.dims and any(name in ds for name in STEPPED):
+        raise InputError("the dataset has a single step; select it with a list: ds.sel(step=[0])")
+    for name in PLANE:
+        values = ds[name].values if name in ds.coords else np.array([])
+        if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
+            raise InputError(f"the dataset has no finite {name}; keep its coordinates")
+        unit, given = COORDINATES[name].units, ds[name].attrs.get("units")
+        if given and given != unit and to_si(f"1 {given}", like=f"1 {unit}") != 1:
+            raise InputError(f"{name} of the dataset is in {given}; convert it to {unit}")
+        if name in ds.dims and (np.diff(values) <= 0).any():
+            raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
+
+
+def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]]:
+    """Yield the points of each test of a sweep."""
+    rows = defaultdict[tuple[Any, ...], deque[int]](deque)
+    held: dict[str, Any] = {}
+    if test_variable("status") in ds.variables:
+        named = {
+            name: ds[test_variable(name)]
+            for name in AT_TESTS
+            if test_variable(name) in ds.variables
+        }
+        inner = (TEST_POINT, TEST_STEP, "bulk_ratio", "cooler_share")
+        # `xarray.concat` of surfaces repeats what is the same for all of them.
+        named = {
+            k: one.isel({d: 0 for d in one.dims if d not in inner}) for k, one in named.items()
+        }
+        held = {
+            name: one.transpose(*inner, missing_dims="ignore").values for name, one in named.items()
+        }
+        for row, key in enumerate(
+            zip(*(held[k].tolist() for k in (SCENE_HASH, *PLANE)), strict=True)
+        ):
+            rows[key].append(row)
+    points = defaultdict[int, list[TestPoint]](list)
+    for slot in wanted_slots(sweep):
+        least = load_that_counts(sweep.tests[slot.test].case.scene, slot.load)
+        found = rows[slot[:3]]
+        if not found:
+            points[slot.test].append(TestPoint(*slot[1:3], least, PENDING, "", {}))
+            continue
+        row = found.popleft()
+        columns: dict[str, Any] = {
+            name: one[row].astype(float)
+            for name, one in held.items()
+            if one.dtype.kind == "f" and name not in PLANE
+        }
+        columns["quantile"] = ds["cooler_share"].values
+        state = int(held["status"][row]), str(held["message"][row])
+        points[slot.test].append(TestPoint(*slot[1:3], least, *state, columns))
+    yield from (tuple(points[number]) for number in range(len(sweep.tests)))

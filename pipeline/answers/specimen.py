@@ -1,0 +1,158 @@
+"""A specimen from its patches: its rise at each point, and how its patches differ.
+
+Each random surface of a case is a patch of one specimen. Patches differ by nearly a constant along
+velocity, so a patch that lacks a point counts by its difference from the first patch at the nearest
+point of that load which both have. At each load those patches count that have a point there. Loads
+that the first patch has alone, between loads of several patches, are left out: a single patch is up
+to some percent off there, and the specimen's rises follow from the loads beside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from pipeline.answers.field import TWINS, Field
+from pipeline.answers.results import CaseResults
+from pipeline.constants import ALONE_IN_LOCAL_WEAR
+from pipeline.sweep.conditions import Conditions
+from tribo import Scene
+from tribo.thermal.sampling import GROUPS
+from tribo.types import Array, Indices, Mask
+
+
+class Alone(NamedTuple):
+    """What a patch alone tells of how patches differ, by its jackknife."""
+
+    degrees: int = GROUPS - 1  # of freedom
+    factor: float = 1.0  # of the deviation of patches over that which one states
+
+    @classmethod
+    def of(cls, scene: Scene) -> Alone:
+        """What a patch of a scene tells."""
+        is_local = scene.wear is not None and scene.wear.pattern == "local"
+        return Alone(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
+
+
+SWEPT = Alone()
+"""What a patch alone tells unless wear is local."""
+
+
+class Specimen(NamedTuple):
+    """The specimen of a case, how its patches differ, and what else is known at its points."""
+
+    field: Field  # ln(rise) [K]
+    # ln(rise) of each patch minus that of the first one (m, n_load, n_velocity); NaN at loads where
+    # the patch has no point.
+    apart: Array
+    offset: Array  # ln(rise) of the specimen minus that of its first patch (n_load, n_velocity)
+    sampling: Array  # what patches state of their deviation, root mean square (n_load,)
+    flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
+    durations: Array  # times of loading [s]
+    is_highest: bool  # the highest temperature decides: then that of the hottest patch
+    alone: Alone
+
+    @property
+    def patches(self) -> Indices:
+        """Number of patches with a point at each load (n_load,)."""
+        return np.asarray(np.isfinite(self.apart[..., 0]).sum(axis=0))
+
+    def offset_at(self, load: float, velocity: float) -> float:
+        """`offset` at a place, beyond the points that of the nearest."""
+        f = self.field
+        along = [np.interp(velocity, f.velocities, row) for row in self.offset]
+        return float(np.interp(math.log(load), np.log(f.loads), along))
+
+
+def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Specimen:
+    """The specimen of a case; `flags` (patch, load, velocity) are sums of `WarningKind` codes."""
+    counts = case.counted
+    y, sampling = case.log_rises(conditions)[counts], case.sampling(conditions)[counts]
+    durations, kinds = case.durations[counts].max(axis=0), np.bitwise_or.reduce(flags[counts], 0)
+    known = np.isfinite(sampling)
+    squares = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2))
+    with np.errstate(invalid="ignore"):
+        sampling = np.sqrt(squares / known.sum(axis=(0, 2)))
+    loads, velocities = case.loads, case.velocities
+    for axis, x in ((0, loads), (1, velocities)):
+        if (twins := np.diff(np.log(x)) < TWINS).any():
+            starts = np.flatnonzero(np.append(True, ~twins))
+            y, durations = _means(y, starts, axis + 1), np.maximum.reduceat(durations, starts, axis)
+            kinds = np.bitwise_or.reduceat(kinds, starts, axis)
+            if axis == 0:
+                loads, sampling = _means(loads, starts), _means(sampling, starts)
+            else:
+                velocities = _means(velocities, starts)
+    factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
+    is_highest, alone = conditions.criterion.is_highest, Alone.of(case.sweep.scene)
+    return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, alone)
+
+
+def merged(
+    loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
+    factor: Callable[[Array], Array] = np.ones_like, is_highest: bool = False,
+    alone: Alone = SWEPT,
+) -> Specimen:  # fmt: skip
+    """The specimen of patches with ln(rise) `y` (m, n_load, n_velocity), NaN without a result.
+
+    Of patches of the highest temperature it has the highest, of others the mean.
+    """
+    level, differences = y[0], [np.zeros_like(y[0])]
+    for own in y[1:]:
+        differences.append(_extended(own - y[0], loads))
+        level = np.where(np.isnan(level), own - differences[-1], level)
+    has_point = np.asarray(np.isfinite(y).any(axis=2))
+    has_point[0] = has_point.any(axis=0)
+    is_alone = _alone(has_point)
+    known = has_point & ~is_alone
+    apart = np.where(known[..., None], np.array(differences), np.nan)
+    if is_highest:
+        offset = np.where(known[..., None], apart, -np.inf).max(axis=0)
+    else:
+        count = np.maximum(known.sum(axis=0), 1)[:, None]
+        offset = np.where(known[..., None], apart, 0.0).sum(axis=0) / count
+    offset = _along_load(loads, offset, np.asarray(known.any(axis=0)))
+    plane = np.where(is_alone[:, None], np.nan, level + offset)
+    field = Field(loads, velocities, plane, factor)
+    return Specimen(field, apart, offset, sampling, flags, durations, is_highest, alone)
+
+
+def _extended(difference: Array, loads: Array) -> Array:
+    """Differences from the first patch at all points, from those that both have."""
+    known = np.isfinite(difference)
+    if known.all():
+        return difference
+    rows, number = np.asarray(known.any(axis=1)), np.arange(difference.shape[1])
+    away = np.where(known[:, None, :], np.abs(number[:, None] - number), np.inf)
+    # At each point the nearest known one of its load; NaN at a load without any.
+    nearest = np.take_along_axis(difference, away.argmin(axis=-1), axis=1)
+    return np.where(rows[:, None], nearest, _along_load(loads, nearest, rows))
+
+
+def _along_load(loads: Array, values: Array, rows: Mask) -> Array:
+    """Values (n_load, n_velocity), at loads other than `rows` interpolated in ln(load)."""
+    if rows.all():
+        return values
+    if not rows.any():
+        return np.zeros_like(values)
+    x = np.log(loads)
+    return np.transpose([np.interp(x, x[rows], column) for column in values[rows].T])
+
+
+def _alone(has_point: Mask) -> Mask:
+    """Mask of the loads (n_load,) of one patch (m, n_load) between loads of several."""
+    counts, number = has_point.sum(axis=0), np.arange(has_point.shape[1])
+    several = np.flatnonzero(counts > 1)
+    first, last = several[[0, -1]] if several.size else (0, 0)
+    return np.asarray((counts == 1) & (first < number) & (number < last))
+
+
+def _means(values: Array, starts: Indices, axis: int = 0) -> Array:
+    """Means of the known values of each group along an axis."""
+    known = np.isfinite(values)
+    total = np.add.reduceat(np.where(known, values, 0.0), starts, axis)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(total / np.add.reduceat(known.astype(int), starts, axis))

@@ -1,0 +1,213 @@
+"""Data frames of results with units in their headings: as text, JSON, CSV, Markdown and HTML."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import os
+import re
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
+import pandas as pd
+
+from pipeline.paths import user_path
+from pipeline.quantities import DIMENSIONS, SIZES, shown_in
+from pipeline.store.files import store_file, sync
+from tribo import InputError
+
+TABLES = (".csv", ".md", ".json")
+FIGURES = (".pdf", ".png", ".svg")
+"""Suffixes of the files that a table, or a figure, may be written to."""
+_HEAD = re.compile(r"(.+) \[(.+)\]")
+_BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
+_COLUMNS = 100  # most letters in a line of a table
+_LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
+_FEWEST_LETTERS = 20  # least width of a broken last column
+
+
+def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
+    """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
+    units = [_split_heading(head)[1] for head in heads]
+    shown = [
+        tuple(
+            shown_in(value, unit) if unit and _is_number(value) else value
+            for value, unit in zip(row, units, strict=True)
+        )
+        for row in rows
+    ]
+    return pd.DataFrame(shown, columns=pd.Index(heads))
+
+
+def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
+    """The frame without empty columns, and without the columns named in `without`."""
+    return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
+
+
+def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
+    """Pick at most `most` rows of a frame, evenly spaced, with the first and the last row."""
+    return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
+
+
+def transposed(frame: pd.DataFrame) -> pd.DataFrame:
+    """Transpose a frame of one row: each column that is not empty becomes a row."""
+    columns = short(frame)
+    (cells,) = cells_of(columns, "-")
+    return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
+
+
+def lines_of(frame: pd.DataFrame) -> list[str]:
+    """Lines of text with aligned columns, headings first.
+
+    To keep lines to 100 letters, headings and cells of the last column are broken between words. If
+    this is not enough, all cells are broken, and columns move closer.
+    """
+    texts = cells_of(frame, "-")
+    for head_letters, letters, gap in _LAYOUTS:
+        heads = [_broken(str(head), head_letters) for head in frame]
+        rows = [[_broken(text, letters) for text in row] for row in texts]
+        columns = (itertools.chain(*column) for column in zip(heads, *rows, strict=True))
+        widths = [max(map(len, column), default=0) for column in columns]
+        room = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
+        if room >= min(widths[-1], _FEWEST_LETTERS):
+            break
+    lines = [*itertools.zip_longest(*heads, fillvalue="")]
+    for row in texts:
+        parts = map(_broken, row, [*widths[:-1], max(room, _FEWEST_LETTERS)])
+        lines += itertools.zip_longest(*parts, fillvalue="")
+    return [
+        gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
+    ]
+
+
+def _broken(text: str, width: int) -> list[str]:
+    """Lines of a text, broken between words to at most `width` letters; none without text."""
+    if len(text) <= width:  # the wrapping is slow
+        return [text] * bool(text)
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
+
+
+def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
+    """Write the rows of frames as CSV, Markdown or JSON, by the suffix of the file."""
+    frame, suffix = pd.concat(frames), out.suffix.lower()
+    if suffix == ".csv":
+        cells = frame.reset_index(drop=True).apply(_as_cells).rename(columns=_as_cell)
+        text = cells.to_csv(index=False, float_format="%.6g")
+    else:
+        text = json_of(records(frames)) if suffix == ".json" else "\n".join(markdown_of(frame))
+        text += "\n"
+    return write_text(text, out)
+
+
+def _as_cells(column: pd.Series) -> pd.Series:
+    if column.dtype.kind in "biuf":
+        return column
+    return pd.Series([*map(_as_cell, column)], dtype=column.dtype, name=column.name)
+
+
+def _as_cell(value: Any) -> Any:
+    """A value of a CSV; an apostrophe before a text that a spreadsheet would take for a formula."""
+    if isinstance(value, str) and value.startswith(("=", "+", "-", "−", "@", "\t", "\r")):
+        with suppress(ValueError):
+            float(value)
+            return value
+        return f"'{value}"
+    return value
+
+
+def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
+    """Rows of frames as dictionaries by heading, for JSON."""
+    return [
+        {str(head): None if pd.isna(value) else value for head, value in row.items()}
+        for frame in frames
+        for row in frame.to_dict("records")
+    ]
+
+
+def json_of(document: Any) -> str:
+    """A document as JSON; NaN and infinity, which JSON lacks, become null."""
+    return json.dumps(_finite(document), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield the lines of the frame as a Markdown table."""
+    for number, row in enumerate([[*map(str, frame)], *cells_of(frame, "")]):
+        yield f"| {' | '.join(cell.replace('|', '/') for cell in row)} |"
+        if number == 0:
+            yield "|---" * len(row) + "|"
+
+
+def cells_of(frame: pd.DataFrame, missing: str, digits: int = 4) -> list[list[str]]:
+    """Values of a frame as text, row by row; `missing` stands for NaN and None."""
+    rows = frame.itertuples(index=False, name=None)
+    return [[missing if pd.isna(value) else _text(value, digits) for value in row] for row in rows]
+
+
+def _text(value: Any, digits: int) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if value in _BEYOND or not _is_number(value):
+        return str(_BEYOND.get(value, value))
+    return f"{value:.0f}" if abs(value) >= 10**digits else f"{value:.{digits}g}"
+
+
+def _is_number(value: Any) -> TypeGuard[float]:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and not math.isnan(value)
+
+
+def _split_heading(head: str) -> tuple[str, str]:
+    """Split a heading into name and unit; an unknown unit stays in the name."""
+    match = _HEAD.fullmatch(head)
+    is_known = match and (match[2] in SIZES or match[2] in DIMENSIONS)
+    return (match[1], match[2]) if match and is_known else (head, "")
+
+
+def write_text(text: str, out: Path) -> Path:
+    """Write text to a file in UTF-8, completely or not at all; see `write_bytes`."""
+    return write_bytes(text.encode(), out)
+
+
+def write_bytes(content: bytes, out: Path) -> Path:
+    """Write a file `out` completely, or keep the old file and raise an `InputError`."""
+    try:
+        file = Path(os.path.realpath(out))  # keeps a symbolic link in place
+        sync(store_file(file.parent, file.name, content))
+    except OSError as error:
+        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
+
+
+def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
+    """Check the path of a file to write, and return it.
+
+    Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
+    """
+    path = user_path(out)
+    if path.suffix.lower() not in suffixes:
+        allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
+        raise InputError(f"cannot write {out}: the suffix must be {allowed}")
+    try:
+        if not path.parent.is_dir():
+            raise InputError(f"cannot write {out}: there is no folder {path.parent}")
+        places = (path.parent, path) if path.exists() else (path.parent,)
+        if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
+            problem = "it is a folder, or it or its folder is not writable"
+            raise InputError(f"cannot write {out}: {problem}")
+    except OSError as error:  # such as a name that is too long
+        raise InputError(f"cannot write {out}: {error.strerror}") from error
+    return path

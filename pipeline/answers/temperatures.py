@@ -1,0 +1,91 @@
+"""Temperatures of the contact at each step of each point."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+import xarray as xr
+
+from pipeline.answers.conditions import NAMES, judged
+from pipeline.answers.results import open_sweep, sweeps_of
+from pipeline.store.place import PathLike
+from pipeline.sweep.conditions import rise_limit
+from tribo import QUANTILES, InputError
+from tribo.simulation.severity import columns_needed, rises_above_colder
+from tribo.thermal.quantiles import failed_share
+
+_MEANINGS = {
+    "max_temperature": ("max_rise", "highest temperature of the contact"),
+    "mean_temperature": ("mean_rise", "mean temperature of the contact"),
+    "temperature_quantile": ("rise_quantile", "quantile of the temperature of the contact"),
+}
+_INNER = ("step", "bulk_ratio", "cooler_share")
+
+
+@np.errstate(under="ignore")
+def temperatures(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+    """Temperatures of the contact at each step of each point.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, a part of it that keeps ``status``, or path of a store. A
+        whole large sweep takes much memory: select loads and velocities first.
+    **conditions
+        Conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+
+    Returns
+    -------
+    Dataset
+        ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
+        the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
+        critical temperature, ``failed_fraction``, the share of the contact area above it.
+
+        If friction depends on temperature, each temperature T is computed as if the whole contact
+        had the friction at T. Verdicts use the run's own solution instead.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> point = pipeline.open_sweep("results/first_try.zarr").sel(load=600, velocity=1.6)
+    >>> end = pipeline.end_of_point(point)
+    >>> pipeline.temperatures(end)["max_temperature"].round().item()
+    436.0
+    >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
+    464.0
+    """
+    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    if unknown := conditions.keys() - {*NAMES}:
+        raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
+    if len(ds["cooler_share"]) < len(QUANTILES):
+        raise InputError(
+            f"the dataset has {len(ds['cooler_share'])} of {len(QUANTILES)} shares of the contact "
+            "(cooler_share), and needs all; select some from the result"
+        )
+    whole = list[xr.Dataset]()
+    for case, part in sweeps_of(ds):
+        own = judged(case.conditions, conditions)
+        names = {"max_rise", "mean_rise", "rise_quantile", *columns_needed(own)}
+        axes, like = (*part["status"].dims, *_INNER), part["status"]
+        held = {
+            name: part[name].broadcast_like(like).transpose(*axes, missing_dims="ignore")
+            for name in names
+        }
+        rises = rises_above_colder({name: one.values for name, one in held.items()}, own)
+        found = xr.Dataset()
+        for name, (rise, meaning) in _MEANINGS.items():
+            found[name] = held[rise].copy(data=own.contact_temperature(rises[rise]))
+            found[name].attrs = {"units": "K", "long_name": meaning}
+        if own.critical_temperature is not None:
+            failed = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
+            share = failed(rises["rise_quantile"], rise_limit(own))
+            share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
+            found["failed_fraction"] = held["max_rise"].copy(data=share)
+            found["failed_fraction"].attrs = {
+                "units": "1",
+                "long_name": "share of the contact above the critical temperature",
+            }
+        whole.append(found)
+    joined: Any = whole[0] if len(whole) == 1 else xr.combine_by_coords(whole)
+    return cast(xr.Dataset, joined)

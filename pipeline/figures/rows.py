@@ -1,0 +1,121 @@
+"""Operating points row by row: a duty, a cam or a gear mesh, and the row that decides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import pipeline
+from pipeline.answers import words
+from pipeline.answers.conditions import NAMES
+from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.results import sweep_of
+from pipeline.answers.units import value_words
+from pipeline.answers.words import ABOUT
+from pipeline.figures import style
+from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.store.schema import PLANE
+from tribo import InputError
+
+MARKS: dict[str, tuple[str, dict[str, Any]]] = {
+    MILD: ("mild", {"marker": "o", "mfc": "white", "mec": BLUE}),
+    NOT_DECIDED: ("not decided", {"marker": "D", "mfc": TINTS["severe"], "mec": VERMILION}),
+    SEVERE: ("severe", {"marker": "s", "mfc": VERMILION, "mec": VERMILION}),
+    OUTSIDE: ("outside the model", {"marker": "X", "mfc": "white", "mec": GREY}),
+}
+"""Label and mark of a row by its verdict."""
+_HIGHEST = 0.32  # height of a row in a figure of few rows [in]
+_NUMBER = tuple("0123456789+-−.")
+_MOST_NAMED = 40  # rows up to which each has its label
+
+
+@style.house_style
+def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
+    """Draw the reserve below the critical temperature of each row of a sweep, with its label."""
+    found = pipeline.margin(ds, **conditions)
+    if len(found.sizes) != 1:
+        raise InputError(f"rows under several conditions ({', '.join(map(str, found.sizes))})")
+    return draw_rows(found, style.as_text(sweep_of(ds).title))
+
+
+@style.house_style
+def draw_rows(found: xr.Dataset, title: str) -> Figure:
+    """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
+
+    The distance is how far the contact stays below the critical temperature, with its numerical
+    error; at the right stands the probability of severe wear. The deciding row is bold: that with
+    the highest probability.
+    """
+    reserve, error = (found[name].values for name in ("distance", "temperature_error"))
+    if np.isnan(reserve).all():
+        raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
+    names = row_names(found)
+    places = np.arange(len(names))
+    figure, axes = style.canvas((8.0, 1.6 + _HIGHEST * min(len(names), _MOST_NAMED)))
+    axes.axvline(0.0, color=BLACK, label="critical temperature")
+    low, high = min(0.0, np.nanmin(reserve - np.nan_to_num(error))), max(0.0, np.nanmax(reserve))
+    room = 0.08 * (high - low)
+    axes.axvspan(low - room, 0.0, fc=TINTS["severe"], zorder=0)
+    axes.errorbar(
+        reserve, places, xerr=np.nan_to_num(error), fmt="none", ecolor=GREY, elinewidth=1.2,
+        label="numerical error",
+    )  # fmt: skip
+    for verdict, (label, look) in MARKS.items():
+        here = found["verdict"].values == verdict
+        if here.any():
+            axes.plot(reserve[here], places[here], ls="none", ms=7, label=label, **look)
+    decides = deciding_row(found)
+    axes.annotate(
+        "severe wear likely by", (1.0, 1.0), (60, 5), xycoords="axes fraction", ha="right",
+        textcoords="offset points", annotation_clip=False, fontsize="small",
+    )  # fmt: skip
+    ticks = places if len(names) <= _MOST_NAMED else places[:: -(-len(names) // _MOST_NAMED)]
+    ticks = np.union1d(ticks, [decides])
+    shown = axes.set_yticks(ticks, [names[k] for k in ticks])
+    for side in ticks:
+        likely = found["probability"].values[side]
+        told = "" if np.isnan(likely) else words.percent(likely)
+        axes.annotate(
+            "not known" if np.isnan(reserve[side]) else told, (1.0, side), (4, 0),
+            xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
+            annotation_clip=False, fontsize="small",
+            fontweight="bold" if side == decides else "normal",
+        )  # fmt: skip
+    for tick, place in zip(shown, ticks, strict=True):
+        tick.label1.set_fontweight("bold" if place == decides else "normal")
+    axes.axhspan(decides - 0.5, decides + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
+    axes.set(
+        xlim=(low - room, high + room), ylim=(len(names) - 0.5, -0.5),
+        xlabel="reserve below the critical temperature [K]",
+    )  # fmt: skip
+    style.write_title(axes, title)
+    lines = [f"deciding row: {names[decides]}"]
+    lines += words.judged_at(found)
+    lines += [f"the model's own error: {one}" for one in words.told(found, "model_error")[:1]]
+    style.legend_below(figure, 3, caption="\n".join(lines))
+    return figure
+
+
+def deciding_row(found: xr.Dataset) -> int:
+    """Position of the row that is most likely severe; of equal ones that with the least reserve."""
+    likely = np.nan_to_num(found["probability"].values, nan=-1.0)
+    return int(np.lexsort((-found["distance"].values, likely))[-1])
+
+
+def row_names(found: xr.Dataset) -> list[str]:
+    """Label of each row: its first column of the user's own, else load and velocity."""
+    (row,) = found["verdict"].dims
+    hidden = {*PLANE, *ABOUT, *NAMES}
+    own = [name for name, one in found.coords.items() if one.dims == (row,) and name not in hidden]
+    if not own:
+        places = zip(*(found[name].values.tolist() for name in PLANE), strict=True)
+        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in places]
+    axis = found[min(own, key=lambda name: name == row)]
+    texts = [style.as_text(value_words(axis, one)) for one in axis.values.tolist()]
+    name = str(axis.name).replace("_", " ").partition(" [")
+    named = (f"{name[0]} {one} {name[2][:-1]}".rstrip() for one in texts)
+    return [many if one[:1] in _NUMBER else one for one, many in zip(texts, named, strict=True)]

@@ -1,0 +1,87 @@
+"""Operating points to be judged: loads and velocities, with conditions of each, from a table."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.limits import MOST_PLACES
+from pipeline.sweep.case import Place
+from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
+from pipeline.table import read_columns, rows_of
+from pipeline.units import in_si, share_of
+from tribo import InputError
+
+_LIKE = {
+    "load": "200 N", "velocity": "1.25 m/s",
+    "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
+}  # fmt: skip
+_PLACE = "load", "velocity"
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoints:
+    """Operating points, loads [N] and velocities [m/s], and other columns of their table.
+
+    `conditions` has friction, bulk and critical temperature [K] of each point, if the table gives
+    them.
+    """
+
+    places: tuple[Place, ...]
+    others: Mapping[str, Sequence[Any]]
+    conditions: tuple[Mapping[str, float], ...] = ()
+
+    @property
+    def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
+        """Place and conditions of each row."""
+        return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
+
+    @classmethod
+    def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
+        """Read a file as CSV or Excel, or columns by heading, such as a data frame.
+
+        Columns of quantities that are no condition are passed on. Raises an `InputError` if the
+        table is unreadable, lacks a column, or has a faulty row.
+        """
+        given = Path(source) if isinstance(source, str | os.PathLike) else source
+        columns, names = read_columns(given, MOST_PLACES), (*_PLACE, *CONDITION_ENTRIES)
+        written = rows_of(columns, names, _faults_in, _PLACE)
+        if not written:
+            raise InputError("the table of operating points has no rows; give one at least")
+        read = [{name: _value(name, cell) for name, cell in row.items()} for row in written]
+        others = {one.head: one.cells for one in columns if one.name not in names}
+        conditions = tuple(
+            {name: row[name] for name in CONDITION_ENTRIES if name in row} for row in read
+        )
+        return cls(tuple((row["load"], row["velocity"]) for row in read), others, conditions)
+
+
+def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    yield from ((name, "missing") for name in _PLACE if name not in row)
+    for name, cell in row.items():
+        try:
+            _value(name, cell)
+        except ValueError as error:
+            yield name, str(error)
+
+
+def _value(name: str, cell: Any) -> float:
+    """Value of a cell in SI; `InputError` or ValueError if it has none, or is out of range."""
+    if name == "friction":
+        value, ends = float(cell), (0.0, math.inf)
+    elif name == "failing_share":
+        value, ends = share_of(cell), (0.0, math.nextafter(1.0, 0.0))
+    else:
+        if not isinstance(cell, str):
+            raise InputError(f"{cell} has no unit; give one such as {_LIKE[name]}")
+        value, ends = in_si(name, cell, _LIKE[name]), (math.ulp(0.0), math.inf)
+        if name == "bulk_temperature":
+            low, high = (in_si(name, end, "1 K") for end in OIL_WORKS)
+            ends = low, high
+    if not ends[0] <= value <= ends[1] or math.isinf(value):
+        raise InputError(f"{cell} is out of range")
+    return value

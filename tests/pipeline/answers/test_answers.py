@@ -1,0 +1,99 @@
+"""Curves, likelihood, errors and dominance of answers, against independent references."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
+from scipy.stats import t as student
+
+from pipeline.answers.error import interpolation_errors
+from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.answers.pchip import Pchip, roots
+from pipeline.answers.specimen import merged
+
+LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
+
+
+def field(loads=LOADS, velocities=VELOCITIES):
+    """A specimen with some curvature and roughness, always the same at the same place."""
+    f, v = np.log(loads)[:, None], np.log(velocities)
+    y = 0.8 * f + 0.62 * v - 0.04 * v**2 + 0.01 * np.sin(9 * f + 5 * v)
+    ones = np.ones(y.shape)
+    return merged(loads, velocities, y[None], 0.02 * ones[:, 0], ones.astype(int), ones)
+
+
+def errors(specimen, loads, velocities):
+    along, between = interpolation_errors(specimen, loads, velocities)
+    return np.hypot(along.sum(axis=0), between)
+
+
+def test_curves_are_those_of_scipy():
+    rng = np.random.default_rng(1)
+    for n in (2, 3, 4, 9):
+        x, y = np.sort(rng.uniform(0, 3, n)), rng.normal(size=(n, 5))
+        at = rng.uniform(x[0], x[-1], 40)
+        ours = Pchip(x, y).at(at[:, None], np.arange(5))
+        assert ours == pytest.approx(PchipInterpolator(x, y)(at), abs=1e-12)
+
+
+def test_roots_are_found():
+    aim = np.linspace(0.1, 7.9, 50)
+    found = roots(lambda x: x**3 - aim, np.zeros(50), np.full(50, 2.0))
+    assert found == pytest.approx(aim ** (1 / 3), rel=1e-12)
+
+
+SETS = {
+    "none": [],
+    "one severe, far": [Outcome(severe=-0.75)],
+    "five severe": [Outcome(severe=-0.3)] * 5,
+    "ten mild": [Outcome(mild=0.1)] * 10,
+    "transitions": [Outcome(y, y) for y in (0.059, 0.008, -0.088, 0.024)],
+    "a slip": [Outcome(severe=-2.0), *[Outcome(y, y) for y in (0.05, 0.0)]],
+    "one transition, far": [Outcome(-2.0, -2.0)],
+    "a step": [Outcome(0.1, -0.1)],
+    "contradicting": [Outcome(-0.1, 0.2), Outcome(mild=0.3)],
+}
+
+
+@pytest.mark.parametrize("results", SETS.values(), ids=SETS)
+def test_probability_is_that_of_brute_force(results):
+    u, v = np.linspace(-7, 7, 3001), np.linspace(math.log(0.003), math.log(60), 181)
+    bias, scatter = 0.03 * np.sinh(u)[:, None], np.exp(v)
+    logs = student.logpdf(bias / 0.05, 4) + np.log(np.cosh(u))[:, None]
+    logs = logs - 4 * v - 2 * 0.055**2 / scatter**2
+    for one in results:
+        logs = logs + one.log_likelihood(bias, scatter)
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    y = np.array([-2.1, -2.03, -1.9, -0.5, -0.1, 0.0, 0.1, 0.4])
+    exact = [(weights * ndtr((one + bias) / scatter)).sum() for one in y]
+    found = update(tuple(results), Prior())
+    assert found.probability(y) == pytest.approx(exact, abs=1e-4)
+    assert found.probability(np.array([found.level(0.05)])) == pytest.approx(0.05, abs=1e-9)
+
+
+def test_errors_are_0_at_points_and_continuous():
+    one = field()
+    f, v = (a.ravel() for a in np.meshgrid(LOADS, VELOCITIES, indexing="ij"))
+    assert errors(one, f, v) == pytest.approx(0, abs=1e-12)
+    inner = LOADS[1:-1]
+    for way in (-1e-12, 1e-12):
+        beside = errors(one, inner * (1 + way), np.full(3, 1.7))
+        assert beside == pytest.approx(errors(one, inner, np.full(3, 1.7)), abs=1e-6)
+
+
+def test_points_elsewhere_never_change_an_error():
+    few = field(velocities=VELOCITIES[1:5])
+    f, v = np.linspace(200, 750, 40), np.linspace(1.5, 2.5, 40)
+    assert errors(field(), f, v) == pytest.approx(errors(few, f, v), rel=1e-12)
+
+
+def test_points_beside_make_an_error_smaller():
+    loads = np.sort(np.append(LOADS, [250, 350, 500, 675]))
+    rng = np.random.default_rng(2)
+    f, v = rng.uniform(200, 750, 200), rng.uniform(0.5, 5, 200)
+    before, after = errors(field(), f, v), errors(field(loads), f, v)
+    assert (after <= 1.1 * before).all()
+    assert after.mean() < 0.8 * before.mean()

@@ -1,0 +1,21 @@
+"""A place at the edge of a sweep is met to the six digits in which edges are printed."""
+
+import pytest
+
+from tests.helpers import synthetic
+from tests.helpers.asked import asked
+
+
+@pytest.mark.parametrize("place", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])
+def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
+    ds = synthetic.sweep()
+    edge, here = asked(ds, 750.0, 4.0), asked(ds, *place)
+    assert here.probability == pytest.approx(edge.probability, rel=1e-6)
+    assert (here.load, here.velocity) == pytest.approx((750.0, 4.0), rel=1e-5)
+
+
+@pytest.mark.parametrize("place", [("751 N", "4 m/s"), ("750 N", "4.001 m/s")])
+def test_a_place_beyond_by_more_than_rounding_is_refused(place):
+    here = asked(synthetic.sweep(), *place)
+    assert here.verdict == "not known"
+    assert "the sweep has" in here.reason

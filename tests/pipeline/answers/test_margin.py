@@ -1,0 +1,194 @@
+"""Margins of operating points, on a rise that is known in closed form."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.constants import PRESET_BOUNDS, RISE_SHARE
+from pipeline.store.schema import FAILED, PENDING
+from tests.helpers import page_sweeps, synthetic
+from tests.helpers.asked import asked
+from tribo import WarningKind
+
+LIMIT = synthetic.limit()
+
+
+def without_model_error(**told):
+    return synthetic.sweep(model_bias=0.0, model_scatter=0.001, measured=(), **told)
+
+
+@pytest.mark.parametrize(("load", "velocity"), [(320.0, 2.1), (480.0, 2.25)])
+def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
+    slow = asked(synthetic.sweep(), load, velocity, critical_temperature=348.15)
+    critical = synthetic.critical_velocity(load, synthetic.limit(critical=348.15))
+    assert 0.5 < critical < 1.0
+    assert slow.critical_velocity == pytest.approx(critical, rel=1e-9)
+    result = asked(synthetic.sweep(), load, velocity)
+    warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
+    assert result.temperature == pytest.approx(warm, rel=1e-12)
+    # The least that is stated between two of four velocities: its points may be bent or rough.
+    assert 0.0 < result.error_interpolation < 0.006 * (warm - 298.15)
+    assert result.distance == pytest.approx(418.15 - warm, abs=1e-9)
+    assert (result.probability > 0.5) == (warm > 418.15)
+    critical = synthetic.critical_velocity(load, LIMIT)
+    assert result.critical_velocity == pytest.approx(critical, rel=1e-9)
+    if result.load_outcome == "crosses":
+        critical = synthetic.critical_load(velocity, LIMIT)
+        assert result.critical_load == pytest.approx(critical, rel=1e-9)
+
+
+def surfaces(*rises, **told):
+    """Sweep on several surfaces, each with its own function of the rise."""
+    several = [synthetic.sweep(rise=rise, **told) for rise in rises]
+    labels = xr.Variable("realization", range(len(rises)))
+    return xr.concat(several, labels, combine_attrs="override")
+
+
+FACTORS = np.array([1.0, 1.05, 0.97, 1.2])
+
+
+def lifted(*, status=None):
+    """Sweep on four patches whose rises differ by factors; some lack points."""
+    told = [{"status": {}} for _ in FACTORS]
+    if status:
+        told[status[0]]["status"] = status[1]
+    parts = [
+        synthetic.sweep(
+            rise=lambda F, V, q=1.0, k=k: k * synthetic.rise(F, V, q), measured=(), **own
+        )
+        for k, own in zip(FACTORS, told, strict=True)
+    ]
+    return xr.concat(parts, xr.Variable("realization", range(4)), combine_attrs="override")
+
+
+@pytest.mark.parametrize("criterion", [None, "mean", "highest"])
+def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their_highest(criterion):
+    alone = synthetic.sweep(measured=())
+    found = asked(lifted(), 400.0, 2.0, criterion=criterion)
+    factor = FACTORS.max() if criterion == "highest" else np.exp(np.log(FACTORS).mean())
+    rise = asked(alone, 400.0, 2.0, criterion=criterion).temperature - 298.15
+    assert found.temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
+    assert found.patches == 4
+
+
+def test_a_patch_that_lacks_places_counts_by_its_difference_from_the_first():
+    whole = pipeline.boundary(lifted())
+    missing = {(400.0, v): PENDING for v in synthetic.VELOCITIES if v != 1.0}
+    found = pipeline.boundary(lifted(status=(3, missing)))
+    expected = whole["critical_velocity"].values
+    np.testing.assert_allclose(found["critical_velocity"], expected, rtol=1e-12)
+
+
+def wavy(load, velocity, quantile=1.0):
+    return synthetic.rise(load, velocity, quantile) * (1 + 0.02 * np.sin(3 * velocity + load / 90))
+
+
+def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
+    ds = synthetic.sweep(rise=wavy)
+    rng = np.random.default_rng(5)
+    places = zip(rng.uniform(210, 740, 10), rng.uniform(0.6, 3.9, 10), strict=True)
+    covered = []
+    for load, velocity in places:
+        result = asked(ds, load, velocity)
+        true = 298.15 + 0.1 * wavy(load, velocity, 0.9)
+        assert result.error_interpolation < 3.0
+        covered.append(abs(result.temperature - true) <= result.error_interpolation)
+    assert np.mean(covered) > 0.85
+
+
+@pytest.mark.parametrize(("load", "velocity"), [(400.0, 2.25), (425.0, 2.1)])
+@pytest.mark.parametrize(("side", "verdict"), [(1, "mild"), (-1, "severe")])
+def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, side, verdict):
+    ds = without_model_error(rise=wavy)
+    here = asked(ds, load, velocity)
+    for share, expected in ((0.7, "not decided"), (2.5, verdict)):
+        critical = here.temperature + side * share * here.temperature_error
+        judged = asked(ds, load, velocity, critical_temperature=critical)
+        assert judged.verdict == expected
+
+
+@pytest.mark.parametrize("steeper", [0.0, 0.2])
+@pytest.mark.parametrize("preset", ["standard", "fine"])
+def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(preset, steeper):
+    def bent(load, velocity, quantile=1.0):
+        return synthetic.rise(load, velocity, quantile) * (velocity / 2) ** steeper
+
+    for load in (400.0, 425.0):
+        here = asked(synthetic.sweep(preset=preset, rise=bent), load, 2.0)
+        rise = here.temperature - 298.15
+        share = RISE_SHARE * PRESET_BOUNDS[preset]
+        assert here.error_preset == pytest.approx(rise * share, rel=1e-9)
+
+
+def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_undecides():
+    ds = synthetic.sweep()
+    clean = asked(ds, 425.0, 2.1)
+    for kind, share in ((WarningKind.FEW_STEPS, 0.1), (WarningKind.CONTACT_AT_EDGE, None)):
+        flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2.0), int(kind), 0)
+        warned = ds.assign(warning_flags=flags)
+        beside, far = asked(warned, 425.0, 2.1), asked(warned, 425.0, 3.1)
+        rise = beside.temperature - 298.15
+        size = rise * (np.nan if share is None else share)
+        # Between the points it is that share of it by which the warned one counts.
+        assert np.isnan(size) or 0.1 * size < beside.error_warnings < size
+        assert np.isnan(beside.error_warnings) == np.isnan(size)
+        assert far.error_warnings == 0.0
+    assert (clean.error_warnings, beside.verdict) == (0.0, "not decided")
+
+
+@pytest.mark.parametrize(
+    ("status", "also"), [(PENDING, ()), (FAILED, ((400.0, 1.75), (450.0, 2.0)))]
+)
+def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(status, also):
+    missing = dict.fromkeys(((400.0, 2.0), *also), status)
+    partial, whole = synthetic.sweep(rise=wavy, status=missing), synthetic.sweep(rise=wavy)
+    masked = whole.where((whole["load"] != 400.0) | (whole["velocity"] != 2.0))
+    true = asked(whole, 400.0, 2.0)
+    assert not true.flags
+    assert true.error_interpolation == 0.0
+    for ds in (partial, masked.assign(status=partial["status"])):
+        here = asked(ds, 400.0, 2.0)
+        off = abs(here.temperature - true.temperature)
+        assert "interpolated" in here.flags
+        assert 0 < off <= here.error_interpolation
+
+
+def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():
+    places = {(load, v) for load in synthetic.LOADS for v in synthetic.VELOCITIES}
+    critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
+    far = {place: PENDING for place in places if abs(np.log(place[1] / critical[place[0]])) > 0.3}
+    result = asked(synthetic.sweep(status=far), 425.0, 1.0)
+    warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
+    assert result.temperature == pytest.approx(warm, rel=1e-9)
+    nearer = asked(synthetic.sweep(status=far), 425.0, 1.3)
+    assert 0 < nearer.error_interpolation < result.error_interpolation < 0.2 * (warm - 298.15)
+    assert result.verdict == "mild"
+
+
+def test_what_is_continued_tells_its_error():
+    missed = []
+    for seed in range(2):
+        searched = page_sweeps.along_boundary(seed)
+        whole = page_sweeps.one(status={}, rise=page_sweeps.uneven(seed))
+        for load, velocity in itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0)):
+            beyond = asked(searched, load, velocity)
+            if "extrapolated" in beyond.flags:
+                true = asked(whole, load, velocity).temperature
+                missed.append((beyond.temperature - true) / beyond.error_interpolation)
+    assert len(missed) >= 5
+    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
+
+
+def test_the_caveat_of_a_scene_stands_beside_each_verdict():
+    ds = synthetic.sweep(caveat="Not validated: no test of this steel.")
+    assert asked(ds, 400.0, 2.0).notes[0] == "Not validated: no test of this steel."
+
+
+def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
+    here = asked(synthetic.sweep(preset=None), 400.0, 0.5)
+    assert np.isnan(here.temperature_error)
+    assert here.verdict == "not decided"
+    assert (here.probability_low, here.probability_high) == (0.0, 1.0)

@@ -1,0 +1,192 @@
+"""Patches of one specimen, by the front door: their mean, what they lack, and how they may err."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import t
+
+import pipeline
+from pipeline.answers.error import PARTS, patches_bound, patches_needed
+from pipeline.answers.specimen import Alone
+from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
+from pipeline.store.schema import FAILED, PENDING
+from tests.helpers import synthetic
+from tests.helpers.asked import asked
+from tests.helpers.entries import bare_test
+from tribo import QUANTILES
+
+LOCAL, SWEPT = Alone(*ALONE_IN_LOCAL_WEAR), Alone()
+LIFTS = (1.0, 1.1, 0.9, 1.05, 0.97)
+LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
+HOTTEST_TENTH = QUANTILES.index(0.9)
+
+
+def patches(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
+    """Sweep of several patches, each a factor hotter than the first; `states` by patch."""
+    sweeps = []
+    for seed, lift in enumerate(lifts):
+        one = synthetic.sweep(
+            LOADS,
+            VELOCITIES,
+            rise=lambda F, V, q=1.0, k=lift, own=seed: (
+                k * (F / 400.0) ** (growth * own) * synthetic.rise(F, V, q)
+            ),
+            status=(states or {}).get(seed),
+            **{"measured": ()} | told,
+        )
+        deviations = np.full(one["rise_sampling"].shape, sampling)
+        one["rise_sampling"] = one["rise_sampling"].dims, deviations
+        sweeps.append(one)
+    seeds = xr.Variable("realization", np.arange(len(lifts)))
+    return xr.concat(sweeps, seeds, coords="minimal", compat="override", combine_attrs="override")
+
+
+def only(*places, state=PENDING):
+    """States of a patch that is done at these places alone."""
+    return {(F, V): state for F in LOADS for V in VELOCITIES if (F, V) not in places}
+
+
+def factor(ds, **conditions):
+    """Rise of the specimen at each load over that of the closed form, from its boundary."""
+    found = pipeline.boundary(ds, **conditions)["critical_velocity"].values
+    share = 0.0 if conditions else 0.1
+    own = synthetic.critical_velocity(np.array(LOADS), synthetic.limit(), share)
+    return (own / found) ** synthetic.VELOCITY_EXPONENT
+
+
+def test_a_patch_with_one_point_a_load_counts_along_all_of_its_velocities():
+    places = [(F, 2.0) for F in LOADS]
+    sparse = patches(states={k: only(*places) for k in range(1, len(LIFTS))})
+    mean = math.exp(np.log(LIFTS).mean())
+    np.testing.assert_allclose(factor(sparse), mean, rtol=1e-12)
+    np.testing.assert_allclose(factor(patches()), mean, rtol=1e-12)
+
+
+def test_a_load_of_one_patch_between_loads_of_several_follows_from_these():
+    """The plane of the first patch beside a run with an accuracy moves no load away from others."""
+    lacks_400 = patches((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2)
+    expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
+    np.testing.assert_allclose(factor(lacks_400), expected, rtol=1e-12)
+
+
+def test_beyond_the_loads_of_several_patches_the_first_counts_alone():
+    lacks_200 = patches((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2)
+    expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
+    expected[0] = 1.0
+    np.testing.assert_allclose(factor(lacks_200), expected, rtol=1e-12)
+
+
+def test_at_a_load_without_a_point_patches_differ_as_at_the_loads_beside():
+    lacks_400 = patches((1.0, 1.1), {k: only((200.0, 2.0), (600.0, 2.0)) for k in (0, 1)})
+    found = asked(lacks_400, 400.0, 2.0)
+    beside = asked(lacks_400, 200.0, 2.0)
+    assert found.patches == beside.patches == 2
+
+
+def test_a_place_that_the_first_patch_lacks_stands_on_the_level_of_the_others():
+    first_lacks = patches((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}})
+    np.testing.assert_allclose(factor(first_lacks), math.sqrt(1.1), rtol=1e-12)
+
+
+def test_a_first_patch_without_a_point_does_not_hide_the_others():
+    np.testing.assert_allclose(factor(patches(states={0: only()})), math.exp(
+        np.log(LIFTS[1:]).mean()
+    ), rtol=1e-12)  # fmt: skip
+
+
+def test_where_the_highest_temperature_decides_the_hottest_patch_does():
+    for conditions in ({"criterion": "highest"}, {"share": 0.0}):
+        np.testing.assert_allclose(factor(patches(), **conditions), max(LIFTS), rtol=1e-12)
+
+
+def test_one_patch_is_shown_alone():
+    one = patches().sel(realization=[2])
+    np.testing.assert_allclose(factor(one)[1:], LIFTS[2], rtol=1e-12)
+    assert asked(one, 400.0, 2.0).patches == 1
+
+
+def test_a_patch_that_failed_is_left_out_of_the_whole_plane_and_named_if_four_stay():
+    failed = {3: {(600.0, 4.0): FAILED}}
+    here = asked(patches(states=failed), 400.0, 2.0)
+    assert here.patches == 4
+    assert any("seeds 3" in line for line in here.notes)
+    rest = [lift for seed, lift in enumerate(LIFTS) if seed != 3]
+    np.testing.assert_allclose(
+        factor(patches(states=failed)), math.exp(np.log(rest).mean()), rtol=1e-12
+    )
+    few = patches(LIFTS[:4], failed)
+    assert asked(few, 400.0, 2.0).patches == 4
+    np.testing.assert_allclose(factor(few), math.exp(np.log(LIFTS[:4]).mean()), rtol=1e-12)
+
+
+def test_a_failed_patch_stays_where_it_alone_has_points():
+    sparse = {k: only((400.0, 2.0)) for k in range(1, len(LIFTS))}
+    first_failed = patches(states=sparse | {0: {(600.0, 4.0): FAILED}})
+    assert asked(first_failed, 400.0, 2.0).patches == len(LIFTS)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(count):
+    found = asked(patches(LIFTS[:count], sampling=0.03), 400.0, 2.0)
+    levels = np.log(LIFTS[:count])
+    spread = np.sum((levels - levels.mean()) ** 2)
+    deviation = math.sqrt((7 * 0.03**2 + spread) / (6 + count))
+    expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
+    rise = found.temperature - synthetic.CONDITIONS["bulk_temperature"]
+    assert found.error_surface / rise == pytest.approx(expected, rel=1e-12)
+    parts = [getattr(found, f"error_{part}") for part in PARTS]
+    assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_with_local_wear_a_patch_alone_tells_little_and_several_tell_by_their_spread():
+    degrees, factor = ALONE_IN_LOCAL_WEAR
+    one = patches_bound(1, 0.0, 0.02, alone=LOCAL)
+    assert one == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
+    assert one > 5 * patches_bound(1, 0.0, 0.02)
+    squares = 15 * 0.06**2  # of patches that differ by 6 %
+    deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
+    expected = t(degrees + 15).ppf(0.975) * deviation / 4
+    assert patches_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(expected, rel=1e-12)
+    assert expected > 1.1 * patches_bound(16, squares, 0.005)
+    assert patches_needed(1, 9.0, 256, alone=LOCAL) == 4
+    scene = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"}).scene
+    assert (Alone.of(scene), Alone.of(replace(scene, wear=None))) == (LOCAL, SWEPT)
+
+
+def test_the_boundary_states_its_error_and_the_part_of_the_surface():
+    ds = patches(sampling=0.03)
+    found = pipeline.boundary(ds).sel(load=400.0)
+    here = asked(ds, 400.0, found["critical_velocity"].item())
+    rise = here.temperature - synthetic.CONDITIONS["bulk_temperature"]
+    parts = np.array([getattr(here, f"error_{part}") for part in PARTS])
+    parts = parts / rise / synthetic.VELOCITY_EXPONENT
+    parts[1] = here.error_preset / rise / RISE_SHARE  # promised of the velocity itself
+    assert found["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
+    assert found["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
+
+
+def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
+    relative = []
+    for criterion in ("share", "highest"):
+        found = asked(patches(), 400.0, 2.0, criterion=criterion)
+        relative.append(found.error_surface / (found.temperature - 298.15))
+    assert relative[1] / relative[0] == pytest.approx(math.sqrt(len(LIFTS)), rel=1e-9)
+
+
+def test_a_test_is_computed_on_the_first_patch_and_stands_on_the_level_of_the_specimen():
+    tests = {"measured": (bare_test(400.0, 2.0),)}
+    several = patches((1.0, 1.21), **tests)
+    hotter = patches((1.1,), **tests)
+    both = [asked(ds, 600.0, 1.5).probability for ds in (several, hotter)]
+    assert both[0] == pytest.approx(both[1], rel=1e-9)
+    plain = asked(patches((1.0,), **tests), 600.0, 1.5, friction=0.11).probability
+    assert both[0] != pytest.approx(plain, rel=1e-2)
+
+
+def test_the_specimen_of_patches_that_differ_a_lot_is_decided_by_more_patches():
+    here = asked(patches((1.0, 1.4), sampling=0.1), 400.0, 1.9)
+    assert here.verdict == "not decided"
+    assert here.error_surface == max(getattr(here, f"error_{part}") for part in PARTS)

@@ -1,0 +1,206 @@
+"""What tests say of places, by the front door: runs, steps, waiting tests, dominance, inference."""
+
+import math
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.answers.field import Outcome as Along
+from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.store.schema import FAILED, PENDING
+from tests.helpers import synthetic
+from tests.helpers.asked import asked
+from tests.helpers.entries import bare_test
+
+LIMIT = synthetic.limit()
+LOAD = 400.0
+
+
+def at(y, outcome=None, **own):
+    """Test at which y = ln(rise/limit) is a given number."""
+    velocity = synthetic.critical_velocity(LOAD, math.exp(y) * LIMIT)
+    return bare_test(LOAD, float(velocity), outcome=outcome, **own)
+
+
+def swept(*tests, **told):
+    transitions = tuple(test for test in tests if not test.outcome)
+    others = tuple(test for test in tests if test.outcome)
+    return synthetic.sweep(measured=transitions, tested=others, **told)
+
+
+def chances(ds, *ys):
+    """Probabilities at places of other loads, so that no test is beside them."""
+    loads = np.full(len(ys), 500.0)
+    limits = np.exp(ys) * LIMIT
+    velocities = synthetic.critical_velocity(500.0, limits)
+    return pipeline.margin(ds, loads, velocities)["probability"].values
+
+
+# Ends of an interval, as tests, and the result that they are
+SPECIMENS = {
+    "mild rows count by the highest": (
+        [at(-0.3, "mild", run="a"), at(-0.1, "mild", run="a")],
+        Outcome(mild=-0.1),
+    ),
+    "severe rows count by the lowest": (
+        [at(0.2, "severe", run="a"), at(0.1, "severe", run="a")],
+        Outcome(severe=0.1),
+    ),
+    "both are an interval": (
+        [at(-0.2, "mild", run="a"), at(0.1, "severe", run="a")],
+        Outcome(0.1, -0.2),
+    ),
+    "inverted ones are a transition in their middle": (
+        [at(0.2, "mild", run="a"), at(0.0, "severe", run="a")],
+        Outcome(0.0, 0.2),
+    ),
+    "a transition has no width": ([at(-0.1)], Outcome(-0.1, -0.1)),
+}
+
+
+@pytest.mark.parametrize("name", SPECIMENS)
+def test_rows_of_one_specimen_are_one_result(name):
+    tests, result = SPECIMENS[name]
+    ys = np.array([-0.25, -0.05, 0.1, 0.2])
+    expected = update((result,), Prior()).probability(ys)
+    assert chances(swept(*tests), *ys) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_transition_with_a_step_is_the_interval_of_the_step():
+    test = at(0.0)
+    stepped = bare_test(LOAD, test.velocity, velocity_step=0.5)
+    low = math.log((test.velocity - 0.5) / test.velocity) * synthetic.VELOCITY_EXPONENT
+    expected = update((Outcome(0.0, low),), Prior()).probability(np.array([-0.1, 0.1]))
+    assert chances(swept(stepped), -0.1, 0.1) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_test_outside_the_plane_counts_as_one_inside():
+    outside = bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
+    inside = at(math.log(0.9))
+    assert chances(swept(outside), -0.2, 0.1) == pytest.approx(
+        chances(swept(inside), -0.2, 0.1), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("state", [PENDING, FAILED])
+@pytest.mark.parametrize(
+    ("outcome", "closed"), [("severe", {"mild"}), ("mild", {"severe"}), (None, {"mild", "severe"})]
+)
+def test_while_a_test_has_no_result_no_verdict_is_given_that_it_may_forbid(state, outcome, closed):
+    ds = swept(at(0.0, outcome))
+    ds = synthetic.with_tests(ds, status=state)
+    found = [asked(ds, 500.0, v) for v in (0.5, 4.0)]
+    for margin, usual in zip(found, ("mild", "severe"), strict=True):
+        assert margin.verdict == ("not decided" if usual in closed else usual)
+        if usual in closed:
+            assert margin.reason.startswith("test 1 (")
+            assert "irg run" in margin.reason
+    alone = ds.assign_attrs(without_tests="yes")
+    assert [asked(alone, 500.0, v).verdict for v in (0.5, 4.0)] == ["mild", "severe"]
+    assert chances(ds, -0.1, 0.1) == pytest.approx(chances(alone, -0.1, 0.1))
+
+
+def test_a_dataset_without_the_points_of_its_tests_says_so():
+    ds = swept(at(0.0))
+    lost = ds.drop_vars([name for name in ds.coords if str(name).startswith("test")])
+    margin = asked(lost, 500.0, 0.5)
+    assert margin.verdict == "not decided"
+    assert "waits for its point" in margin.reason
+
+
+EASIER = {
+    "load": (0.9, 1.0, {}),
+    "velocity": (1.0, 0.9, {}),
+    "friction": (1.0, 1.0, {"friction": 0.09}),
+    "bulk": (1.0, 1.0, {"bulk_temperature": 290.0}),
+}
+
+
+@pytest.mark.parametrize("way", EASIER)
+def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
+    """Many mild tests make an easy place mild, but for one that a severe test dominates."""
+    load, velocity, own = EASIER[way]
+    mild = [at(-0.2, "mild", run=str(k)) for k in range(40)]
+    severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **own)
+    ds = swept(*mild, severe)
+    there = asked(ds, 300.0, 0.9)
+    assert there.probability_high <= 0.05
+    assert (there.verdict, "forbids it" in there.reason) == ("not decided", True)
+    assert asked(ds, 200.0, 0.6).verdict == "mild"
+    held = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", hold=30.0, **own)
+    assert asked(swept(*mild, held), 300.0, 0.9).verdict == "mild"  # not alike
+
+
+def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
+    severe = [at(0.2, "severe", run=str(k)) for k in range(40)]
+    mild = bare_test(700.0, 3.8, outcome="mild")
+    ds = swept(*severe, mild)
+    assert asked(ds, 700.0, 3.8).verdict == "not decided"
+    assert asked(ds, 750.0, 4.0).verdict == "severe"
+
+
+def test_friction_and_bulk_move_the_place_alone_and_the_oil_moves_its_tests_too():
+    ds = swept(at(-0.1), at(0.0))
+    y = np.array([-0.1, 0.0, 0.1])
+    plain = chances(ds, *y)
+    hotter = asked(ds, 500.0, 1.0, friction=0.1 * math.exp(0.1)).probability
+    cooler = asked(ds, 500.0, 1.0).probability
+    assert hotter > cooler
+    moved = asked(ds, 400.0, 2.2, critical_temperature=438.15)
+    twice = swept(
+        *(at(y - math.log(140 / 120)) for y in (-0.1, 0.0)),
+        conditions=synthetic.CONDITIONS | {"critical_temperature": 438.15},
+    )
+    assert plain == pytest.approx(
+        update(tuple(Outcome(y, y) for y in (-0.1, 0.0)), Prior()).probability(y),
+        abs=1e-6,
+    )
+    shifted = [math.log(140 / 120)] * 2
+    results = tuple(Outcome(y - way, y - way) for y, way in zip((-0.1, 0.0), shifted, strict=True))
+    rise = synthetic.rise(400.0, 2.2, 0.9)
+    place = math.log(rise / synthetic.limit(critical=438.15))
+    (expected,) = update(results, Prior()).probability(np.array([place]))
+    assert moved.probability == pytest.approx(expected, abs=1e-6)
+    assert twice["status"].size
+
+
+def test_a_test_that_the_others_make_unlikely_is_named():
+    tests = [at(y) for y in (0.0, 0.02, -0.02, 0.01, -0.01)]
+    slip = at(-1.0, "severe", number="slip")
+    (said,) = pipeline.boundary(swept(*tests, slip)).attrs["misfits"].split(" | ")
+    assert said.startswith("test slip (severe, 400 N, ")
+    assert pipeline.boundary(swept(*tests)).attrs["misfits"] == ""
+
+
+def inferring(*tests, critical=418.15):
+    conditions = synthetic.CONDITIONS | {"critical_temperature": critical}
+    return swept(*tests, conditions=conditions)
+
+
+@pytest.mark.parametrize("start", [380.0, 418.15, 520.0])
+def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_begins(start):
+    temperature = 298.15 + 90.0
+    tests = [
+        bare_test(load, float(synthetic.critical_velocity(load, 900.0)))
+        for load in (200.0, 300.0, 400.0, 600.0)
+    ]
+    found = pipeline.infer(inferring(*tests, critical=start))
+    assert found["critical_temperature"].item() == pytest.approx(temperature, abs=1.0)
+    assert np.isnan([found["at_least"], found["at_most"]]).all()
+    assert 2.0 < found["own_spread"] < found["spread"] < 15.0
+
+
+def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
+    place = float(synthetic.critical_velocity(LOAD, LIMIT))
+    mild = pipeline.infer(inferring(bare_test(LOAD, place, outcome="mild")))
+    severe = pipeline.infer(inferring(bare_test(LOAD, place, outcome="severe")))
+    assert 410.0 < mild["at_least"] < 430.0
+    assert 380.0 < severe["at_most"] < 430.0
+    assert np.isnan([mild["at_most"], severe["at_least"]]).all()
+
+
+def test_the_boundary_of_a_scene_without_a_crossing_is_mild_with_tests_or_without():
+    ds = swept(at(0.0))
+    assert (pipeline.boundary(ds, friction=0.0)["velocity_outcome_code"] == Along.MILD).all()
+    assert asked(ds, 400.0, 2.0, friction=0.0).probability == pytest.approx(0.0, abs=1e-12)

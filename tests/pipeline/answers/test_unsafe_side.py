@@ -1,0 +1,49 @@
+"""What would count severe wear mild, or understate an error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline import boundary
+from pipeline.answers.judge import NOT_DECIDED
+from tests.helpers import synthetic
+from tests.helpers.asked import asked
+from tests.helpers.entries import bare_test
+from tribo import Corrections, Friction, WarningKind
+
+FALLING = Corrections(friction=Friction(by_velocity=((0.5, 1.0), (4.0, 0.8))))
+TESTS = (bare_test(600.0, 1.5), bare_test(400.0, 1.2, outcome="severe"))
+
+
+def critical(load):
+    return synthetic.critical_velocity(load, synthetic.limit())
+
+
+@pytest.mark.parametrize("corrections", [None, FALLING])
+def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on(corrections):
+    law = replace(synthetic.conditions(), corrections=corrections)
+    moving, rest = (
+        synthetic.sweep(velocities=v, measured=TESTS, conditions=law, preset="standard")
+        for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
+    )
+    for load in (200.0, 310.0, 600.0):
+        for velocity in (1.0, 1.3, 2.5):
+            one, other = (pipeline.margin(ds, load, velocity) for ds in (moving, rest))
+            xr.testing.assert_identical(one, other)
+    both = [boundary(ds).drop_attrs() for ds in (moving, rest)]
+    xr.testing.assert_identical(*both)
+
+
+def test_an_error_that_one_patch_does_not_know_decides_nothing():
+    ds = synthetic.sweep(measured=(), preset="standard")
+    unstable = ds.copy(deep=True)
+    unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)
+    assert asked(ds, 400.0, 0.75).verdict == "mild"
+    for surfaces in ([ds, unstable], [unstable, ds]):
+        both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
+        found = asked(both, 400.0, 0.75)
+        assert np.isnan(found.temperature_error)
+        assert found.verdict == NOT_DECIDED

@@ -1,0 +1,45 @@
+"""The figure of rows: a mark for each at its reserve, and the deciding one bold."""
+
+import pytest
+
+import pipeline
+from pipeline.figures.rows import deciding_row, draw_rows, row_names
+from tests.helpers import synthetic
+from tribo import InputError
+
+POINTS = {
+    "case": ["idle", "30", "full", "gone"],
+    "load [N]": [200.0, 400.0, 700.0, 9000.0],
+    "velocity [m/s]": [1.0, 1.9, 4.0, 1.0],
+}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return pipeline.margin(synthetic.sweep(measured=()), POINTS)
+
+
+def test_each_row_is_at_its_reserve_and_the_deciding_one_is_bold(found):
+    assert row_names(found) == ["idle", "case 30", "full", "gone"]
+    assert row_names(found.drop_vars("case"))[0] == "200 N, 1 m/s"
+    axes = draw_rows(found, "duty").axes[0]
+    places = {
+        float(y): float(x)
+        for line in axes.lines
+        if line.get_label() in ("mild", "not decided", "severe")
+        for x, y in zip(*line.get_data(), strict=True)
+    }
+    assert places == pytest.approx(dict(enumerate(found["distance"].values[:3])))
+    assert deciding_row(found) == 2
+    weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
+    assert weights == ["normal", "normal", "bold", "normal"]
+    told = [one.get_text() for one in axes.texts]
+    assert told[3:] == ["more than 99 %", "not known"]
+
+
+def test_many_rows_have_some_labels_and_rows_without_a_verdict_are_refused():
+    many = {"load [N]": [400.0] * 100, "velocity [m/s]": [1.0 + k / 50 for k in range(100)]}
+    found = pipeline.margin(synthetic.sweep(measured=()), many)
+    assert len(draw_rows(found, "").axes[0].get_yticks()) <= 41
+    with pytest.raises(InputError, match="no row has a verdict: load is 9000 N"):
+        draw_rows(pipeline.margin(synthetic.sweep(), {k: v[3:] for k, v in POINTS.items()}), "")
