@@ -71,13 +71,6 @@ SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in o
 ALIKE = 5e-6
 """Relative difference up to which numbers agree in the six digits that are printed."""
 _FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
-_SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
-
-
-def column_heads(*names: str) -> dict[str, str]:
-    """Headings with units, such as ``critical temperature [°C]``, by `names` of quantities."""
-    units = {name: f" [{UNITS[name]}]" if UNITS.get(name) else "" for name in names}
-    return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 
 
 def shown_in(value: Any, unit: str) -> Any:
@@ -89,22 +82,6 @@ def shown_in(value: Any, unit: str) -> Any:
     (144.85000000000002, 2.5)
     """
     return value * _FACTORS.get(unit, 1.0) - float(ZERO.get(unit, 0))
-
-
-def as_written(value: Any, unit: str | None) -> Any:
-    """Write a number in SI as an entry of a scene file, which reads back exactly.
-
-    `unit` is the SI unit as CF conventions write it, such as "m s-1". With any other `unit` the
-    result is a plain number, whole if possible.
-
-    Examples
-    --------
-    >>> as_written(0.002, "m"), as_written(3.0, "1")
-    ('0.002 m', 3)
-    """
-    if unit in DIMENSIONS:
-        return f"{value!r} {next(iter(DIMENSIONS[unit].units))}"
-    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def snap(value: float, low: float, high: float) -> float:

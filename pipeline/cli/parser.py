@@ -62,7 +62,7 @@ COMMANDS = (
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",
-        "scene.toml -o trade.png", (*o.OF_SCENE, o.FIGURE_OR_TABLE),
+        "scene.toml -o trade.png", (*o.OF_SCENE, *o.OF_TRADE),
     ),
     Command(
         "infer", "infer:infer",

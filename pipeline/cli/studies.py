@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import pipeline
-from pipeline.cli import given
-from pipeline.cli.output import Result, tell
+from pipeline.cli import given, output
+from pipeline.cli.output import Result
 
 
 def trade(options: argparse.Namespace) -> Result:
-    """Answer ``irg trade``: what each accuracy of a scene's boundary costs."""
-    found = pipeline.trade(given.scene_in(options), progress=tell)
-    found = replace(found, scene=given.typed_scene(options))
-    return Result(text=[str(found)], frames=[found.table], draw=partial(pipeline.plot, found))
+    """Answer ``irg trade``: what each accuracy of a scene's boundary costs, measured."""
+    out = options.kept or Path("results") / f"{options.scene.stem}-trade.zarr"
+    scene = given.scene_in(options)
+    with output.run_line() as progress:
+        found = pipeline.trade(scene, out, workers=options.workers, progress=progress)
+    text = [str(found), f"points: {out}"]
+    return Result(text=text, frames=[found.table], draw=partial(pipeline.plot, found))

@@ -50,14 +50,13 @@ def run(options: argparse.Namespace) -> Result:
         *output.counted_tests(outcome.tests),
         *(f"failed: {point}" for point in failed),
     ]
-    told = list[Any]()
+    told, is_reached = list[Any](), True
     if options.accuracy is not None:
-        from pipeline.analysis.at import at  # a goal is still of the room of before
-        from pipeline.analysis.reached import reached
-        from pipeline.run.goal import why_fixed
+        from pipeline.run.goal import reached, why_fixed
 
-        told = reached(at(out), counts_surface=not (fixed := why_fixed(sweep)))
+        told = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
         text += [line for one in told for line in one.lines(options.accuracy, fixed)]
+        is_reached = all(one.is_below(options.accuracy) for one in told)
     elif has_unknown_error(stored):
         text.append(error_in_words(stored))
     if failed:
@@ -75,7 +74,7 @@ def run(options: argparse.Namespace) -> Result:
         }  # fmt: skip
     if options.accuracy is not None:
         document["accuracy"] = {"goal": options.accuracy, "scenes": [x._asdict() for x in told]}
-    code = output.SOME_FAILED if failed else output.DONE
+    code = output.SOME_FAILED if failed or not is_reached else output.DONE
     return Result(document, text, pipeline.warned(ds), code=code)
 
 

@@ -1,45 +1,57 @@
-"""The goal of a run: searches of the boundaries of a sweep's scenes, on the points of its store."""
+"""A goal of a run: which points of its store the boundary of each scene still needs."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
-from pipeline.analysis.preset_error import velocity_error
-from pipeline.analysis.reached import percent
-from pipeline.analysis.specimen import Alone
-from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
+from pipeline.answers.error import PARTS, SURFACE, total
+from pipeline.answers.judge import Judge, JudgedCase
+from pipeline.answers.preset_error import presets_for, velocity_error
+from pipeline.answers.results import CaseResults, ascending, cases_of
+from pipeline.progress import Progress, Report
+from pipeline.run.search import MOST_PATCHES, Goal, Search
 from pipeline.scene.entries import entry_at
-from pipeline.store.schema import DONE, NOT_ASKED, PENDING
+from pipeline.store.read import store_dataset
+from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.sweep.case import Case
 from pipeline.sweep.conditions import rise_limit
-from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import Variant
+from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
-from tribo.simulation.severity import relative_sampling, worst_rises
 
-_ROUNDING = 1e-9
-_MORE = 1.4  # further patches that are needed at last, over those by one patch's own estimate
+_ROOM = 0.8  # largest share of an accuracy that a preset may take
+ROOM, ROOM_AT_ADDRESS = 4, 32
+"""Patches of a new store in a folder, and on an object store, where it cannot get more."""
+_ADVICE = {
+    "interpolation": "give more sweep.velocities and sweep.loads",
+    "preset": "run it into another store, which may take a finer preset",
+    "warnings": "change what the warnings name: irg status",
+    "surface": "there are too few patches of the surface: ask for a larger error",
+}
+"""What reduces the largest part of an error that is too large."""
+
+
+def percent(share: float) -> str:
+    """A share as text, such as "1.5 %"."""
+    return "not known" if np.isnan(share) else f"{100 * share:.3g} %"
 
 
 def require_boundary(sweep: Sweep) -> None:
     """Raise an `InputError` unless a sweep has a boundary, whose error can be a goal."""
+    why = ""
     if any({"load", "velocity"} & row.keys() for row in sweep.variants.rows):
-        raise InputError(
-            "each row of the sweep has its own load and velocity, so there is no boundary in a "
-            "plane of them; run without --accuracy"
-        )
-    if not any(velocity > 0 for velocity in sweep.velocities):
-        raise InputError(
-            "sweep.velocities has none above 0, so there is no boundary; give others, or run "
-            "without --accuracy"
-        )
-    if not np.isfinite([rise_limit(case.conditions) for case in sweep.cases]).all():
-        raise InputError("there is no boundary without friction: set friction.coefficient")
+        why = "each row of the sweep has its own load and velocity"
+    elif not any(velocity > 0 for velocity in sweep.velocities):
+        why = "sweep.velocities has none above 0"
+    elif not np.isfinite([rise_limit(case.conditions) for case in sweep.cases]).all():
+        why = "friction.coefficient is 0"
+    if why:
+        raise InputError(f"there is no boundary whose error can be a goal: {why}")
 
 
 def why_fixed(sweep: Sweep) -> str:
@@ -53,151 +65,166 @@ def why_fixed(sweep: Sweep) -> str:
     return f"{kind}, not reduced by computing"
 
 
-@dataclass
-class _Searched:
-    """The search of one scene, and the points that it has asked for."""
+def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Sweep:
+    """The sweep with the coarsest preset whose error leaves room for others in an accuracy.
 
-    name: Variant
-    case: Case
-    search: Search
-    batch: list[Place] = field(default_factory=list)
+    `before` is the sweep of the store, if there is one, whose preset is kept.
+    """
+    if any(one.key.startswith("fidelity.") for one in sweep.variants.columns):
+        raise InputError("sweep.over varies [fidelity], which the accuracy chooses; leave it out")
+    if before is not None:
+        able = [sweep.with_fidelity(before.scene.fidelity, before.preset)]
+    else:
+        presets = presets_for(sweep.scene, ["standard", "fine"])
+        able = [sweep.with_fidelity(one, name) for name, one in presets.items()]
+    errors = [math.inf if (x := velocity_error(one)) is None else x for one in able]
+    room = [one for one, error in zip(able, errors, strict=True) if error <= _ROOM * accuracy]
+    if room or errors[-1] < accuracy:
+        return room[0] if room else able[-1]
+    which = "the preset of the store" if before else "the preset fine"
+    known = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
+    raise InputError(
+        f"accuracy is {percent(accuracy)}, and {which} {known}; ask for a larger error"
+        + (", or give another store by -o OUT.zarr" if before else "")
+    )
 
 
-class Searches:
-    """Searches of the boundary of each scene of a sweep, side by side.
+class GoalRun:
+    """A run whose goal is the relative error `accuracy` of the boundary of each scene of a sweep.
 
-    The whole error is to be below `accuracy`; with `only_first` that by points left out of the
-    first patch. `patches` is the number of those that a store has.
+    `sweep` has the preset and the patches that this takes. `before` is the sweep of the store, if
+    there is one. A new store has room for at least as many patches as `room`.
     """
 
     def __init__(
-        self, sweep: Sweep, accuracy: float, only_first: bool = False, patches: int = 1
+        self,
+        sweep: Sweep,
+        before: Sweep | None,
+        accuracy: float | str,
+        report: Report,
+        room: int = ROOM,
     ) -> None:
-        self._accuracy, self._only_first = accuracy, only_first
-        self.asked_for = None if only_first else accuracy
-        self._grows = not only_first and not why_fixed(sweep)
-        self.sweep = sweep._with_patches(patches) if self._grows else sweep
-        seeds = self.sweep.variants.axes.get("realization", (0,))
-        self._seeds = range(int(seeds[0]), 2**31) if self._grows else seeds
-        most = MOST_PATCHES if self._grows else 1 if only_first else len(seeds)
-        promised = 0.0 if only_first else velocity_error(sweep) or 0.0
-        goal = Goal(accuracy, promised, most, counts_surface=self._grows)
-        loads = np.array(sweep.loads)
-        velocities = np.array([one for one in sweep.velocities if one > 0])
-        self._all = [
-            _Searched(
-                tuple(label for label in case.name if label[0] != "realization"),
-                case,
-                Search(
-                    loads, velocities, case.conditions, goal._replace(alone=Alone.of(case.scene))
-                ),
+        self.accuracy = share_of(accuracy)
+        if isinstance(accuracy, bool) or not 0 < self.accuracy < 1:
+            raise InputError(
+                f"accuracy is {accuracy!r}, the boundary's relative error; give a share between 0 "
+                'and 1, such as 0.02 or "2%"'
             )
-            for case in sweep._given
-        ]
-        self._told = False
+        require_boundary(sweep)
+        chosen = with_preset_for(sweep, before, self.accuracy)
+        own = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
+        error = percent(velocity_error(chosen) or 0.0)
+        report(Progress(f"preset {chosen.preset} (up to {error}){own}"))
+        self._is_fixed, self._report = bool(why_fixed(chosen)), report
+        patches = [len(x.variants.axes.get("realization", ())) for x in (sweep, before) if x]
+        self.sweep = chosen
+        if not self._is_fixed:
+            self.sweep = chosen._with_patches(max(*patches, room))
         self.is_on_first_patch = True
+
+    @property
+    def _seeds(self) -> tuple[int, ...]:
+        return tuple(map(int, self.sweep.variants.axes.get("realization", (0,))))
 
     def next_points(self, store: Store) -> list[Point]:
         """Points to compute next, all on the first patch or all on further ones; empty at the end.
 
-        It tells each search what the store has of the points that the search has asked for.
         `sweep` then has as many patches as these points need.
         """
-        missing: list[Point] = []
-        most = 1
-        for one in self._all:
-            while batch := one.batch or one.search.ask():
-                one.batch = batch
-                lacking = [point for point in self._points(one) if self._is_missing(store, point)]
-                if lacking:
-                    missing += lacking
-                    # Those to come, too: to grow the store takes as long as some points.
-                    most = max(most, one.search.patches, *(place.patch + 1 for place in batch))
-                    break
-                self._tell(store, one)
-                one.batch = []
-        if self._grows and most > len(self.sweep.variants.axes["realization"]):
-            self.sweep = self.sweep._with_patches(most)
-        first = [point for point in missing if self._is_first(point)]
+        cases = cases_of(ascending(store_dataset(store)))
+        found, to_come, most = list[tuple[Point, int]](), 0, 0
+        has_seeds, axes = "realization" in self.sweep.variants.axes, self._seeds
+        seeds = axes if self._is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
+        for case, search in searches(cases, self.accuracy, self._is_fixed, len(seeds)):
+            places = search.next_places()
+            most = max(most, *(place.patch + 1 for place in places)) if places else most
+            to_come += search.to_come()
+            for patch, load, velocity in places:
+                at = float(search.loads[load]), float(search.velocities[velocity])
+                seed = (("realization", seeds[patch]),) if has_seeds else ()
+                found.append((Point(*at, (*case.name, *seed)), patch))
+        if most > len(axes) and not self._is_fixed:
+            # Those to come, too: to grow the store takes as long as some points.
+            self.sweep = self.sweep._with_patches(min(MOST_PATCHES, most + most // 2))
+        first = [point for point, patch in found if not patch]
+        if found and not first and self.is_on_first_patch:
+            self._report(Progress(f"first patch done; about {to_come} points to come"))
         self.is_on_first_patch = bool(first)
-        return first or missing
+        return first or [point for point, _ in found]
 
-    def _is_first(self, point: Point) -> bool:
-        return dict(point.variant).get("realization", self._seeds[0]) == self._seeds[0]
 
-    def _points(self, one: _Searched) -> list[Point]:
-        """The points that a search has asked for, in their order."""
-        search, has_seeds = one.search, "realization" in self.sweep.variants.axes
-        return [
-            Point(
-                float(search.loads[load]),
-                float(search.velocities[velocity]),
-                one.name + ((("realization", self._seeds[patch]),) if has_seeds else ()),
+def searches(
+    cases: Iterable[CaseResults], accuracy: float, is_fixed: bool, patches: int = MOST_PATCHES
+) -> Iterator[tuple[CaseResults, Search]]:
+    """The search of each case of a store, in the present state."""
+    for case in cases:
+        judge = JudgedCase(case).under(case.sweep.conditions)
+        yield case, search_of(judge, Goal(accuracy, patches, not is_fixed))
+
+
+def search_of(judge: Judge, goal: Goal) -> Search:
+    """The search of one case by what answers know of it."""
+    case, specimen = judge.case, judge.specimen
+    first = case.log_rises(judge.conditions)[0] + specimen.offset - judge.limit
+    tried = np.isin(case.status, (DONE, FAILED))
+    return Search(specimen, judge.limit, judge.promised, first, tried, goal)
+
+
+class Reached(NamedTuple):
+    """Largest numerical error of the critical velocities of one scene, relative, at 95 %."""
+
+    case: str  # values of varied entries that tell the scene from others
+    preset: str | None
+    load: float  # where the error is largest [N]; NaN if no load has a critical velocity
+    total: float  # without the part by the surface, unless it counts
+    parts: dict[str, float]  # at this load, by cause
+    surface: float  # largest part by the surface at any load
+    without: tuple[float, ...]  # loads without a critical velocity in the plane [N]
+
+    def is_below(self, accuracy: float) -> bool:
+        """True unless the error of a critical velocity is above `accuracy`, or unknown."""
+        return not np.isfinite(self.load) or self.total < accuracy
+
+    def lines(self, accuracy: float, surface: str) -> Iterator[str]:
+        """Lines in words; `surface` says why its part does not count, or is empty."""
+        case = f"{self.case}: " if self.case else ""
+        if np.isfinite(self.load):
+            counted = {k: x for k, x in self.parts.items() if x and (k != "surface" or not surface)}
+            largest = max(counted, key=lambda name: np.nan_to_num(counted[name], nan=np.inf))
+            is_below, parts = (
+                self.is_below(accuracy),
+                ", ".join(f"{name} {percent(part)}" for name, part in counted.items()),
             )
-            for patch, load, velocity in one.batch
-        ]
-
-    def _is_missing(self, store: Store, point: Point) -> bool:
-        seeds = store.axes.get("realization", self._seeds)
-        is_there = dict(point.variant).get("realization", self._seeds[0]) in seeds
-        return not is_there or store.flags[store.index(point)] in (PENDING, NOT_ASKED)
-
-    def _tell(self, store: Store, one: _Searched) -> None:
-        """Tell a search what the store has of the points that it has asked for."""
-        points = np.array([store.index(point) for point in self._points(one)]).T
-        begins = points.min(axis=1)
-        box = tuple(map(slice, begins, points.max(axis=1) + 1))
-        at = tuple(points - begins[:, None])
-        columns = store.read_steps(box)
-        conditions, search = one.case.conditions, one.search
-        (along,) = store.group.variables["load"].dims
-        place = store.dims.index(along)
-        loads = [load_that_counts(one.case.scene, load) for load in store.axes["load"]]
-        counted = np.array(loads)[box[place]].reshape(-1, *[1] * (len(store.dims) - place))
-        rises = worst_rises(columns, counted, conditions)[at]
-        rises = rises / conditions.friction_factor(
-            search.velocities[[p.velocity for p in one.batch]]
-        )
-        own = {name: store.read(name, box) for name in ("rise_sampling", "mean_rise_sampling")}
-        sampling = relative_sampling(columns | own, conditions)[at]
-        flags, status = store.read("warning_flags", box)[at], store.flags[box][at]
-        done = status == DONE
-        search.tell(
-            one.batch,
-            np.where(done, rises, np.nan),
-            np.where(done, sampling, np.nan),
-            np.where(done, flags, 0),
-            np.where(done, np.nan_to_num(columns["time"], nan=0.0).max(axis=-1)[at], 0.0),
-        )
-
-    def forecast(self) -> int | None:
-        """About how many points are to come, once the first patch is done; None before and later.
-
-        Raises an `InputError` if the goal is out of reach by what is known now.
-        """
-        searches = [one.search for one in self._all]
-        if self._only_first or not all(one.is_first_patch_done for one in searches):
-            return None
-        for one in self._all:
-            if one.batch:
-                self._require_reach(one.search)
-        if self._told:
-            return None
-        self._told = True
-        return sum(round(_MORE * one.to_come()) for one in searches)
-
-    def _require_reach(self, search: Search) -> None:
-        best, worst = search.best()
-        if best <= self._accuracy * (1 + _ROUNDING):
-            return
-        load, patches = f"{search.loads[worst]:g} N", search.goal.patches
-        if math.isnan(best):
-            raise InputError(
-                f"accuracy is {percent(self._accuracy)}, and points at {load} have warnings whose "
-                "error is not known (irg status): change what they name, or run without --accuracy"
+            yield (
+                f"{case}accuracy {percent(accuracy)} {'' if is_below else 'not '}reached: at most "
+                f"± {percent(self.total)}, at {self.load:g} N ({parts})"
             )
-        by = f" by {patches} patches of the surface" if patches > 1 else ""
-        raise InputError(
-            f"accuracy is {percent(self._accuracy)}, which is out of reach: the least error at "
-            f"{load} is {percent(best)}{by}; give more than that, or more sweep.velocities"
+            if not is_below:
+                yield f"to reach it: {_ADVICE[largest]}"
+            if surface and self.surface:
+                yield f"surface up to ± {percent(self.surface)}: {surface}"
+        if self.without:
+            loads = ", ".join(f"{load:g}" for load in self.without)
+            yield f"{case}no critical velocity in the plane at {loads} N"
+
+
+def reached(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[Reached]:
+    """What was reached for each case of a dataset."""
+    found = list[Reached]()
+    for case, search in searches(cases_of(ds), accuracy, is_fixed):
+        loads, crosses = search.loads, np.isfinite(search.critical)
+        whole = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
+        worst = int(np.argmax(np.where(crosses, np.nan_to_num(whole, nan=np.inf), -np.inf)))
+        own = case.sweep.variants.in_words(case.name) if case.name else {}
+        found.append(
+            Reached(
+                case=", ".join(f"{key} {value}" for key, value in own.items()),
+                preset=case.sweep.preset,
+                load=float(loads[worst]) if crosses.any() else np.nan,
+                total=float(whole[worst]),
+                parts=dict(zip(PARTS, search.errors[:, worst].tolist(), strict=True)),
+                surface=float(search.errors[SURFACE].max(where=crosses, initial=0.0)),
+                without=tuple(loads[~crosses].tolist()),
+            )
         )
+    return found

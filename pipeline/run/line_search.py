@@ -13,11 +13,12 @@ from typing import Self
 
 import numpy as np
 
-from pipeline.analysis.curve import Curve
-from pipeline.analysis.left_out import gap_bounds
+from pipeline.answers.error import curve_errors
+from pipeline.answers.pchip import Pchip
 from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST
 from tribo.types import Array, Indices, Mask
 
+_NARROW = 1e-9  # in place of a range of velocities of 0
 _PARTS = 64  # parts of an interval of velocities at which the sign is looked at
 
 
@@ -71,7 +72,7 @@ class Line:
         if len(x) > 1:
             # A monotone cubic, with the mean slope beyond the computed points.
             inner, mean = np.clip(at, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
-            cubic = np.log(Curve(np.exp(x), np.exp(heat))(np.exp(inner))) + mean * (at - inner)
+            cubic = Pchip(x, heat[:, None]).beyond(inner)[:, 0] + mean * (at - inner)
             middle = np.clip(cubic, low, high)
             off = ROUGH_LINE + CURVATURE * _bow(x, at)
             low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
@@ -84,6 +85,11 @@ class Line:
         x, y = self._places, self._curve[1]
         (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
         return np.asarray(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))
+
+    @property
+    def turns(self) -> bool:
+        """True if wear changes along the line, by the estimate."""
+        return bool(self.crossings().size)
 
     @property
     def is_severe(self) -> bool:
@@ -126,18 +132,16 @@ class Line:
     def _unsure(self, is_open: Mask, tolerance: float) -> int | None:
         """A velocity beside a crossing whose error by points left out is too large."""
         x, known = self.x, self.known
+        heat = (self.y - self.friction[::_PARTS])[known]
         for crossing in self.crossings():
+            error = curve_errors(x[known], heat, np.array([crossing]))[0]
+            slope = max(np.diff(heat).sum() / max(np.ptp(x[known]), _NARROW), FLATTEST)
             after = int(np.searchsorted(x[known], crossing))
-            if 0 < after < len(known):
-                low, high = known[after - 1], known[after]
-                slope = abs(self.y[high] - self.y[low]) / (x[high] - x[low])
-                heat = (self.y - self.friction[::_PARTS])[known]
-                bound = gap_bounds(x[known], heat)[after - 1]
-                if bound <= tolerance * max(slope, FLATTEST):
-                    continue
-            else:  # beyond the computed points
-                low = known[after - 1] if after else -1
-                high = known[after] if after < len(known) else len(x)
+            low = known[after - 1] if after else -1
+            high = known[after] if after < len(known) else len(x)
+            is_within = 0 < after < len(known)
+            if is_within and error <= tolerance * slope:
+                continue
             within = np.flatnonzero(is_open[low + 1 : high]) + low + 1
             if within.size:
                 return int(within[np.argmin(np.abs(x[within] - crossing))])

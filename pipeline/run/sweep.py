@@ -12,11 +12,10 @@ import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
-from pipeline.progress import Progress, Report, duration, silent
+from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, Connection, connected
 from pipeline.run.forkserver import end_if_imported
-from pipeline.run.goal import Searches
-from pipeline.run.goal_preset import ROOM, ROOM_AT_ADDRESS, begin_goal
+from pipeline.run.goal import ROOM, ROOM_AT_ADDRESS, GoalRun
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.task_queue import TaskQueue
@@ -24,7 +23,7 @@ from pipeline.scene.read import sweep_of
 from pipeline.store.create import enlarged, find_sweep, open_to_write, take_points, versions
 from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
-from pipeline.store.schema import DONE, FAILED, require_free_names
+from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.store import FailedPoint, Store, Summary, Writer, opened, summary_of
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.sweep import Sweep
@@ -43,6 +42,7 @@ class Outcome:
     computed: int  #: Number of points that this run completed.
     failed: tuple[FailedPoint, ...]  #: Points that failed, now or in an earlier run.
     wall_time: float  #: Duration of this run [s].
+    cpu_time: float  #: Processor time of this process and of the workers [s].
     tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
@@ -102,7 +102,7 @@ def run_sweep(
     ------
     InputError
         If `workers`, `client`, `patience` or `accuracy` cannot be used; with `accuracy` also if the
-        sweep has no boundary, such as without friction, or the accuracy is out of reach.
+        sweep has no boundary, such as without friction, or no preset has the accuracy.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -121,14 +121,14 @@ def run_sweep(
         require_count("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client)
-    sweep, searches = sweep_of(sweep), None
+    sweep, goal = sweep_of(sweep), None
     require_free_names(sweep)  # before a folder is made
     if accuracy is not None:
         room = ROOM if isinstance(place_of(out), Folder) else ROOM_AT_ADDRESS
-        searches = begin_goal(sweep, find_sweep(out), accuracy, progress or silent, room)
-        sweep = searches.sweep
+        goal = GoalRun(sweep, find_sweep(out), accuracy, progress or silent, room)
+        sweep = goal.sweep
     cluster = Cluster(workers, client, patience, dashboard)
-    return run_points(sweep, out, searches, cluster, progress, retry_failed, source)
+    return run_points(sweep, out, goal, cluster, progress, retry_failed, source)
 
 
 class Cluster(NamedTuple):
@@ -148,16 +148,17 @@ class Cluster(NamedTuple):
 def run_points(
     sweep: Sweep,
     out: PathLike,
-    searches: Searches | None,
+    goal: GoalRun | None,
     cluster: Cluster,
     progress: Report | None,
     retry_failed: bool = False,
     source: PathLike | None = None,
 ) -> Outcome:
-    """Compute the points of a sweep, see `run_sweep`; with `searches` those that these ask for."""
+    """Compute the points of a sweep, see `run_sweep`; with a `goal` those that it asks for."""
     began, report = time.monotonic(), progress or silent
+    own_time, cpu_time = time.process_time(), 0.0
     before, other = find_sweep(out), None if source is None else opened(source)
-    accuracy = searches.asked_for if searches else None
+    accuracy = goal.accuracy if goal else None
     with ExitStack() as held:
         store = open_to_write(out, sweep, held, report, accuracy)
         for note in _notes_on_resuming(store, before) if before else ():
@@ -167,21 +168,23 @@ def run_points(
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
-        if searches:
+        if goal:
             store.leave_out_pending()
-        run = _Run(store, sweep, searches, Tally(store, shown_progress(progress)), report, held)
+        run = _Run(store, sweep, goal, Tally(store, shown_progress(progress)), report, held)
         of_tests, queue = TaskQueue(_tasks_of_tests(store)), run.next_tasks()
         if queue or of_tests:
-            most = cores() if searches else len(queue) + len(of_tests)
+            most = cores() if goal else len(queue) + len(of_tests)
             with cluster.connected(most, report) as link:
+                before_time = _time_of_workers(link) if cluster.client else 0.0
                 if store.tests and of_tests:
                     with Writer(store.tests) as writer:
                         compute(link, store.tests.sweep, writer, of_tests, run.tally)
                 at_tests = run.tally.computed
                 while queue:
                     run.compute(link, queue)
-                    queue = run.next_tasks()  # the next points of a search; none without one
+                    queue = run.next_tasks()  # the next points of a goal; none without one
                 run.tally.computed -= at_tests
+                cpu_time = _time_of_workers(link) - before_time
         summary = summary_of(run.store)
     return Outcome(
         summary.total,
@@ -189,28 +192,28 @@ def run_points(
         run.tally.computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
+        cpu_time=time.process_time() - own_time + cpu_time,
         tests=summary.tests,
     )
 
 
 @dataclass
 class _Run:
-    """A run into a store, which grows as searches ask for further patches."""
+    """A run into a store, which grows as its goal asks for further patches."""
 
     store: Store
     sweep: Sweep
-    searches: Searches | None
+    goal: GoalRun | None
     tally: Tally
     report: Report
     held: ExitStack  # with the locks of the store
 
     def next_tasks(self) -> TaskQueue:
         """Tasks to compute next; empty at the end."""
-        if self.searches:
-            wanted = self.searches.next_points(self.store)
-            self._tell_forecast()  # or refuse, before the store grows
-            if self.searches.sweep is not self.sweep:
-                self.sweep = self.searches.sweep
+        if self.goal:
+            wanted = self.goal.next_points(self.store)
+            if self.goal.sweep is not self.sweep:
+                self.sweep = self.goal.sweep
                 self.store = enlarged(self.store, self.sweep, self.held)
                 self.store.leave_out_pending()
                 self.tally.follow(self.store)
@@ -219,16 +222,14 @@ class _Run:
 
     def compute(self, link: Connection, queue: TaskQueue) -> None:
         """Compute the tasks of a queue; fields of a goal are those of the first patch."""
-        with_fields = self.searches is None or self.searches.is_on_first_patch
+        with_fields = self.goal is None or self.goal.is_on_first_patch
         with Writer(self.store) as writer:
             compute(link, self.sweep, writer, queue, self.tally, with_fields)
 
-    def _tell_forecast(self) -> None:
-        if self.searches and (more := self.searches.forecast()):
-            done = self.store.flags == DONE
-            each = float(np.nanmean(self.store.read("wall_time", ...)[done]))
-            words = f"roughly {duration(more * each)} on one worker"
-            self.report(Progress(f"first patch done; points to come: about {more}, {words}"))
+
+def _time_of_workers(link: Connection) -> float:
+    """Processor time of the workers that there are [s]."""
+    return float(sum(link.client.run(time.process_time, on_error="ignore").values()))
 
 
 def _tasks_of_tests(store: Store) -> Iterable[Task]:

@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
 from tribo import Criterion, InputError
 from tribo.simulation import verdict
-
-CriterionName = Literal["share", "highest", "mean"]
-Bulk = float | str | Mapping[str, float | str]
-"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 
 OIL_WORKS = "-53 degC", "627 degC"
 """Bulk temperatures between which an oil may work."""
@@ -116,17 +112,6 @@ def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Co
     values, present = dict(changes), conditions.criterion
     share, kind = values.pop("share", present.share), values.pop("criterion", present.name)
     return replace(conditions, **values, criterion=criterion_of(kind, share))
-
-
-def row_conditions(conditions: Conditions, row: Mapping[str, Any]) -> Conditions:
-    """Conditions with some values replaced by those in a row of a table.
-
-    A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies [K], a
-    ``critical_temperature`` [K] and a ``failing_share``.
-    """
-    names = ("bulk_temperature", "critical_temperature")
-    own = changes_of(**{name: row.get(name) for name in names}, share=row.get("failing_share"))
-    return changed_conditions(conditions, own).replace_friction(row.get("friction"))
 
 
 def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:

@@ -70,7 +70,7 @@ def test_the_boundary_of_a_specimen_is_that_of_the_mean_of_its_patches():
     lift = np.exp(np.log([*LIFTS.values()]).mean())
     expected = synthetic.critical_velocity(found["load"].values, synthetic.limit() / lift)
     np.testing.assert_allclose(found, expected, rtol=1e-12)
-    one = pipeline.boundary(pipeline.at(ds, realization=[*LIFTS][1]))["critical_velocity"]
+    one = pipeline.boundary(ds.sel(realization=[[*LIFTS][1]]))["critical_velocity"]
     own = synthetic.critical_velocity(600.0, synthetic.limit() / [*LIFTS.values()][1])
     assert one.sel(load=600.0).item() == pytest.approx(float(own), rel=1e-12)
 
@@ -84,7 +84,7 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     assert "18: 3 loads, 3 velocities, 2 surfaces" in irg("check", scene)
     assert "8 points: 8 done" in irg("status", swept)
     document = irg("boundary", swept, "--json")
-    assert [row["outcome"] for row in document] == ["mild throughout"] * 2
+    assert [row["velocity outcome"] for row in document] == ["mild throughout"] * 2
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     (point,) = irg("point", scene, *place)
     take_surface = pipeline.load_scene(scene)._take_surface(1)

@@ -42,17 +42,14 @@ ROWS = tiny.sweep(
 
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})
 
-COARSE = tiny.sweep(velocities=(0.5, 1.0, 2.0, 4.0, 8.0))
-
 REFUSALS = {
     "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0, the boundary's relative error"),
     "bool": (searched(SWEEP, True), "accuracy is True"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine errs by up to"),
     "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
-    "warned": (searched(COARSE), "points at 600 N have warnings whose error is not known"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
     "at rest": (searched(tiny.sweep(velocities=(0.0,))), "sweep.velocities has none above 0"),
-    "frictionless": (searched(COLD), "there is no boundary without friction"),
+    "frictionless": (searched(COLD), "friction.coefficient is 0"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
@@ -61,13 +58,12 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "cluster._start_cluster ExecutionError": "test_cluster.py, by processes that do not start",
-    "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
-    "cluster.update ExecutionError": "test_cluster.py, without a worker",
-    "goal._require_reach InputError": "test_goal.py, by a goal out of reach",
-    "goal_preset.begin_goal InputError": "test_goal.py, by a store of another preset",
-    "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
-    "work.compute_point ExecutionError": "test_cluster.py, by a worker with other code",
+    "cluster.processes ExecutionError": "test_cluster.py",
+    "drive.lost ExecutionError": "test_driver.py",
+    "watch.__call__ ExecutionError": "test_driver.py",
+    "watch._check ExecutionError": "test_driver.py",
+    "watch.require_program ExecutionError": "test_driver.py",
+    "watch.reached ExecutionError": "test_driver.py",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

@@ -133,7 +133,7 @@ def test_rows_of_one_mechanics_rate_and_velocity_are_one_ramp(scene):
     sweep = table(scene)
     ramps = {}
     for task in tasks(points(sweep), sweep):
-        labels = dict(sweep.variants.by_name[task.point.variant].labels)
+        labels = dict(sweep.variants.by_name[task.point.variant])
         ramps.setdefault(task.ramp[:2], set()).add(
             (labels[RATE.replace(".", "_")], task.point.velocity)
         )

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.tested import evidence_of
+from pipeline.answers.judge import JudgedCase
+from pipeline.answers.results import cases_of
+from pipeline.answers.tests import outcome_of
 from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.sweep import plan
@@ -70,8 +72,7 @@ def test_onset_and_end_of_each_stage_are_stored(store):
 
 def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     ds = pipeline.open_sweep(store[1])
-    answered = [pipeline.margin(ds, load, 2.0) for load in (100.0, 120.0, 140.0)]
-    found = [one.deciding_temperature for one in answered]
+    found = pipeline.margin(ds, [100.0, 120.0, 140.0], [2.0] * 3)["temperature"].values
     steps = pipeline.temperatures(ds)["temperature_quantile"].sel(cooler_share=0.9, velocity=2)
     own = steps.sel(load=140).values
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
@@ -83,16 +84,16 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
 
 
 def test_a_test_by_stages_is_one_interval_and_a_transition_where_it_is_no_hotter(store):
-    data = pipeline.results(store[1])
-    evidence = evidence_of(data, data.conditions)
+    (case,) = cases_of(store[1])
+    evidence = JudgedCase(case).under(case.sweep.conditions).evidence
     assert [row.reason for row in evidence.rows] == [""] * 6
-    cooler, hotter, faster = evidence.results
-    assert cooler.width == 0  # 120 N is no hotter than the unworn stage at 100 N
-    for (mild, severe), result in zip(evidence.members[1:], (hotter, faster), strict=True):
-        assert result.y == severe.severe
-        assert result.width == pytest.approx(severe.severe - mild.mild)
-        assert result.width > 0.3
-    assert data.tests.columns["sliding_distance"][-1, -1] == pytest.approx(22.0 + 4 * 5)
+    cooler, hotter, faster = map(outcome_of, evidence.specimens)
+    assert cooler.severe <= cooler.mild  # 120 N is no hotter than the unworn stage at 100 N
+    for (mild, severe), result in zip(evidence.specimens[1:], (hotter, faster), strict=True):
+        assert (result.severe, result.mild) == (severe.severe, mild.mild)
+        assert result.severe - result.mild > 0.3
+    last = case.tests[-1][-1].columns["sliding_distance"]
+    assert last[-1] == pytest.approx(22.0 + 4 * 5)
 
 
 def test_the_check_says_how_wide_the_window_is_and_what_it_costs(store, capsys):

@@ -1,1 +1,0 @@
-"""Answers from a stored sweep: labelled dataset, boundary, margins and their errors."""

@@ -1,0 +1,65 @@
+"""A store in memory for a search of a boundary: what it was told, and what it sees of that."""
+
+import functools
+
+import numpy as np
+
+from pipeline.answers.specimen import merged
+from pipeline.run.search import Search
+from pipeline.sweep.conditions import rise_limit
+
+
+class Told:
+    """A search of one scene, which is told the points that it asks for.
+
+    `conditions` judge rises per unit friction coefficient, `promised` is the error of the preset.
+    """
+
+    def __init__(self, loads, velocities, conditions, promised, goal):
+        self.loads, self.velocities = loads, velocities
+        self.conditions, self.promised, self.goal = conditions, promised, goal
+        shape = goal.patches, len(loads), len(velocities)
+        self.asked = np.zeros(shape, bool)
+        self._rises, self._sampling = np.full(shape, np.nan), np.full(shape, np.nan)
+        self._flags, self._durations = np.zeros(shape[1:], int), np.zeros(shape[1:])
+
+    def tell(self, places, rises, sampling, flags=0, durations=0.0):
+        """Record points that were asked for; rises are NaN where they failed."""
+        where = tuple(np.array(places).T)
+        self.asked[where], self._rises[where], self._sampling[where] = True, rises, sampling
+        np.bitwise_or.at(self._flags, where[1:], flags)
+        np.maximum.at(self._durations, where[1:], durations)
+        self.__dict__.pop("now", None)
+
+    @functools.cached_property
+    def now(self):
+        """The search in its present state."""
+        count = max(int(self.asked.any(axis=(1, 2)).sum()), 1)
+        y, is_highest = np.log(self._rises[:count]), self.conditions.criterion.is_highest
+        specimen = merged(
+            self.loads,
+            self.velocities,
+            y,
+            _mean_square(self._sampling[:count]),
+            self._flags,
+            self._durations,
+            self.conditions.friction_factor if self.conditions.has_friction_curve else np.ones_like,
+            is_highest,
+        )
+        limit = np.log(rise_limit(self.conditions))
+        first = y[0] + specimen.offset - limit
+        return Search(specimen, limit, self.promised, first, self.asked, self.goal)
+
+    def ask(self):
+        """Points to compute next; empty at the end."""
+        return self.now.next_places()
+
+    def __getattr__(self, name):
+        return getattr(self.now, name)
+
+
+def _mean_square(sampling):
+    """Root mean square of the deviations that the points of each load state (n_load,)."""
+    known = np.isfinite(sampling)
+    squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2)), known.sum((0, 2))
+    return np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))
