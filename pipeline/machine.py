@@ -13,8 +13,6 @@ import psutil
 
 _GROUPS = Path("/sys/fs/cgroup")
 _QUOTAS = ("cpu", "cpu,cpuacct", "cpuacct,cpu")  # folders of control groups 1
-# Files with the count of kills: of a container (control groups 2, then 1), of the machine.
-_COUNTS = (_GROUPS / "memory.events", _GROUPS / "memory/memory.oom_control", Path("/proc/vmstat"))
 
 
 def cores() -> int:
@@ -51,12 +49,3 @@ def _numbers(file: Path) -> list[int]:
     with suppress(OSError, ValueError):
         return [int(word) for word in file.read_text().split()]
     return []
-
-
-def oom_kills() -> int:
-    """Number of processes that the kernel has killed so far for lack of memory; 0 if unknown."""
-    for file in _COUNTS:
-        with suppress(OSError, KeyError, ValueError):
-            lines = file.read_text().splitlines()
-            return int(dict(line.split() for line in lines)["oom_kill"])
-    return 0

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
@@ -13,12 +16,12 @@ from distributed import Client
 
 from pipeline.machine import cores
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.cluster import PATIENCE, Connection, connected
-from pipeline.run.forkserver import end_if_imported
+from pipeline.run.cluster import PATIENCE, connected
+from pipeline.run.drive import compute
 from pipeline.run.goal import ROOM, ROOM_AT_ADDRESS, GoalRun
-from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.task_queue import TaskQueue
+from pipeline.run.watch import Watch
 from pipeline.scene.read import sweep_of
 from pipeline.store.create import enlarged, find_sweep, open_to_write, take_points, versions
 from pipeline.store.place import Folder, PathLike, place_of
@@ -139,10 +142,10 @@ class Cluster(NamedTuple):
     patience: float = PATIENCE
     dashboard: bool = False
 
-    def connected(self, most: int, report: Report) -> AbstractContextManager[Connection]:
-        """Context manager: a connection to at most this many workers."""
+    def connected(self, most: int, report: Report) -> AbstractContextManager[Client]:
+        """Context manager: a client of at most this many workers."""
         workers = min(self.workers or cores(), most)
-        return connected(self.client, workers, self.patience, report, self.dashboard)
+        return connected(self.client, workers, report, self.dashboard)
 
 
 def run_points(
@@ -175,16 +178,17 @@ def run_points(
         if queue or of_tests:
             most = cores() if goal else len(queue) + len(of_tests)
             with cluster.connected(most, report) as link:
-                before_time = _time_of_workers(link) if cluster.client else 0.0
+                watch = Watch(link, cluster.patience, report, is_own=cluster.client is None)
+                before_time = watch.cpu_time() if cluster.client else 0.0
                 if store.tests and of_tests:
                     with Writer(store.tests) as writer:
-                        compute(link, store.tests.sweep, writer, of_tests, run.tally)
+                        compute(link, watch, store.tests.sweep, writer, of_tests, run.tally)
                 at_tests = run.tally.computed
                 while queue:
-                    run.compute(link, queue)
+                    run.compute(link, watch, queue)
                     queue = run.next_tasks()  # the next points of a goal; none without one
                 run.tally.computed -= at_tests
-                cpu_time = _time_of_workers(link) - before_time
+                cpu_time = watch.cpu_time() - before_time
         summary = summary_of(run.store)
     return Outcome(
         summary.total,
@@ -220,16 +224,11 @@ class _Run:
             self.store.ask_for(wanted)
         return TaskQueue(tasks(self.store.pending(), self.sweep))
 
-    def compute(self, link: Connection, queue: TaskQueue) -> None:
+    def compute(self, link: Client, watch: Watch, queue: TaskQueue) -> None:
         """Compute the tasks of a queue; fields of a goal are those of the first patch."""
-        with_fields = self.goal is None or self.goal.is_on_first_patch
-        with Writer(self.store) as writer:
-            compute(link, self.sweep, writer, queue, self.tally, with_fields)
-
-
-def _time_of_workers(link: Connection) -> float:
-    """Processor time of the workers that there are [s]."""
-    return float(sum(link.client.run(time.process_time, on_error="ignore").values()))
+        keeps_fields = self.goal is None or self.goal.is_on_first_patch
+        with Writer(self.store, keeps_fields) as writer:
+            compute(link, watch, self.sweep, writer, queue, self.tally)
 
 
 def _tasks_of_tests(store: Store) -> Iterable[Task]:
@@ -238,7 +237,11 @@ def _tasks_of_tests(store: Store) -> Iterable[Task]:
 
 def _require_cluster(client: Client | None) -> None:
     """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
-    end_if_imported()  # a worker, which imports and so runs the driver's script, exits here
+    script = sys.modules.get(
+        "__mp_main__"
+    )  # the name by which a worker imports the driver's script
+    if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
+        os._exit(1)  # it calls this unguarded; an exception would show a traceback for each worker
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:
         raise InputError(

@@ -229,9 +229,14 @@ class Root:
     plain: Any  # data of the sweep, for JSON
 
     @classmethod
-    def of(cls, sweep: Sweep, history: Sequence[str], keys: str = KEYS[0]) -> Root:
-        """The root of the store of a sweep, whose chunks have `keys`."""
-        tests, (plain, arrays) = None, plain_sweep(sweep)
+    def of(
+        cls, sweep: Sweep, history: Sequence[str], keys: str = KEYS[0], stored: Any = None
+    ) -> Root:
+        """The root of the store of a sweep, whose chunks have `keys`.
+
+        `stored` has the sweep's plain data and arrays, if these were read from a store.
+        """
+        tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former:
             own = sweep_of_tests(sweep, judges_holds(sweep))
             tests = Group(own, prefix=f"{OF_TESTS}/", keys=keys)
@@ -373,8 +378,9 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     if not is_whole:
         raise is_damaged("it is not what was written")
     try:  # anybody can write such a document; other errors are faults of this program
-        sweep = replace(sweep_of_plain(plain, _read_inputs(place, sizes, keys)), text=text)
-        root = Root.of(sweep, by, keys)
+        arrays = _read_inputs(place, sizes, keys)
+        sweep = replace(sweep_of_plain(plain, arrays), text=text)
+        root = Root.of(sweep, by, keys, (plain, arrays))
         for group in root.groups:
             _ = group.arrays, group.coordinates
     except StoreError:

@@ -92,23 +92,6 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     return {TEST: ds[TEST].variable, **found}
 
 
-def open_tests(path: PathLike) -> xr.Dataset:
-    """Results at the points of tests in a store, as they are beside the plane in `open_store`."""
-    store = opened(path)
-    shares = {
-        name: store.axes[name] for name in ("cooler_share", "bulk_ratio") if name in store.axes
-    }
-    return xr.Dataset(coords={**shares, **_test_coordinates(store)})
-
-
-def open_messages(path: PathLike) -> xr.DataArray:
-    """Messages of the points of a store, "" for a point without one, by the store's axes."""
-    store = opened(path)
-    texts = store.read("message", ...).astype(object)
-    texts[~np.isin(store.flags, (DONE, FAILED))] = ""
-    return xr.DataArray(texts, {dim: list(store.axes[dim]) for dim in store.dims}, store.dims)
-
-
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data."""
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.progress import Progress, Report, silent
@@ -36,7 +35,6 @@ from pipeline.store.schema import (
     AT_END,
     DONE,
     FAILED,
-    MADE,
     NOT_ASKED,
     PENDING,
     STEPPED,
@@ -148,21 +146,6 @@ class Store:
         finally:
             if self.place.stamp() != self._stamp:
                 raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
-
-    def read_steps(self, box: Slices) -> dict[str, Any]:
-        """Read, by name, all variables that have a value at each step, of the points in a box.
-
-        Time, load and sliding distance at each step are added, with the shape of these points and
-        their steps.
-        """
-        columns = {name: self.read(name, box) for name in STEPPED if name in self.arrays}
-        wanted, made = self.group.variables, self.group.coordinates
-        shape = *self.flags.shape, columns["max_rise"].shape[-1]
-        sizes = dict(zip(wanted["max_rise"].dims, shape, strict=True))
-        for name in MADE:
-            values: Any = xr.Variable(wanted[name].dims, made[name])
-            columns[name] = values.set_dims(sizes).values[box]
-        return columns
 
     def blank_fields(self) -> dict[str, Any]:
         """Fields of a point whose fields are not kept, by name: NaN everywhere."""
@@ -363,10 +346,16 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 
 
 class Writer:
-    """Collects records, and writes them about once a second, to an object store every 10 s."""
+    """Collects records, and writes them about once a second, to an object store every 10 s.
 
-    def __init__(self, store: Store) -> None:
+    Points are to be computed with fields if `with_fields`; unless `keeps_fields` the fields of the
+    store are NaN.
+    """
+
+    def __init__(self, store: Store, keeps_fields: bool = True) -> None:
         self.store = store
+        self.with_fields = keeps_fields and "pressure" in store.arrays
+        self._blank = {} if keeps_fields else store.blank_fields()
         self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
         self._next = 0.0  # time of the next commit
@@ -380,7 +369,10 @@ class Writer:
 
     def add(self, records: Iterable[PointRecord]) -> None:
         """Add records to those that wait."""
-        self._waiting += records
+        for record in records:
+            if self._blank and record.data is not None:
+                record = replace(record, data={**record.data, **self._blank})
+            self._waiting.append(record)
 
     def written(self) -> list[PointRecord]:
         """Write the waiting records if it is time to, and return them."""

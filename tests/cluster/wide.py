@@ -23,11 +23,11 @@ from pathlib import Path
 from unittest import mock
 
 from distributed import LocalCluster, Worker
+from pipeline.run.jobs import Jobs
 
 import pipeline
 from pipeline.run import work
 from pipeline.run.cluster import client_of
-from pipeline.run.jobs import Jobs
 from pipeline.store.store import Store
 from tests.crash.many import sweep_of
 

@@ -16,9 +16,8 @@ from unittest import mock
 
 from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
-from pipeline.run import schedule
+from pipeline.run import drive as driver
 from pipeline.run import sweep as running
-from pipeline.run.cluster import Connection
 from pipeline.run.tally import Tally
 from pipeline.store import create
 from pipeline.store import place as files
@@ -68,9 +67,9 @@ def noting(log):
 def computing(records, pace):
     """Context: "compute" points in this process from their records, and write each at once."""
 
-    link = Connection(None)
+    watch = mock.Mock(**{"cpu_time.return_value": 0.0})
 
-    def compute(link, sweep, writer, queue, tally, with_fields=None):
+    def compute(link, watch, sweep, writer, queue, tally):
         while queue:
             writer.add([record_of(records, sweep, queue.take("here").point)])
             tally.count(writer.flush(), 1)
@@ -78,7 +77,8 @@ def computing(records, pace):
 
     with (
         mock.patch.object(running, "compute", compute),
-        mock.patch.object(running, "connected", return_value=nullcontext(link)),
+        mock.patch.object(running, "connected", return_value=nullcontext(None)),
+        mock.patch.object(running, "Watch", return_value=watch),
         mock.patch.multiple(write, _PAUSE=0.0, _SHARE=0.0),
     ):
         yield
@@ -108,7 +108,7 @@ def _unlocked():
 
 
 def _all_blamed():
-    return mock.patch.object(schedule, "TRIALS", 0)
+    return mock.patch.object(driver, "_DEATHS", 0)
 
 
 MISTAKES = {

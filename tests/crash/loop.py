@@ -144,9 +144,8 @@ def places(ds):
 
 
 def values_of_points(ds):
-    """Values of all variables of a dataset as arrays, by name, with messages."""
-    numbers = {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
-    return numbers | {"message": pipeline.results(ds).messages}
+    """Values of all variables of a dataset as arrays, by name."""
+    return {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
 
 
 def _is_known(values):

@@ -7,10 +7,12 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.answers.results import cases_of
 from pipeline.store.create import writing
 from pipeline.sweep import plan
 from tests.helpers import scenes
 from tests.helpers.stores import killed_after
+from tests.helpers.sweeps import deciding_rise
 
 OWN_WORKERS = True
 SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace(
@@ -45,11 +47,12 @@ def compute(path, sweep, most=None):
 
 def answered(source):
     """Load, velocity and rise of each test's point under the test's own conditions."""
-    data = pipeline.results(source)
-    held = data.tests
-    tests = [data.sweep.tests[number] for number in held.numbers]
-    rises = [held.rise(k, test.case.conditions) for k, test in enumerate(tests)]
-    return [*zip(held.loads.tolist(), held.velocities.tolist(), rises, strict=True)]
+    case = cases_of(source)[0]
+    return [
+        (one.load, one.velocity, one.rise(test.case.conditions))
+        for test, points in zip(case.sweep.tests, case.tests, strict=True)
+        for one in points
+    ]
 
 
 def alone(sweep, load, velocity, friction=0.1, **entries):
@@ -82,8 +85,9 @@ def test_points_of_tests_have_the_rises_of_their_own_scenes(made):
         found, (*own, {"loading__hold": "3 s"}), strict=True
     ):
         assert rise == alone(sweep, load_of, velocity, **changes)
-    plane = pipeline.results(path)
-    assert [rise for *_, rise in found[:2]] == plane.rises(plane.conditions)[0].tolist()
+    ds = pipeline.open_sweep(path)
+    plane = deciding_rise(ds, sweep.conditions).values[0]
+    assert [rise for *_, rise in found[:2]] == pytest.approx(plane.tolist(), rel=1e-12)
 
 
 def test_the_plane_keeps_no_steps_for_the_holds_of_tests(made, tmp_path):
@@ -166,22 +170,8 @@ def test_rows_and_surfaces_have_the_tests_of_the_scene_once(tmp_path):
     sweep, path = load(tmp_path, STEP, sweep=rows), tmp_path / "lab.zarr"
     assert compute(path, sweep) == 2
     assert answered(path) == [(400.0, V, alone(sweep, 400.0, V)) for V in (1.0, 2.0)]
-    taken = pipeline.at(path, **{"pin.radius": "1 mm"}).isel(realization=0)
+    taken = pipeline.open_sweep(path).sel(pin_radius=1e-3).isel(realization=[0])
     assert answered(taken) == answered(path)
-
-
-COPIES = {
-    "netCDF": lambda ds, path: ds.to_netcdf(path) or xr.open_dataset(path),
-    "Zarr": lambda ds, path: (
-        ds.to_zarr(path, consolidated=False) and xr.open_zarr(path, consolidated=False)
-    ),
-}
-
-
-@pytest.mark.parametrize("copy", COPIES)
-def test_copies_keep_the_tests(made, tmp_path, copy):
-    copied = COPIES[copy](pipeline.open_sweep(made[1]), tmp_path / "copy")
-    assert answered(copied) == answered(made[1])
 
 
 TAKEN = {
@@ -192,7 +182,6 @@ TAKEN = {
     "where": lambda ds, path: ds.where(ds["velocity"] > 0),
     "squeezed": lambda ds, path: ds.squeeze(),
     "transposed": lambda ds, path: ds.transpose(),
-    "several frictions": lambda ds, path: pipeline.at(ds, friction=[0.1, 0.2]),
 }
 
 
@@ -206,9 +195,9 @@ def test_what_xarray_does_with_the_plane_leaves_the_tests_alone(made, kind):
 def test_a_dataset_without_the_tests_says_so(made):
     ds = pipeline.open_sweep(made[1])
     ds = ds.drop_vars([name for name in ds.coords if name.startswith("test_")]).drop_encoding()
-    held = pipeline.results(ds).tests
-    assert held.status.tolist() == [-1] * 4
-    assert np.isnan(held.rise(0, pipeline.results(ds).conditions))
+    (case,) = cases_of(ds)
+    points = [one for points in case.tests for one in points]
+    assert [one.why_missing for one in points] == ["waits for its point: irg run SCENE"] * 4
 
 
 def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_path, irg):
@@ -217,8 +206,9 @@ def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_pat
     with writing(path, sweep) as store:
         point = plan.points(store.tests.sweep)[1]
         store.tests.commit([plan.PointRecord(point, None, "out of luck")])
-    held = pipeline.results(path).tests
-    assert (held.status.tolist(), held.messages[1]) == ([1, 2], "out of luck")
+    points = [one for points in cases_of(path)[0].tests for one in points]
+    assert [one.status for one in points] == [1, 2]
+    assert points[1].message == "out of luck"
     said = irg("status", path, code=1)
     assert "tests: 1 of 2 points done" in said
     assert "failed: 400 N, 2 m/s, test 1: out of luck" in said

@@ -19,7 +19,6 @@ import pipeline
 import tribo
 from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_store
 from pipeline.run import cluster as of_run
-from pipeline.run import schedule
 from pipeline.run import sweep as execute
 from pipeline.store import create, files
 from pipeline.store.create import writing
@@ -119,12 +118,11 @@ def test_other_conditions_of_the_scene_are_told(copy):
 # What goes wrong
 
 
-def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, monkeypatch):
-    monkeypatch.setattr(schedule, "TRIALS", 2)  # a worker dies in each trial, and another starts
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
-    words = "2 workers died, the last computing only this point: out of memory, or killed"
+    words = "3 workers died, the last computing only this point: out of memory, or killed"
     assert all(failed.message.startswith(words) for failed in outcome.failed)
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
     assert verify_store(path).is_clean

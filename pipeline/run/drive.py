@@ -1,0 +1,196 @@
+"""The points of a sweep as independent tasks of Dask.
+
+Dask orders them, and computes a task again whose result is lost. The driver keeps two tasks for
+each worker, one that it computes and one that waits; the next one continues, if possible, a loading
+ramp that this worker has cached.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import time
+import uuid
+from collections import Counter, defaultdict, deque
+from concurrent.futures import Future as Answer
+from dataclasses import dataclass, replace
+from statistics import fmean
+from typing import Any
+
+from distributed import Client, Future, as_completed
+from distributed.scheduler import KilledWorker
+
+from pipeline.run.tally import Tally
+from pipeline.run.task_queue import TaskQueue
+from pipeline.run.watch import CANNOT, POLL, Watch
+from pipeline.run.work import Case, ExecutionError, simulate_point
+from pipeline.store.store import Writer
+from pipeline.sweep.plan import PointRecord, Task, choose_stations
+from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.variants import Variant
+
+ANYWHERE = ""
+"""Address of the worker for a task that any worker may take."""
+
+_AHEAD, _AHEAD_IF_SHORT = 2, 16  # tasks for each worker
+_SHORT = 0.02  # mean time of the last points [s] below which they are short
+_SPARE = 16  # tasks for workers that are still to come: a cluster that adapts starts them for tasks
+_DEATHS = 3  # of its workers, after which a point counts as failed
+_KILLED = (
+    "{} workers died, the last computing only this point: out of memory, or killed from outside; "
+    "take fewer workers, or fewer window.pixels"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    task: Task
+    worker: str
+    is_alone: bool = False
+
+
+def compute(
+    client: Client, watch: Watch, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally
+) -> None:
+    """Compute all tasks of a queue, and write their points to the store as done or failed.
+
+    `watch` looks after the workers, `writer` writes to the store, and `tally` reports progress.
+    Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
+    or no worker can compute.
+    """
+    tasks = _Tasks(client, replace(sweep, stations=writer.store.sweep.stations), writer)
+    suspects = deque[Task]()  # of workers that died: one of them may have killed its worker
+    deaths = Counter[Point]()  # of workers that had a point
+    recent = deque([1.0], maxlen=50)  # times of points [s]
+    try:
+        while queue or suspects or tasks:
+            workers = watch()
+            ahead = _AHEAD_IF_SHORT if fmean(recent) < _SHORT else _AHEAD
+            busy = Counter(job.worker for job in tasks.running.values())
+            able = [one for one in workers if busy[one] <= ahead // 2]
+            free = [one for count in range(ahead) for one in able if busy[one] <= count]
+            adaptive = getattr(client.cluster, "_adaptive", None)
+            if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
+                free += [ANYWHERE] * (_SPARE - busy[ANYWHERE])
+            jobs = [_Job(queue.take(one or object()), one) for one in free if queue]
+            if suspects and not (jobs or tasks):
+                jobs = [_Job(suspects.popleft(), ANYWHERE, is_alone=True)]
+            with watch.reached():
+                tasks.submit(jobs)
+                for job, error in tasks.lost():
+                    point = job.task.point
+                    if not isinstance(error, KilledWorker):  # the scheduler was restarted
+                        queue.put_back(job.task)
+                        continue
+                    deaths[point] += error.allowed_failures + 1
+                    if job.is_alone and deaths[point] >= _DEATHS:
+                        words = _KILLED.format(deaths[point])
+                        writer.add([PointRecord(point, None, words)])
+                    else:
+                        suspects.append(job.task)
+                for record, program in tasks.results():
+                    watch.require_program(program)
+                    writer.add([record])
+                    recent.append(record.wall_time)
+            if written := writer.written():
+                tally.count(written, len(workers))
+    finally:
+        tasks.release()
+    tally.count(writer.flush(), len(workers))
+
+
+class _Tasks:
+    """Tasks at Dask: `running` ones, and those whose result is still to be fetched."""
+
+    def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
+        self._client, self._sweep = client, sweep
+        self._stations, self._with_fields = choose_stations(sweep), writer.with_fields
+        self._cases: dict[str, bytes] = {}
+        # A scheduler may know other runs.
+        self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
+        self._ended = as_completed(loop=client.loop)
+        self._finished: dict[Future, _Job] = {}
+        self._fetches: dict[Answer[dict[str, Any]], dict[Future, _Job]] = {}
+        self._next = 0.0  # time of the next fetch
+        self._lost: list[tuple[_Job, Any]] = []
+        self.running: dict[Future, _Job] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self.running or self._finished or self._fetches or self._lost)
+
+    def submit(self, jobs: list[_Job]) -> None:
+        """Give tasks to Dask, those for one worker together, which takes half the time."""
+        groups = defaultdict[str, list[_Job]](list)
+        for job in jobs:
+            groups[job.worker].append(job)
+        for worker, group in groups.items():
+            points = [job.task.point for job in group]
+            futures = self._client.map(
+                simulate_point,
+                [self._case(point.variant) for point in points],
+                points,
+                key=[
+                    f"point-{point.load:g}N-{point.velocity:g}ms-{self._name}-{next(self._numbers)}"
+                    for point in points
+                ],
+                pure=False,
+                workers=worker or None,
+                allow_other_workers=bool(worker),
+            )
+            self.running.update(zip(futures, group, strict=True))
+            self._ended.update(futures)
+
+    def _case(self, variant: Variant) -> bytes:
+        case = self._sweep.case(variant)
+        scene_hash = self._sweep._hash_scene(case.scene)
+        if scene_hash not in self._cases:
+            made = Case(case.scene, self._stations, self._with_fields, case.has_film)
+            self._cases[scene_hash] = made.pickled()
+        return self._cases[scene_hash]
+
+    def lost(self) -> list[tuple[_Job, Any]]:
+        """Wait until a task ends, at most a second; return the tasks that are lost, and why."""
+        with self._ended.thread_condition:
+            self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
+        lost, self._lost = self._lost, []
+        for future in self._ended.next_batch(block=False):
+            job = self.running.pop(future)
+            if future.status == "finished":
+                self._finished[future] = job
+                continue
+            error = future.exception() if future.status == "error" else None
+            if error and not isinstance(error, KilledWorker):
+                raise ExecutionError(f"{CANNOT}: {error}")
+            lost.append((job, error))
+            future.release()
+        return lost
+
+    def results(self) -> list[Any]:
+        """Results that have arrived; others are asked for once a second, and not waited for.
+
+        A worker that hangs delays only the results that are asked for together with its own.
+        """
+        found = []
+        for answer in [one for one in self._fetches if one.done()]:
+            results = answer.result()
+            for future, job in self._fetches.pop(answer).items():
+                future.release()
+                if result := results.get(future.key):
+                    found.append(result)
+                else:
+                    self._lost.append((job, None))
+        if self._finished and (not self.running or time.monotonic() >= self._next):
+            self._next = time.monotonic() + POLL
+            asked = {future.key: future for future in self._finished}
+            request = self._client.gather(asked, errors="skip", asynchronous=True)
+            answer = asyncio.run_coroutine_threadsafe(request, self._client.loop.asyncio_loop)
+            self._fetches[answer], self._finished = self._finished, {}
+        return found
+
+    def release(self) -> None:
+        """Leave nothing on a scheduler of others; no answer is waited for."""
+        for answer in self._fetches:
+            answer.cancel()
+        for jobs in (self.running, self._finished, *self._fetches.values()):
+            for future in jobs:
+                future.release()

@@ -1,0 +1,140 @@
+"""The workers of a run: which of them take tasks, what program they have, what the user is told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from distributed import Client
+from distributed.client import ClosedClientError
+
+from pipeline.progress import Progress, Report, duration
+from pipeline.run.work import PROGRAM, ExecutionError, Program, program
+
+SAFE = "finished points are safe, run the sweep again to go on"
+POLL = 1.0
+"""Time between two looks [s]."""
+CANNOT = "a Dask worker cannot run this program"
+
+_INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
+_LOST = f"the Dask scheduler is lost; {SAFE}"
+_ANSWER = 5.0  # time for a worker to say which program it has [s]
+_WORD = 10.0  # time after which the user is told that workers hang, or that there are none [s]
+# Errors that Dask raises without a scheduler, the last three by a client that was closed.
+_GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
+
+
+class Watch:
+    """Looks at the workers of a client, at most once a second.
+
+    `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
+    """
+
+    def __init__(
+        self, client: Client, patience: float, report: Report, is_own: bool = False
+    ) -> None:
+        self._client, self._patience, self._report = client, patience, report
+        self._said: set[str] = set()
+        self._next, self._seen = 0.0, time.monotonic()
+        self._workers: list[str] = []
+        self._beats: dict[str, tuple[float, float]] = {}  # by the scheduler's clock, and by ours
+        self._checked: set[str] = set()
+        self._is_own = is_own  # then workers run this program
+
+    def __call__(self) -> list[str]:
+        """Addresses of the workers that take tasks.
+
+        Raises an `ExecutionError` if the scheduler is lost, no worker takes tasks for too long, or
+        one cannot run this program.
+        """
+        if (now := time.monotonic()) < self._next:
+            return self._workers
+        with self.reached():
+            ask = self._client.scheduler.identity
+            # Not by `Client.scheduler_info`, which waits without end for a scheduler that stands.
+            found = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)["workers"]
+        self._workers = [one for one, about in found.items() if about["status"] == "running"]
+        for one, about in found.items():
+            if self._beats.get(one, (0.0, 0.0))[0] != about["last_seen"]:
+                self._beats[one] = about["last_seen"], now
+        hung = {
+            one for one in found if one not in self._workers or now - self._beats[one][1] > _WORD
+        }
+        if hung.issuperset(self._workers):
+            why = f"{', '.join(sorted(hung)) or 'there is none'}"
+            if now - self._seen > self._patience:
+                within = duration(self._patience)
+                raise ExecutionError(f"no Dask worker takes tasks within {within} ({why}); {SAFE}")
+            if now - self._seen > min(_WORD, self._patience / 2):
+                self.say(f"no Dask worker takes tasks ({why}); waiting for one")
+        else:
+            self._seen = now
+            for one in hung:
+                self.say(f"{one} is paused, silent or stopped; other workers compute on")
+        if not self._is_own:
+            self._check(sorted({*self._workers} - self._checked - hung))
+        self._next = time.monotonic() + POLL
+        return self._workers
+
+    def _check(self, workers: list[str]) -> None:
+        """Require that workers can import this program: one that cannot drops all its tasks."""
+
+        async def ask() -> Any:
+            return await self._client.run(program, workers=workers, on_error="return")
+
+        answers: dict[str, Any] = {}
+        with suppress(TimeoutError):  # one has died meanwhile: the others are asked again
+            answers = self._client.sync(ask, callback_timeout=_ANSWER) if workers else {}
+        for one, answer in answers.items():
+            if isinstance(answer, OSError):
+                continue
+            if isinstance(answer, Exception):
+                raise ExecutionError(f"{CANNOT}: {answer} ({one}); {_INSTALL}")
+            self.require_program(answer, one)
+            self._checked.add(one)
+
+    def require_program(self, answer: Program, worker: str = "a Dask worker") -> None:
+        """Raise an `ExecutionError` if a worker has other code; tell of other versions."""
+        if answer.code != PROGRAM.code:
+            raise ExecutionError(
+                f"{worker} has another version of tribo and pipeline (hash {answer.code}) than "
+                f"this program ({PROGRAM.code}); {_INSTALL}"
+            )
+        if answer != PROGRAM:
+            self.say(
+                f"{worker} computes by {answer.versions}, and not {PROGRAM.versions}; last digits "
+                "may differ"
+            )
+
+    def cpu_time(self) -> float:
+        """Processor time of the workers that there are [s]; 0 if they do not answer."""
+
+        async def ask() -> Any:
+            return await self._client.run(time.process_time, on_error="ignore")
+
+        with suppress(TimeoutError, *_GONE):
+            return float(sum(self._client.sync(ask, callback_timeout=_ANSWER).values()))
+        return 0.0
+
+    def say(self, words: str) -> None:
+        """Tell the user something once."""
+        if words not in self._said:
+            self._said.add(words)
+            self._report(Progress(words))
+
+    @contextmanager
+    def reached(self) -> Iterator[None]:
+        """Context manager: turn errors of a lost scheduler into an `ExecutionError`.
+
+        Before the block it waits, up to `patience`, for a client that is connecting again.
+        """
+        limit = time.monotonic() + self._patience
+        while self._client.status == "connecting" and time.monotonic() < limit:
+            time.sleep(0.1)  # the scheduler may be starting again
+        try:
+            yield
+        except _GONE as error:
+            raise ExecutionError(_LOST) from error
