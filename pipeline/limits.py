@@ -1,4 +1,4 @@
-"""Limits of a scene, a workbook or a table, so that a small file cannot take all memory."""
+"""Limits of a scene or a table, so that a small file cannot take all memory."""
 
 MOST_ON_AXIS = 5000
 """Most loads or velocities of a range, since `irg check` looks at each, for 3 s in all."""
@@ -6,13 +6,13 @@ MOST_SCENES = 10_000
 """Most combinations of `over`, rows of `along`, or surfaces: each is a scene, read in 0.5 ms."""
 MOST_POINTS = 10_000_000
 """Most points of a sweep."""
-MOST_BYTES_OF_BOOK = 10_000_000
-"""Most bytes that a workbook may unpack to: 300 000 cells, each an object of over 100 bytes."""
-MOST_CELLS_OF_SHEET = 1_000_000
-"""Most cells of a sheet; empty cells before the last filled one count, since they are read."""
 MOST_ROWS = 1_000_000
 """Most rows of a table in text, which are read within a minute."""
 MOST_PLACES = 100_000
 """Most operating points of a table, which are judged within a minute."""
 MOST_BYTES_OF_TEXT = 100_000_000
 """Most bytes of a table in text: some ten million cells, each an object of 60 bytes."""
+MOST_BYTES_OF_BOOK = 10_000_000
+"""Largest size of a workbook when it is unpacked."""
+MOST_CELLS_OF_SHEET = 1_000_000
+"""Most cells of a sheet; empty cells before the last filled one count, since they are read."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +13,16 @@ from typing import Any
 from pipeline.limits import MOST_PLACES
 from pipeline.sweep.case import Place
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
-from pipeline.table import read_columns, rows_of
-from pipeline.units import in_si, share_of
+from pipeline.table import Sheet, read_table, rows_of
+from pipeline.units import share_of, to_si
+from pipeline.words import quoted
 from tribo import InputError
 
 _LIKE = {
     "load": "200 N", "velocity": "1.25 m/s",
     "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
 }  # fmt: skip
+_ENTRY = re.compile(r"[a-z_]+(\.[a-z_0-9]+)+")
 _PLACE = "load", "velocity"
 
 
@@ -41,23 +44,37 @@ class OperatingPoints:
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
     @classmethod
-    def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
+    def read(
+        cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]], decimal: str = "."
+    ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        Columns of quantities that are no condition are passed on. Raises an `InputError` if the
-        table is unreadable, lacks a column, or has a faulty row.
+        `decimal` is the decimal mark of the file. Columns of quantities that are no condition are
+        passed on. Raises an `InputError` if the table is unreadable, lacks a column, or has a
+        faulty row.
         """
         given = Path(source) if isinstance(source, str | os.PathLike) else source
-        columns, names = read_columns(given, MOST_PLACES), (*_PLACE, *CONDITION_ENTRIES)
-        written = rows_of(columns, names, _faults_in, _PLACE)
-        if not written:
-            raise InputError("the table of operating points has no rows; give one at least")
+        sheet = _with_entries(read_table(given, MOST_PLACES, decimal))
+        names = *_PLACE, *CONDITION_ENTRIES
+        written = rows_of(sheet, names, _faults_in, _PLACE)
         read = [{name: _value(name, cell) for name, cell in row.items()} for row in written]
-        others = {one.head: one.cells for one in columns if one.name not in names}
+        others = {one.head: one.cells for one in sheet.columns if one.name not in names}
         conditions = tuple(
             {name: row[name] for name in CONDITION_ENTRIES if name in row} for row in read
         )
         return cls(tuple((row["load"], row["velocity"]) for row in read), others, conditions)
+
+
+def _with_entries(sheet: Sheet) -> Sheet:
+    """The table with conditions that are headed by their entry, such as friction.coefficient."""
+    names = {path: name for name, path in CONDITION_ENTRIES.items()}
+    columns = [one._replace(name=names.get(one.name, one.name)) for one in sheet.columns]
+    if others := [one.head for one in columns if _ENTRY.fullmatch(one.name)]:
+        raise InputError(
+            f"the column {quoted(others[0])} cannot act after the simulation; leave it out, or run "
+            "the rows as sweep.along"
+        )
+    return sheet._replace(columns=columns)
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -78,10 +95,11 @@ def _value(name: str, cell: Any) -> float:
     else:
         if not isinstance(cell, str):
             raise InputError(f"{cell} has no unit; give one such as {_LIKE[name]}")
-        value, ends = in_si(name, cell, _LIKE[name]), (math.ulp(0.0), math.inf)
+        value, ends = to_si(cell, _LIKE[name]), (math.ulp(0.0), math.inf)
         if name == "bulk_temperature":
-            low, high = (in_si(name, end, "1 K") for end in OIL_WORKS)
+            low, high = (to_si(end, "1 K") for end in OIL_WORKS)
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
-        raise InputError(f"{cell} is out of range")
+        advice = f"; give a {name} above 0" * (name in _PLACE)
+        raise InputError(f"{quoted(cell)} is out of range{advice}")
     return value

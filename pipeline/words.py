@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
+_SHOWN = 18  # faults that are shown, where there are thousands
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
@@ -25,6 +26,16 @@ def quoted(value: object) -> str:
     else:
         text = str(value)
     return text if len(text) <= 100 else f"{text[:96]} ..."
+
+
+def fault_lines(name: str, faults: Sequence[str]) -> str:
+    """Join faults to a message that names the file; several have a line each, 20 at most."""
+    if len(faults) == 1:
+        return f"{name}: {faults[0]}"
+    lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
+    if (more := len(faults) - _SHOWN) > 0:
+        lines.append(f"and {more} more")
+    return "\n  ".join(lines)
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:

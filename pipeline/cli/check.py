@@ -21,6 +21,7 @@ from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
+from pipeline.surface.window import form_words
 from pipeline.sweep.left_out import UNKNOWN_FILM
 from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.sweep import Sweep
@@ -178,9 +179,8 @@ def _surface_words(facts: SurfaceFacts) -> str:
     heights = f"Ra {display(facts.ra, 'µm', 3)}, Rq {display(facts.rq, 'µm', 3)}, {slope}{lay}"
     if not facts.measured:
         return f"random: {heights}"
-    known = zip("xy", facts.radii, strict=True)
-    curves = [f"R {display(r, 'mm', 3)} along {x}" for x, r in known if math.isfinite(r)]
-    heights += f"; Ra and Rq exclude the curvature, {' and '.join(curves)}" if curves else ""
+    curved = form_words(facts.radii)
+    heights += f"; Ra and Rq exclude the curvature, R {curved}" if curved else ""
     if all(abs(place) < _IS_LEVEL * facts.rq for place in (facts.mean_height, *facts.rise)):
         return f"measured: {heights}; level"
     mean, x, y = (shown_in(place, "µm") for place in (facts.mean_height, *facts.rise))

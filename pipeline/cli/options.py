@@ -166,6 +166,7 @@ POINTS = (
         'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
         ".csv, .txt or .xlsx; further columns are passed on", user_path,
     ),
+    Option("--decimal", choices=(".", ","), default=".", help="decimal mark of --points"),
 )  # fmt: skip
 REALIZATION = value(
     "--realization SEED", "seed of the random surface in place of the sweep's own",

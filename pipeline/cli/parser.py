@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from pipeline import extras
 from pipeline.cli import options as o
 from pipeline.cli.options import Command
 
@@ -75,6 +76,11 @@ COMMANDS = (
         (o.STORE, *o.OF_PLOT, *o.JUDGED, *o.PLACE, o.REALIZATION),
     ),
     Command(
+        "surface", "surface:surface",
+        "describe a scan by ISO 25178-2, and print the table of a random surface like it",
+        'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SURFACE,
+    ),
+    Command(
         "help", "begin:help_", "print a page of the documentation, or list them",
         "first-hour", (o.TOPIC,),
     ),
@@ -83,8 +89,11 @@ COMMANDS = (
 
 @cache
 def commands() -> tuple[Command, ...]:
-    """All commands of ``irg``; commands of optional parts come last."""
-    return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
+    """All commands of ``irg``; that of the paper comes last, where its folder is there."""
+    for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
+        if find_spec(package) and find_spec(f"{package}.commands"):
+            return (*COMMANDS, *import_module(f"{package}.commands").COMMANDS)
+    return COMMANDS
 
 
 class _Parser(argparse.ArgumentParser):

@@ -8,10 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import tribo
-from pipeline import extras
 from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
 from pipeline.scene.checks import check_tables, track_faults
@@ -35,11 +32,12 @@ from pipeline.scene.library import resolve_library
 from pipeline.scene.stages import expand_tests, stages_of
 from pipeline.scene.tables import Declared, table_of
 from pipeline.scene.tracks import disc_of, track_length
+from pipeline.surface.scan import read_scan
+from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
 from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
 from pipeline.sweep.remarks import FromLibrary
-from pipeline.table import Column, read_columns
-from pipeline.units import to_si
+from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of
@@ -181,7 +179,7 @@ def loading_of(
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
-    times, forces = files.once(path, partial(_record, path))
+    times, forces = files.once(path, partial(_record, path, table.decimal))
     record = tribo.MeasuredLoad(times, forces, table.reference_load)
     if not table.fit:
         return record
@@ -191,29 +189,19 @@ def loading_of(
     return record.ramp()
 
 
-def _record(path: Path) -> tuple[Array, Array]:
+def _record(path: Path, decimal: str) -> tuple[Array, Array]:
     """Times [s] and loads [N] of a recorded load."""
-    columns = {one.name: one for one in read_columns(path, MOST_ROWS)}
-    times, forces = (_numbers(columns, name, unit) for name, unit in _RECORD.items())
+    sheet = read_table(path, MOST_ROWS, decimal)
+    times, forces = numbers_of(sheet, _RECORD).values()
     if reason := record_fault(times, forces):
-        raise tribo.InputError(f"row {reason[0] + 2}: {reason[1]}")
+        raise tribo.InputError(f"row {sheet.lines[reason[0]]}: {reason[1]}")
     return times, forces
 
 
-def _numbers(columns: Mapping[str, Column], name: str, unit: str) -> Array:
-    """Values of a column in SI."""
-    if name not in columns:
-        raise tribo.InputError(
-            f"no column {name} in the file; give a heading such as {name} [{unit}]"
-        )
-    column = columns[name]
-    return np.array([to_si(f"{cell} {column.unit or unit}", f"1 {unit}") for cell in column.cells])
-
-
-def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Roughness | None:
+def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Roughness:
     """Roughness of the disk: from a seed, or from the heights in the file of a scan.
 
-    Faults of a scan are added to `faults`; without usable heights the result is None.
+    Notes on a scan are added to `faults`.
     """
     if not isinstance(table, MeasuredSurfaceTable):
         if window.pixels == (1, 1):
@@ -222,16 +210,21 @@ def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Ro
             )
         pair = _pair(table.correlation_length)
         return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": pair})
-    path, scans = files.path("disk.roughness.file", table.file), extras.module("surfaces")
-    heights = files.once(
-        (path, table, window),
-        lambda: scans.window_heights(vars(table), vars(window), path, faults),
-    )
-    if heights is None:
-        return None
+    path = files.path("disk.roughness.file", table.file)
+    heights, notes = files.once((path, table, window), partial(_scanned, path, table, window))
+    for note in notes:
+        faults.note("disk.roughness.file", note)
     if heights.shape != window.pixels:
         raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *window.pixels))
     return tribo.MeasuredRoughness(heights)
+
+
+def _scanned(path: Path, table: Any, window: Window) -> tuple[Array, Sequence[str]]:
+    """Heights (nx, ny) of the window [m] from the file of a scan, and notes on them."""
+    sides = window.pixel_size
+    scan = read_scan(path, table.height_unit, table.pixel_size, table.transpose, sides)
+    heights, notes = window_heights(scan, vars(table), window.pixels, sides)
+    return heights, [*notes]
 
 
 def oil_of(table: OilTable) -> tribo.Oil:

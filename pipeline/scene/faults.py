@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -11,9 +11,8 @@ from typing import NamedTuple
 from pipeline.shipped import name_of
 from pipeline.sweep.remarks import Grade, Remark
 from pipeline.units import UnitError
+from pipeline.words import fault_lines
 from tribo import InputError, TriboError
-
-_SHOWN = 18  # faults that are shown, where there are thousands
 
 
 class Fault(NamedTuple):
@@ -95,13 +94,3 @@ class SceneFileError(TriboError):
         if not name.isprintable():
             name = json.dumps(name)
         return fault_lines(name, self.faults)
-
-
-def fault_lines(name: str, faults: Sequence[str]) -> str:
-    """Join faults to a message that names the file; several have a line each, 20 at most."""
-    if len(faults) == 1:
-        return f"{name}: {faults[0]}"
-    lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
-    if (more := len(faults) - _SHOWN) > 0:
-        lines.append(f"and {more} more")
-    return "\n  ".join(lines)

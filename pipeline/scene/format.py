@@ -145,8 +145,9 @@ class MeasuredSurfaceTable(Declared):
         "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
         "True to subtract the least-squares plane, and any curvature higher than Rq."] = False
-    missing: A[str, OneOf(("refuse", "fill")),
-        "Pixels without a height: refuse the file, or fill them smoothly from around."] = "refuse"
+    missing: A[float, Share(at_least=0, below=1),
+        "Share of pixels without a height up to which these are filled smoothly from "
+        "around."] = 0.1
     repeat: A[str, OneOf(("no", "mirror", "tile")),
         "Continuation of a surface that is smaller than the window."] = "no"
 
@@ -195,6 +196,7 @@ class Record(Declared):
         "folder of the scene."]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
+    decimal: A[str, OneOf((".", ",")), "Decimal mark of the file."] = "."
 
 class MotionTable(Declared):
     slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),

@@ -39,6 +39,7 @@ class LogTable(Declared):
     form_name = "log"
     file: A[str, "Table with a row for each test, CSV or Excel; its headings are the entries of a "
         "test with their units, such as `load [N]`; relative to the folder of the scene."]
+    decimal: A[str, OneOf((".", ",")), "Decimal mark of the file."] = "."
 class EvenLevels(Declared):
     form_name = "even stages"
     first: A[str, LEVEL, "Load or velocity of the first stage."]

@@ -30,7 +30,7 @@ from pipeline.sweep.variants import (
     numbered_rows,
     surfaces,
 )
-from pipeline.table import read_columns
+from pipeline.table import read_table
 from pipeline.units import UnitError, si_unit, to_si
 from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
@@ -84,9 +84,9 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[Row]:
     rows = list[Row]()
     if isinstance(written, str) and written:
         with faults.at("sweep.along"):
-            columns = read_columns(files.path("sweep.along", written), MOST_SCENES)
-            count = len(columns[0].cells) if columns else 0
-            rows = [{one.name: one.entry(k) for one in columns} for k in range(count)]
+            sheet = read_table(files.path("sweep.along", written), MOST_SCENES)
+            named = sheet.named(_PLACE.keys, (*_PLACE.keys, *CONDITION_ENTRIES)).values()
+            rows = [{one.name: one.entry(k) for one in named} for k in range(len(sheet.lines))]
     elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
     return [{CONDITION_ENTRIES.get(head, head): cell for head, cell in row.items()} for row in rows]
@@ -133,8 +133,6 @@ def _rows_over(over: dict[str, Any]) -> Rows:
 
 
 def _rows_along(rows: list[Row]) -> Rows:
-    if len(rows) > MOST_SCENES:
-        raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
     found = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = {

@@ -19,7 +19,7 @@ from pipeline.scene.stages import axis_of, levels_of, stages_of
 from pipeline.scene.tables import Table, table_of
 from pipeline.sweep.case import TEST, Case, Test
 from pipeline.sweep.conditions import with_own
-from pipeline.table import read_columns, rows_of
+from pipeline.table import read_table, rows_of
 from pipeline.units import to_si
 from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
@@ -50,11 +50,14 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
                 rows.append(entry)
                 continue
             with faults.at(f"{key}[{number}].file"):
-                columns = read_columns(files.path(key, entry["file"]), MOST_ROWS)
-                has_outcome = any(one.name == "outcome" for one in columns)
-                staged = key == "tested" and not has_outcome
+                mark = str(entry.get("decimal", "."))
+                sheet = read_table(files.path(key, entry["file"]), MOST_ROWS, mark)
+                names = {one.name for one in sheet.columns}
+                staged = key == "tested" and names & {"mild_up_to", "severe_at"}
                 table = table_of(StagedRunTable if staged else declared)
-                rows += rows_of(columns, table.keys, partial(_faults_in, table))
+                needed = ("load", "velocity", "outcome")[: 3 if key == "tested" else 2]
+                faults_in = partial(_faults_in, table)
+                rows += rows_of(sheet, table.keys, faults_in, () if staged else needed, strict=True)
         if isinstance(listed, list):
             entries[key] = rows
             if not rows:

@@ -66,8 +66,8 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         return SurfaceFacts(not is_random, 0.0, 0.0)
     return SurfaceFacts(
         measured=not is_random,
-        ra=found.ra,
-        rq=found.rq,
+        ra=found.sa,
+        rq=found.sq,
         mean_height=found.mean,
         rise=tuple(np.multiply(found.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
         radii=found.radii,

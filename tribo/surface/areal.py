@@ -1,4 +1,4 @@
-"""Roughness of an area of heights by ISO 25178-2: parameters, form, and correlation lengths."""
+"""Roughness of a map of heights by ISO 25178-2, above its form: a plane or a curved surface."""
 
 from __future__ import annotations
 
@@ -14,48 +14,108 @@ _HAS_LAY = 0.5  # Str, below which a surface has a lay
 _MOST_ALONG = 1500  # heights along a side, from the middle, that the autocorrelation takes
 _ROUNDING = 1e-9  # share of the heights; a smaller deviation from their plane is rounding
 _DIRECTIONS = 90  # directions over half a turn in which lengths are found
-_FALLEN = 1 / math.e  # value of the autocorrelation at the end of a length
+_FALLEN = 0.2  # value of the autocorrelation at the end of a length, as in ISO 25178-3
 _MOST_LAGS = 16  # lags for each height along a side, at most, if pixels are much longer than wide
 _FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
 @dataclass(frozen=True, slots=True)
 class ArealRoughness:
-    """Roughness of an area, measured from its form: a plane or a curved surface.
+    """Roughness of an area by ISO 25178-2, measured from its form.
 
     Attributes
     ----------
-    ra, rq : float
-        Average and root mean square distance from the form [m]; Sa and Sq of ISO 25178-2.
-    skewness, kurtosis : float
-        Ssk and Sku; 0 and 3 of a Gaussian surface.
-    mean : float
-        Mean height [m].
-    slopes : tuple of float
-        Slopes of the form along x and y in the middle.
-    radii : tuple of float
-        Radii of curvature along x and y [m], positive for a hill. Infinite along an axis if the
-        curvature there is small beside the roughness.
+    sa, sq, sz : float
+        Average and root mean square distance from the form, and range of the heights [m].
+    ssk, sku : float
+        Skewness and kurtosis; 0 and 3 of a Gaussian surface.
+    sdq : float
+        Root mean square gradient, from neighbouring heights.
     sal : float
-        Sal, the shortest distance over which the autocorrelation falls [m], here to 1/e instead of
-        0.2.
+        Shortest distance over which the autocorrelation falls to 0.2 [m]; infinite if it stays
+        above that over half the side.
     aspect : float
         Str, the shortest such distance divided by the longest; 0 if the longest is beyond the area,
         NaN if the shortest is, too.
     lay : float or None
         Direction of the lay, from x towards y, from −90 to 90 [°]; None without a lay.
+    mean : float
+        Mean height [m].
+    slopes : tuple of float
+        Slopes of the form along x and y in the middle.
+    radii : tuple of float
+        Radii of curvature along x and y [m], positive for a hill; infinite where the curvature is
+        small beside the roughness.
     """
 
-    ra: float
-    rq: float
-    skewness: float
-    kurtosis: float
-    mean: float
-    slopes: tuple[float, float]
-    radii: tuple[float, float]
+    sa: float
+    sq: float
+    sz: float
+    ssk: float
+    sku: float
+    sdq: float
     sal: float
     aspect: float
     lay: float | None
+    mean: float
+    slopes: tuple[float, float]
+    radii: tuple[float, float]
+
+
+def areal_roughness(
+    heights: Array, spacing: tuple[float, float], with_lay: bool = True
+) -> ArealRoughness:
+    """Compute the roughness parameters of a map of heights.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (nx, ny)
+        Heights [m], NaN where a height is missing.
+    spacing : tuple of float
+        Sides of a pixel along x and y [m].
+    with_lay : bool, optional
+        False to leave out Sal, Str and the lay, which take most of the time; they are NaN and None.
+
+    Raises
+    ------
+    InputError
+        If all heights are missing, or there is no roughness beside the form.
+
+    Examples
+    --------
+    >>> from tribo import Grid
+    >>> from tribo.surface import self_affine
+    >>> grid = Grid((192, 192), (1e-6, 1e-6))
+    >>> found = areal_roughness(self_affine(grid, 2e-7, 0.8, (3e-6, 12e-6), seed=1), grid.spacing)
+    >>> f"Sa {1e6 * found.sa:.3f} µm, Str {found.aspect:.2f}, lay at {found.lay:.0f}°"
+    'Sa 0.199 µm, Str 0.22, lay at 90°'
+    """
+    level, slopes, radii = remove_form(heights, spacing)
+    values = level[np.isfinite(level)]
+    values = values - values.mean()
+    sq = float(np.sqrt(np.mean(values**2)))
+    gradients = (np.diff(level, axis=axis) / step for axis, step in enumerate(spacing))
+    squares = [float(np.nanmean(one**2)) for one in gradients if np.isfinite(one).any()]
+    shortest = aspect = direction = math.nan
+    if with_lay:
+        begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
+        part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
+        shortest, longest, direction = autocorrelation_lengths(part, spacing)
+        aspect = shortest / longest if math.isfinite(shortest) else math.nan
+    return ArealRoughness(
+        sa=float(np.abs(values).mean()),
+        sq=sq,
+        sz=float(np.ptp(values)),
+        ssk=float(np.mean((values / sq) ** 3)),
+        sku=float(np.mean((values / sq) ** 4)),
+        sdq=math.sqrt(sum(squares)),
+        sal=shortest,
+        aspect=aspect,
+        lay=direction if aspect < _HAS_LAY else None,
+        mean=float(np.nanmean(heights)),
+        slopes=slopes,
+        radii=radii,
+    )
 
 
 def remove_form(
@@ -84,14 +144,9 @@ def remove_form(
     -----
     The form is z = z₀ + a x + b y − x²/(2 Rx) + c xy − y²/(2 Ry), with constants z₀, a, b, c and
     radii Rx, Ry fitted to the heights. The curvature along an axis is significant if it raises or
-    lowers the form by more than the roughness Rq from the middle to an edge. If neither axis has a
+    lowers the form by more than the roughness Sq from the middle to an edge. If neither axis has a
     significant curvature, only the plane z₀ + a x + b y is removed. A curvature along one axis that
-    is left raises Rq by at most 4 %.
-
-    Raises
-    ------
-    InputError
-        If all heights are missing, or there is no roughness beside the form.
+    is left raises Sq by at most 4 %.
 
     Examples
     --------
@@ -110,23 +165,17 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def subtract_fit(count: int) -> tuple[Array, Array]:
-        """Fit a sum of terms to the heights given to `remove_form`, and subtract the sum.
-
-        The terms are the first `count` of 1, u, v, u², uv, v², where u and v are x and y, scaled to
-        the range −1 to 1. Returns the remaining heights, (nx, ny), and the coefficients of the
-        terms, (count,), all in metres.
-        """
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 
     level, plane = subtract_fit(3)
     radii = [math.inf, math.inf]
     curved, factors = subtract_fit(6)
-    rq = float(np.nanstd(curved))
-    if max(abs(factors[3]), abs(factors[5])) > rq > 0:
+    sq = float(np.nanstd(curved))
+    if max(abs(factors[3]), abs(factors[5])) > sq > 0:
         level, plane = curved, factors
         radii = [
-            -(half**2) / (2 * sag) if abs(sag) > rq else math.inf
+            -(half**2) / (2 * sag) if abs(sag) > sq else math.inf
             for half, sag in zip(halves, factors[[3, 5]].tolist(), strict=True)
         ]
     if float(np.nanstd(level)) <= _ROUNDING * float(np.nanmax(np.abs(heights))):
@@ -135,68 +184,10 @@ def remove_form(
     return level, (float(slope_x), float(slope_y)), (radii[0], radii[1])
 
 
-def areal_roughness(
-    heights: Array, spacing: tuple[float, float], with_lay: bool = True
-) -> ArealRoughness:
-    """Compute the roughness parameters of a height map by ISO 25178-2.
-
-    Parameters
-    ----------
-    heights : ndarray, shape (nx, ny)
-        Heights [m], NaN where a height is missing.
-    spacing : tuple of float
-        Sides of a pixel along x and y [m].
-    with_lay : bool, optional
-        False to leave out Sal, Str and the lay, which take most of the time; they are NaN and None.
-
-    Returns
-    -------
-    ArealRoughness
-        Sa, Sq, Ssk, Sku, Sal, Str and the direction of the lay, after the form (mean plane and
-        significant curvature) was removed. Also the mean height, and slopes and radii of the form.
-
-    Raises
-    ------
-    InputError
-        If all heights are missing, or there is no roughness beside the form.
-
-    Examples
-    --------
-    >>> from tribo import Grid
-    >>> from tribo.surface import self_affine
-    >>> grid = Grid((192, 192), (1e-6, 1e-6))
-    >>> found = areal_roughness(self_affine(grid, 2e-7, 0.8, (3e-6, 12e-6), seed=1), grid.spacing)
-    >>> f"Ra {1e6 * found.ra:.3f} µm, Str {found.aspect:.2f}, lay at {found.lay:.0f}°"
-    'Ra 0.199 µm, Str 0.23, lay at 90°'
-    """
-    level, slopes, radii = remove_form(heights, spacing)
-    values = level[np.isfinite(level)]
-    values = values - values.mean()
-    rq = float(np.sqrt(np.mean(values**2)))
-    shortest = aspect = direction = math.nan
-    if with_lay:
-        begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
-        part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
-        shortest, longest, direction = autocorrelation_lengths(part, spacing)
-        aspect = shortest / longest if math.isfinite(shortest) else math.nan
-    return ArealRoughness(
-        ra=float(np.abs(values).mean()),
-        rq=rq,
-        skewness=float(np.mean((values / rq) ** 3)),
-        kurtosis=float(np.mean((values / rq) ** 4)),
-        mean=float(np.nanmean(heights)),
-        slopes=slopes,
-        radii=radii,
-        sal=shortest,
-        aspect=aspect,
-        lay=direction if aspect < _HAS_LAY else None,
-    )
-
-
 def autocorrelation_lengths(
     heights: Array, spacing: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Find the shortest and the longest distance at which the autocorrelation falls to 1/e.
+    """Shortest and longest distance at which the autocorrelation falls to 0.2.
 
     Parameters
     ----------
@@ -208,14 +199,9 @@ def autocorrelation_lengths(
     Returns
     -------
     tuple of float
-        The shortest and the longest distance [m], infinite if the autocorrelation stays above 1/e
+        The shortest and the longest distance [m], infinite if the autocorrelation stays above 0.2
         over half the side; and the direction of the longest distance, from x towards y, from −90 to
         90 [°].
-
-    Raises
-    ------
-    InputError
-        If all heights are missing, or are equal.
 
     Notes
     -----
@@ -227,7 +213,7 @@ def autocorrelation_lengths(
     >>> x, y = np.meshgrid(np.arange(400.0), np.arange(400.0), indexing="ij")
     >>> shortest, longest, _ = autocorrelation_lengths(np.cos(2 * np.pi * x / 40), (1e-6, 1e-6))
     >>> f"{1e6 * shortest:.1f} µm along x, {longest} along y"
-    '7.5 µm along x, inf along y'
+    '8.6 µm along x, inf along y'
     """
     from scipy.ndimage import map_coordinates
 

@@ -13,9 +13,9 @@ PIXEL = 0.8e-6
 
 
 def gaussian(length_x, length_y, shape=(480, 400)):
-    """Heights whose autocorrelation is exp(−(x/length_x)² − (y/length_y)²)."""
+    """Heights whose autocorrelation exp(−ln 5 ((x/length_x)² + (y/length_y)²)) falls to 0.2."""
     noise = np.random.default_rng(1).standard_normal(shape)
-    widths = length_x / PIXEL / 2, length_y / PIXEL / 2
+    widths = np.divide((length_x, length_y), 2 * PIXEL * math.sqrt(math.log(5)))
     return ndimage.gaussian_filter(noise, widths, mode="wrap")
 
 
@@ -36,12 +36,12 @@ def test_a_turned_surface_keeps_its_shortest_and_longest():
 
 
 def test_a_patch_is_known_to_the_same_share_of_its_length_along_both_axes():
-    """Waves of 100 pixels fall to the threshold after 19, found in 400 pixels but not in 20."""
+    """Waves of 100 pixels fall to 0.2 after 22, found in 400 pixels but not in 20."""
     waves = np.cos(2 * np.pi * np.arange(400) / 100)
     for shape in ((400, 20), (20, 400)):
         heights = np.broadcast_to(waves[:, None] if shape[0] > shape[1] else waves, shape)
         shortest, longest, _ = autocorrelation_lengths(heights, (PIXEL, PIXEL))
-        assert (shortest, longest) == (pytest.approx(19 * PIXEL, rel=0.1), math.inf)
+        assert (shortest, longest) == (pytest.approx(21.8 * PIXEL, rel=0.1), math.inf)
 
 
 def test_a_flat_surface_is_refused():

@@ -19,15 +19,15 @@ def holed(heights, share=0.3, seed=1):
 
 
 def test_amplitudes_are_those_of_the_measured_heights():
-    """Normal heights have Ra = Rq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
+    """Normal heights have Sa = Sq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
     patchy = holed(ROUGH)
     found = areal_roughness(patchy, SPACING)
     values = patchy[np.isfinite(patchy)]
-    assert found.rq == pytest.approx(values.std(), rel=1e-3)
-    assert found.ra == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
-    assert found.ra / found.rq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
+    assert found.sq == pytest.approx(values.std(), rel=1e-3)
+    assert found.sa == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
+    assert found.sa / found.sq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
     assert found.mean == pytest.approx(values.mean(), rel=1e-9)
-    assert (found.skewness, found.kurtosis) == pytest.approx((0, 3), abs=0.1)
+    assert (found.ssk, found.sku) == pytest.approx((0, 3), abs=0.1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
@@ -57,7 +57,7 @@ def test_grooves_longer_than_the_area_have_an_aspect_of_0_and_a_lay():
 
 @pytest.mark.parametrize("share", [0.1, 0.4])
 def test_holes_do_not_move_the_autocorrelation(share):
-    """A wave of 40 µm falls to 1/e at 40 µm · arccos(1/e)/2π = 7.6 µm."""
+    """A wave of 40 µm falls to 0.2 at 40 µm · arccos(0.2)/2π = 8.7 µm."""
     wave = np.cos(2 * np.pi * np.arange(200) / 40)[:, None] * np.ones(60)
     whole, *_ = autocorrelation_lengths(wave, (1e-6, 1e-6))
     patchy, longest, _ = autocorrelation_lengths(holed(wave, share), (1e-6, 1e-6))

@@ -1,0 +1,34 @@
+"""The command ``irg surface``."""
+
+from __future__ import annotations
+
+import argparse
+
+import pipeline
+from pipeline.cli.output import Result, working, wrapped
+from pipeline.surface.data_sheet import data_sheet_toml
+from tribo import InputError
+
+_USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
+
+
+def surface(options: argparse.Namespace) -> Result:
+    """Answer ``irg surface``: roughness of a scan, or Ra and RSm, and the table of a scene."""
+    if (options.ra is None) != (options.rsm is None) or (options.ra is None) == (not options.scan):
+        raise InputError('give a SCAN, or --ra and --rsm of a profile, like --ra "0.2 um"')
+    if options.scan is None:
+        return _of_profile(options)
+    with working("fitting a random surface"):
+        found = pipeline.surface_statistics(
+            options.scan, options.height_unit, options.pixel_size, options.transpose,
+            options.missing,
+        )  # fmt: skip
+    return Result(found.as_dict(), wrapped(found.lines()))
+
+
+def _of_profile(options: argparse.Namespace) -> Result:
+    pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
+    with working("seeking the correlation length"):
+        toml, assumed = data_sheet_toml(options.ra, options.rsm, pixel)
+    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumed, "toml": toml}
+    return Result(document, [*assumed, "", *toml.splitlines()])

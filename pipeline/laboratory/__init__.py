@@ -1,1 +1,0 @@
-"""Laboratory files: logs of tests, traces of friction, spreadsheets and scans of surfaces."""

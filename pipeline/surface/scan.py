@@ -1,0 +1,296 @@
+"""Read scans: matrices of heights, and files of instruments by the library SurfaceTopography.
+
+Nothing is guessed: units stand in the file or are given, and a file that is no map of heights, such
+as a profile or a list of points, is refused by name.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.paths import kind_of, read_file, reason_of, user_path
+from pipeline.quantities import display_sides
+from tribo import InputError
+from tribo.types import Array
+
+_PROFILE = (
+    "a profile, of which Ra and RSm, which the instrument prints, are enough: "
+    'irg surface --ra "0.2 um" --rsm "60 um"'
+)
+_EACH = "give a map, or Ra and RSm of a profile by --ra and --rsm"
+_POINTS = "a list of points x, y, z; make it a matrix, a row for each y"
+_SAVE = "save the heights as .x3p, .npy or a matrix in text"
+_LIBRARY = 'pip install "irg-transition[surfaces]"'
+_MOST_BYTES = 2**30
+_NARROWEST = 9  # heights along a side of a map; less are columns of a table
+_EVEN = 0.02  # relative difference of steps, below which numbers rise evenly
+_SAME = 0.01  # relative difference below which two lengths agree
+_HIGHEST = 1.0  # height [m] from which the unit must be wrong
+_LONE = 4.0  # distance of a mark of missing heights from all heights, over their range
+_FILLER = 0.01, 10.0  # share of heights of one value, and how often the next value stands, less
+_WORDS = re.compile(
+    r"(?<![\w.+-])(-?1\.#\w+|-{2,}|\*+|n/?a|no ?data|bad|void)(?![\w.])", re.IGNORECASE
+)
+"""Words for a missing height, beside "nan" and nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """Measured heights [m], shape (nx, ny), NaN where one is missing; sides of a pixel [m]."""
+
+    heights: Array
+    pixel_size: tuple[float, float]
+    notes: tuple[str, ...] = ()  # on holes, and on arguments that override the file
+
+    @property
+    def missing(self) -> int:
+        """Number of heights that the instrument did not measure."""
+        return int(np.isnan(self.heights).sum())
+
+    @property
+    def missing_words(self) -> str:
+        """Number and share of missing heights in words."""
+        share = 100 * self.missing / self.heights.size
+        return f"{self.missing} of {self.heights.size} heights ({share:.2g} %) are missing"
+
+
+class _File(NamedTuple):
+    """Heights in a file's unit, shape (nx, ny); unit and sides [m] are None if it has none."""
+
+    heights: Array
+    unit: float | None = None
+    pixel_size: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()
+
+
+def read_scan(
+    path: str | Path,
+    height_unit: float | None = None,
+    pixel_size: tuple[float, float] | None = None,
+    transpose: bool = False,
+    usual_sides: tuple[float, float] | None = None,
+) -> Scan:
+    """Read a map of heights, in which x goes from column to column.
+
+    Parameters
+    ----------
+    path : str or Path
+        Plain array (.npy), matrix in text, or the file of an instrument.
+    height_unit : float, optional
+        Unit of the heights [m]; it replaces that of the file.
+    pixel_size : tuple of float, optional
+        Sides of a pixel along x and y [m], after any transposition; they replace those of the file.
+    transpose : bool, optional
+        Exchange x and y of the file.
+    usual_sides : tuple of float, optional
+        Sides of a pixel [m], if neither the file nor `pixel_size` has them.
+
+    Raises
+    ------
+    InputError
+        If the file is no map, cannot be read, or lacks a unit or sizes that are not given.
+    """
+    path = user_path(path)
+    try:
+        content = read_file(path, _MOST_BYTES)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+    try:
+        file = _read(path, content)
+        sides = pixel_size or (None if file.pixel_size else usual_sides)
+        return _scan(file, height_unit, sides, transpose)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _scan(
+    file: _File, height_unit: float | None, pixel_size: tuple[float, float] | None, transpose: bool
+) -> Scan:
+    heights, own, lines = file.heights, file.pixel_size, "column"
+    if transpose:
+        heights, own, lines = heights.T, own and own[::-1], "row"
+    notes = [f"x, the sliding direction, goes from {lines} to {lines}", *file.notes]
+    unit, sides = height_unit or file.unit, pixel_size or own
+    lacks = ["the unit of heights (height_unit)"] * (not unit)
+    lacks += ["the sides of a pixel (pixel_size)"] * (not sides)
+    if not unit or not sides:
+        raise InputError(f"the file does not say {' and '.join(lacks)}; give that")
+    if file.unit and abs(unit / file.unit - 1) > _SAME:
+        notes.append(f"the given height unit, {unit:g} m, replaces the file's, {file.unit:g} m")
+    if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
+        notes.append(f"the given pixels replace the file's {display_sides(own)}")
+    heights, found = _without_marks(heights.astype(float))
+    heights *= unit
+    highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
+    if highest > _HIGHEST:
+        raise InputError(f"heights of {highest:.3g} m; give the right unit, height_unit")
+    return Scan(np.ascontiguousarray(heights), (sides[0], sides[1]), (*notes, *found))
+
+
+def _without_marks(heights: Array) -> tuple[Array, list[str]]:
+    """Heights with marks such as −9999 and infinity as NaN; and notes on these."""
+    notes = list[str]()
+    heights = np.where(np.isinf(heights), np.nan, heights)
+    while True:
+        values = np.unique(heights[np.isfinite(heights)])
+        if values.size < 4:
+            break
+        least = _LONE * (values[-2] - values[1])
+        gaps = {values[0]: values[1] - values[0], values[-1]: values[-1] - values[-2]}
+        marks = [value for value, gap in gaps.items() if gap > least]
+        for mark in marks:
+            notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are taken for missing")
+            heights[heights == mark] = np.nan
+        if not marks:
+            break
+    values, counts = np.unique(heights[np.isfinite(heights)], return_counts=True)
+    second, most = np.sort(np.append(counts, [0, 0]))[-2:].tolist()
+    if most > max(_FILLER[0] * heights.size, _FILLER[1] * second):
+        value = values[counts.argmax()]
+        notes.append(f"{most} heights are exactly {value:.6g}: write nan if these are missing")
+    return heights, notes
+
+
+def _read(path: Path, content: bytes) -> _File:
+    """Read a file, whose content tells its format."""
+    if content.startswith(b"\x93NUMPY"):
+        return _File(_require_map(_array(content)).T)
+    if content.startswith(b"PK") and b"xl/workbook" in content:
+        raise InputError("a workbook; save its sheet of heights as .csv")
+    kind = kind_of(content)
+    if kind or content.startswith(b"PK"):
+        return _instrument(path, kind)
+    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    text = content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+    if text.startswith("#"):  # a head with sizes, as Gwyddion writes it
+        with suppress(InputError):
+            if (file := _instrument(path, "a text")).unit:
+                return file
+    matrix = _matrix(text)
+    if matrix is not None:
+        return _File(_require_map(matrix).T)
+    below = _matrix(text.partition("\n")[2])
+    if below is not None and min(below.shape) < _NARROWEST:
+        _require_map(below)  # says what it is
+    return _instrument(path, "a text that does not begin with numbers")
+
+
+def _array(content: bytes) -> Array:
+    try:
+        array = np.load(io.BytesIO(content), allow_pickle=False)
+    except Exception as error:  # of a damaged file, errors of many kinds
+        raise InputError(f"not a plain array of numbers: {error}") from error
+    if array.ndim not in (1, 2) or array.size == 0 or array.dtype.kind not in "fiu":
+        raise InputError(
+            f"an array of shape {array.shape} and type {array.dtype}; needed are two-dimensional "
+            "real numbers, a row for each y"
+        )
+    return np.atleast_2d(array).astype(float)
+
+
+def _matrix(text: str) -> Array | None:
+    """A matrix in text, a row for each y; None if the text does not begin with numbers."""
+    lines = [one.strip(" ") for one in text.splitlines() if one.strip() and one.lstrip()[0] != "#"]
+    mark = next((one for one in "\t;," if lines and one in lines[0]), None)
+    if mark and all(one.endswith(mark) for one in lines):
+        lines = [one[:-1] for one in lines]
+    if mark:
+        empty = re.compile(rf"(?:^|(?<={mark})) *(?={mark}|$)")
+        lines = [empty.sub("nan", one) for one in lines]
+    lines = [_WORDS.sub("nan", one) for one in lines]
+
+    def numbers(of: list[str]) -> Array:
+        with warnings.catch_warnings():  # of a file without lines
+            warnings.simplefilter("ignore")
+            return np.loadtxt(of, delimiter=mark, ndmin=2)
+
+    try:
+        numbers(lines[:1])
+    except ValueError:
+        return None
+    try:
+        return numbers(lines)
+    except ValueError as error:
+        why = str(error).partition(";")[0].partition(", please")[0]
+        raise InputError(
+            f"not a matrix of numbers, as many in each row: {why}; write nan for a missing "
+            "height, and decimals with a point"
+        ) from error
+
+
+def _require_map(matrix: Array) -> Array:
+    """The matrix as it is; `InputError` for a profile, a list of points, a table, or with axes."""
+    few, many = sorted(matrix.shape)
+    if few < _NARROWEST:
+        columns = matrix if matrix.shape[1] == many else matrix.T
+        repeated = [np.unique(one).size < many / 2 for one in columns[:2]]
+        kind = f"a table of {few} columns, such as profiles; {_EACH}"
+        if few < 3:
+            kind = _PROFILE
+        elif few < 5 and all(repeated):
+            kind = _POINTS
+        raise InputError(f"{few} × {many} numbers are no map of heights, but {kind}")
+    for name, line in (("row", matrix[0]), ("column", matrix[:, 0])):
+        steps = np.diff(line[1:])
+        if steps[0] and np.allclose(steps, steps[0], rtol=_EVEN, atol=0):
+            raise InputError(
+                f"the first {name} rises evenly, from {line[1]:g} to {line[-1]:g}: no heights, but "
+                "an axis or numbers of rows; leave it out"
+            )
+    return matrix
+
+
+def _instrument(path: Path, kind: str) -> _File:
+    """Read a file in any format that SurfaceTopography knows."""
+    suffix = path.suffix.lower() or "file"
+    try:
+        from SurfaceTopography.IO import open_topography
+    except ImportError as error:
+        raise InputError(f"{kind or suffix}: get its reader by {_LIBRARY}, or {_SAVE}") from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # warnings of the library do not concern the user
+            reader = open_topography(str(path))
+            unknown = reader.default_channel.physical_sizes is None
+            return _of_library(reader, None if unknown else reader.topography())
+    except InputError:
+        raise
+    except Exception as error:  # readers of damaged files raise errors of any kind
+        text = str(error).strip() or type(error).__name__
+        if type(error).__name__ == "CannotDetectFileFormat":  # lists what each reader says
+            own = re.search(rf"tried {suffix[1:]}reader:\s*(.*)", text, re.IGNORECASE)
+            text = own[1] if own else "SurfaceTopography has no reader for it"
+        why = text.splitlines()[0].rstrip(".")
+        raise InputError(f"{kind or suffix}: {why}; {_SAVE}, without headings") from error
+
+
+def _of_library(reader: Any, topography: Any) -> _File:
+    if topography is None:
+        raise InputError(f"an array, or a text with headings, without sizes; {_SAVE}")
+    if topography.dim != 2:
+        raise InputError(f"no map of heights, but {_PROFILE}")
+    if type(reader).__name__ == "XYZReader" or not topography.is_uniform:
+        raise InputError(f"no map of heights, but {_POINTS}")
+    if type(reader).__name__ == "TMDReader":
+        raise InputError(f"readers of .tmd differ by a factor of 1000 in its heights; {_SAVE}")
+    heights: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
+    heights = np.ma.filled(heights, np.nan)
+    if min(heights.shape) < _NARROWEST:
+        size = " × ".join(map(str, heights.shape))
+        raise InputError(f"{size} heights are too few; give {_NARROWEST} along each side")
+    names = [channel.name for channel in reader.channels]
+    told = (f"of the channels {', '.join(names)}: {reader.default_channel.name}",)
+    notes = told[: len(names) - 1]
+    if topography.unit is None:
+        return _File(heights, notes=notes)
+    sides = [float(side) for side in topography.to_unit("m").pixel_size]
+    unit = sides[0] / float(topography.pixel_size[0])
+    return _File(heights, unit, (sides[0], sides[1]), notes)

@@ -1,4 +1,0 @@
-"""Scenes like those in tests/pipeline/scene."""
-
-from tests.pipeline.scene.conftest import faults as faults
-from tests.pipeline.scene.conftest import read as read

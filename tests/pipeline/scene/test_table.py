@@ -1,0 +1,95 @@
+"""Tables are read as they stand, or refused with row and column; nothing shifts or is lost."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.operating_points import OperatingPoints
+from pipeline.scene import format_of_tests
+from pipeline.scene.faults import Faults
+from pipeline.scene.tables import table_of
+from pipeline.table import numbers_of, read_table, rows_of
+from tribo import InputError
+
+TEST = table_of(format_of_tests.Test)
+HEADS = "load [N],velocity [m/s]"
+
+
+def faults_in(row):
+    TEST.read(row, "", found := Faults())
+    return found
+
+
+def points(tmp_path, text, decimal=".", encoding="utf-8"):
+    (tmp_path / "a.csv").write_text(text, encoding=encoding)
+    return OperatingPoints.read(tmp_path / "a.csv", decimal)
+
+
+@pytest.mark.parametrize(
+    ("text", "decimal"),
+    [
+        (f"{HEADS}\n300,1.5\n", "."),
+        (f"# rig 4\n\n{HEADS}\n300,1.5\n,\n", "."),
+        (f"{HEADS}\n300,1.5,\n", "."),
+        (f"{HEADS},\n300,1.5,\n", "."),
+        ("Load [kN];Velocity [mm/s]\n0,3;1500,0\n", ","),
+        ("load\tvelocity\n300 N\t1.5 m/s\n", "."),
+        (f'{HEADS},"name, date"\n300,1.5,"a #3, today"\n', "."),
+    ],
+)
+def test_clean_tables_are_read(tmp_path, text, decimal):
+    assert points(tmp_path, text, decimal).places == ((300.0, 1.5),)
+
+
+def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
+    text = "load [N];velocity [m/s];bulk temperature [°C]\n300;1.5;60\n"
+    found = points(tmp_path, text, encoding="cp1252")
+    assert found.conditions[0]["bulk_temperature"] == 333.15
+    pd.DataFrame({"load [N]": [300], "velocity [m/s]": [1.5]}).to_excel(
+        tmp_path / "a.xlsx", index=False
+    )
+    assert OperatingPoints.read(tmp_path / "a.xlsx").places == ((300.0, 1.5),)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"{HEADS}\n300,1,5\n", "row 2 has 3 cells below 2 headings"),
+        (f"{HEADS},friction\n300,1.5\n", "row 2 has 2 cells below 3 headings"),
+        (f"{HEADS},load [kN]\n300,1.5,2\n", "stands twice"),
+        (f"{HEADS},\n300,1.5,2\n", "a column has no heading"),
+        (f"{HEADS},frction\n300,1.5,0.1\n", r'"frction" is not known \(did you mean "friction"'),
+        (f"{HEADS},COF\n300,1.5,0.1\n", r'"COF" is not known \(did you mean "friction"'),
+        ("load [N],speed [m/s]\n300,1.5\n", r'did you mean "velocity"'),
+        (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma"),
+        (f"{HEADS}\n300,fast\n-1,2\n", r"(?s)row 2, velocity \[m/s\].*row 3, load \[N\]"),
+        (HEADS, "has no rows below its headings"),
+        ("\x00\x01\x02\x03" * 99, "is binary"),
+    ],
+)
+def test_others_are_refused_with_row_and_column(tmp_path, text, words):
+    with pytest.raises(InputError, match=words):
+        points(tmp_path, text)
+
+
+def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):
+    with pytest.raises(InputError, match=r"1\.250 has a point, though decimals have commas"):
+        points(tmp_path, "load [N];velocity [m/s]\n1.250;1,5\n", ",")
+
+
+def test_a_column_that_is_no_entry_of_a_test_is_refused():
+    table = {"load": [300.0], "velocity": [1.5], "outcome": ["mild"], "remark": ["a"]}
+    with pytest.raises(InputError, match='"remark" is no entry of a test'):
+        rows_of(read_table(table, 9), TEST.keys, faults_in, strict=True)
+    table.pop("remark")
+    (row,) = rows_of(read_table(table, 9), TEST.keys, faults_in, strict=True)
+    assert row == {"load": "300.0 N", "velocity": "1.5 m/s", "outcome": "mild"}
+
+
+def test_numbers_of_a_record_name_all_their_faults():
+    record = {"time [s]": ["0", "1"], "load [kN]": ["0", "2"]}
+    found = numbers_of(read_table(record, 9), {"time": "s", "load": "N"})
+    np.testing.assert_array_equal(found["load"], [0.0, 2000.0])
+    record = {"time [s]": ["0", "x"], "load [kN]": ["y", "2"]}
+    with pytest.raises(InputError, match=r"(?s)row 3, time \[s\].*row 2, load \[kN\]"):
+        numbers_of(read_table(record, 9), {"time": "s", "load": "N"})
