@@ -81,6 +81,12 @@ COMMANDS = (
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SURFACE,
     ),
     Command(
+        "report", "figures:report",
+        "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
+        f"results/scene.zarr {_AT} -o report.html",
+        (o.STORE, *o.PLACE, *o.POINTS, *o.OF_REPORT, *o.JUDGED),
+    ),
+    Command(
         "help", "begin:help_", "print a page of the documentation, or list them",
         "first-hour", (o.TOPIC,),
     ),

@@ -172,3 +172,18 @@ def test_the_short_notebooks_show_what_they_store():
     sizes = [numbers_apart(text) for text in (texts[1], stored_text(code_cells("stations")[1]))]
     assert sizes[0][0] == sizes[1][0]
     assert sizes[0][1] < sizes[1][1]
+
+
+def test_the_sliders_show_what_the_commands_answer():
+    pytest.importorskip("ipywidgets")
+    first, second, call = map(source_of, code_cells("explore"))
+    names = {}
+    exec(first, names)
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        exec(second, names)
+        said.truncate(0)
+        figure = eval(call, names)
+    judged = {"friction": 0.12, "bulk_temperature": "40 degC"}
+    here = names["pipeline"].margin(names["ds"], 400.0, 1.6, **judged)
+    assert names["sentence"](here) in said.getvalue()
+    assert isinstance(figure, Figure)

@@ -1,0 +1,1 @@
+"""A report on a sweep: one page without scripts, to read, print and pass on."""

@@ -1,0 +1,376 @@
+"""`report`: the answers on a sweep as one page, HTML or PDF, in which nothing is computed anew."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import itertools
+import math
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib import metadata, resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import xarray as xr
+from jinja2 import Environment
+from matplotlib.figure import Figure
+
+import pipeline
+from pipeline.answers import words
+from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
+from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.results import case_dims, open_sweep, sweep_of
+from pipeline.answers.tables import cells_of, short, writable_path, write_bytes
+from pipeline.figures import style
+from pipeline.figures.diagram import diagram
+from pipeline.figures.rows import deciding_row, draw_rows, row_names
+from pipeline.figures.tested import draw_tests
+from pipeline.scene.entries import flat
+from pipeline.store.place import PathLike
+from pipeline.store.schema import PLANE
+from pipeline.sweep.case import Place
+from pipeline.sweep.codec import digest
+from pipeline.sweep.remarks import library_tables
+from pipeline.sweep.variants import dimension_of
+from pipeline.words import split_notes
+from tribo import InputError
+
+FORMS = (".html", ".pdf")
+"""Suffixes of the files that a report may be written to."""
+HEADLINES = {
+    MILD: "Mild wear",
+    SEVERE: "Severe wear (scuffing)",
+    NOT_DECIDED: "Not decided",
+    OUTSIDE: "Outside the model",
+}
+"""The verdict in the words of the headline."""
+_MODEL = (
+    "The model: a rough, elastic–plastic contact under boundary lubrication is worn by Archard's "
+    "law while the load grows, and heated by friction. Wear is severe where the contact gets too "
+    "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
+    "not part of it."
+)
+_ERRORS = (
+    "The numerical error is that of the computation: elements, load steps, places between computed "
+    "points, and the patch of the surface. A longer computation makes it smaller. The model's own "
+    "error is that of the physics and of its inputs, as far as tests show it. Only tests make it "
+    "smaller."
+)
+_PAPER = (
+    "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
+    "concentrated contacts: The IRG (OECD) transition diagram."
+)
+_NARROW = 0.075  # width of figures on a telephone [m]
+_NO_INPUTS = ("fidelity", "measured", "tested", "sweep")
+_DRAWN = ("log_severity", "mild", "severe", "by_the_others")  # which the figure of tests shows
+_MOST_TOLD = 12  # loads of a boundary that are told in place of a figure
+
+
+class Grid(NamedTuple):
+    """A table of a page; the row number `bold` stands out."""
+
+    caption: str
+    heads: list[str]
+    rows: list[list[str]]
+    bold: int = -1
+
+
+class Picture(NamedTuple):
+    """A figure of a page, for usual and for narrow screens, as addresses that hold all data."""
+
+    usual: str
+    narrow: str
+    alt: str
+    caption: str
+
+
+class Items(NamedTuple):
+    """Lines of a list."""
+
+    lines: list[str]
+
+
+Conditions = Mapping[str, Any]
+Section = tuple[str, list[str | Grid | Picture | Items]]
+"""Heading of a section, and its parts."""
+
+
+class Answer(NamedTuple):
+    """Headline with its verdict, sentences below it, and the sections that belong to it."""
+
+    verdict: str
+    headline: str
+    answer: list[str]
+    sections: list[Section]
+
+
+def report(
+    ds: xr.Dataset | PathLike,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
+    out: str | Path | None = None,
+    points: Any = None,
+    title: str | None = None,
+    author: str | None = None,
+    command: str = "",
+    **conditions: Any,
+) -> str | Path:
+    """Write a report on a sweep: one page without scripts, which needs no other file.
+
+    The verdict on the operating point stands first, then the diagram, the boundary, tests,
+    errors, inputs, limits, and how all was computed.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or path or URL of the store.
+    load, velocity : float or str, optional
+        An operating point, in SI or as text with a unit.
+    out : path, optional
+        File to write, .html or .pdf. PDF needs the extra ``pdf``.
+    points : path or mapping, optional
+        Table of operating points in place of one, as in `pipeline.margin`.
+    title, author : str, optional
+        Title of the report, by default that of the scene; who has written it.
+    command : str, optional
+        Command that wrote the report, to be stated in it.
+    **conditions
+        Conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+
+    Returns
+    -------
+    str or Path
+        The page as HTML, or the path of the file if `out` is given.
+
+    Raises
+    ------
+    InputError
+        If an operating point is outside the sweep, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> page = pipeline.report("results/first_try.zarr", "400 N", "1.4 m/s", author="A. Smith")
+    >>> "Mild wear at 400 N and 1.4 m/s" in page
+    True
+    """
+    path = None if out is None else writable_path(out, FORMS)
+    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    if (load is None) != (velocity is None) or (points is not None and load is not None):
+        raise InputError("give a load and a velocity, or a table of points, or neither")
+    asked = {"load": points} if load is None else {"load": load, "velocity": velocity}
+    is_plane, found = {*PLANE} <= {*ds["status"].dims}, None
+    if load is not None or points is not None or not is_plane:
+        found = pipeline.margin(ds, **asked, **conditions)
+    if found is None:
+        line = words.next_run_line
+        told = pipeline.boundary(ds, **conditions)
+        said = [] if told["critical_velocity"].ndim > 1 else [_sentence(line(told))]
+        plane = _plane(ds, conditions)
+        answer = Answer("", "Transition from mild to severe wear", said, plane)
+    elif not found.sizes:
+        answer = _of_point(ds, conditions, found)
+    else:
+        answer = _of_rows(ds, conditions, found)
+    sweep = sweep_of(ds)
+    version = metadata.version("irg-transition")
+    date = f"{datetime.now(UTC):%d %B %Y}"
+    text, css = (
+        resources.files(__package__).joinpath(f"page.{kind}").read_text("utf-8")
+        for kind in ("html", "css")
+    )
+    template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(text)
+    page = template.render(
+        answer._asdict(),
+        title=title or sweep.title,
+        about=[*[sweep.title] * bool(title), ", ".join(filter(None, (date, author)))],
+        author=author,
+        version=version,
+        command=command,
+        style=css,
+        digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
+        sections=[*answer.sections, *_common(ds, conditions, version)],
+    )
+    if path is None:
+        return page
+    return write_bytes(_pdf(page) if path.suffix.lower() == ".pdf" else page.encode(), path)
+
+
+def _pdf(page: str) -> bytes:
+    """The page printed on A4."""
+    try:
+        from weasyprint import HTML
+    except (ImportError, OSError) as error:  # OSError: the library Pango is missing
+        raise InputError(
+            f"a report as .pdf needs the extra pdf ({error}); write .html, and print it in a "
+            "browser"
+        ) from None
+    written: bytes = HTML(string=page).write_pdf(pdf_variant="pdf/ua-1")
+    return written
+
+
+def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answer:
+    """The verdict on one operating point."""
+    if here["verdict"].item() not in HEADLINES:
+        raise InputError(here["reason"].item())
+    place = here["load"].item(), here["velocity"].item()
+    headline = f"{HEADLINES[here['verdict'].item()]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
+    verdict, _, rest = words.sentence(here).partition(": ")
+    said = [f"In a further run {rest}." if rest else f"{verdict}."]
+    said += [f"No verdict: {here['reason'].item()}."] * bool(here["reason"].item())
+    decider = words.decided_by(here)
+    said += [f"To decide it: {decider}."] * bool(decider)
+    facts = [[name, text] for name, text in words.margin_facts(here)]
+    table = Grid("The operating point in numbers", ["quantity", "value"], facts)
+    warned = [Items([*words.margin_warnings(here)])] * any(words.margin_warnings(here))
+    first, *others = _plane(ds, conditions, [place])
+    sections: list[Section] = [first, ("Operating point", [table, *warned]), *others]
+    return Answer(here["verdict"].item(), headline, said, sections)
+
+
+def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answer:
+    """The verdicts on a table of operating points, or on the rows of the sweep."""
+    if len(found.sizes) > 1:
+        several = ", ".join(map(str, found.sizes))
+        raise InputError(f"a report has rows along one dimension, not along {several}; select one")
+    decides, names = deciding_row(found), row_names(found)
+    verdicts = found["verdict"].values.tolist()
+    headline = f"{HEADLINES.get(verdicts[decides], 'Not known')}: decided by {names[decides]}"
+    alt = "; ".join(
+        f"{name}: {here}" + ("" if math.isnan(reserve) else f", {reserve:.3g} K")
+        for name, here, reserve in zip(names, verdicts, found["distance"].values, strict=True)
+    )
+    caption = "Reserve of each row below the critical temperature."
+    picture = _picture(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
+    grid = _grid(margin_frame(found), "Operating points; the deciding one is bold", decides)
+    notes = [*words.judged_at(found), *words.reason_lines(found), *words.common_lines(found)]
+    sections: list[Section] = [("Operating points", [picture, grid, Items(notes)])]
+    if {*PLANE} <= {*ds["status"].dims}:
+        places = zip(*(found[name].values.tolist() for name in PLANE), strict=True)
+        sections += _plane(ds, conditions, places)
+    else:
+        sections.append(("Errors", [_ERRORS, Items([words.model_error_line(found)])]))
+    counts = Counter(verdicts)
+    told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
+    return Answer(verdicts[decides], headline, [f"Operating points: {told}."], sections)
+
+
+def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ()) -> list[Section]:
+    """Sections with the diagram, the boundary, tests beside what is computed, and errors."""
+    found = pipeline.boundary(ds, **conditions)
+    ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]
+    within = [
+        place
+        for place in places
+        if all(low <= at <= high for at, (low, high) in zip(place, ends, strict=True))
+    ]
+    first = found.isel({dim: 0 for dim in found["critical_velocity"].dims if dim != "load"})
+    columns = (first[k].values for k in ("load", "critical_velocity", "velocity_outcome"))
+    each = zip(*columns, strict=True)
+    told = (
+        f"{load:g} N: {outcome if math.isnan(speed) else f'{speed:.3g} m/s'}"
+        for load, speed, outcome in itertools.islice(each, _MOST_TOLD)
+    )
+    alt = (
+        f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
+        f"normal load. Computed velocity at which wear turns severe, by load: {'; '.join(told)}"
+    )
+    caption = _sentence(words.judged_at(found)[0])
+    picture = _picture(lambda: diagram(ds, conditions, places=within), caption, f"{alt}.")
+    title = "Where wear turns severe, by load; tested: where a further run is severe by 5, 50, 95 %"
+    grid = _grid(short(boundary_frame(found)), title)
+    sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
+    if found.attrs.get("tests") and not case_dims(ds):
+        sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
+    errors = [*words.error_lines(found), *words.apart_lines(found)]
+    return [*sections, ("Errors", [_ERRORS, Items(errors)])]
+
+
+def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
+    """Yield tests beside what is computed for them."""
+    found = pipeline.tests(ds, **conditions)
+    told = "What is computed for each test, beside its outcome."
+    alt = f"{told} The table below has the numbers."
+    yield _picture(lambda: draw_tests(ds, conditions), told, alt)
+    table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
+    y = found["log_severity"].values
+    computed = ["" if math.isnan(one) else SEVERE if one > 0 else MILD for one in y]
+    table.insert(2, "computed", computed)
+    yield _grid(short(table), "Tests, each at its own conditions, beside what is computed")
+    if lines := [*words.test_lines(found)]:
+        yield Items(lines)
+
+
+def _common(ds: xr.Dataset, conditions: Conditions, version: str) -> Iterator[Section]:
+    """Yield the sections that each report ends with: inputs, limits and origin."""
+    sweep = sweep_of(ds)
+    entries = flat(tomllib.loads(ds.attrs.get("scene", "")))
+    shown = (
+        (path, _text_of(value))
+        for path, value in entries
+        if not (path.startswith(_NO_INPUTS) or dimension_of(path) in ds.coords)
+    )
+    rows = [
+        [table, "; ".join(f"{_name_of(path, table)} {text}" for path, text in pairs)]
+        for table, pairs in itertools.groupby(shown, lambda pair: _table_of(pair[0]))
+    ]
+    sources = [f"{text}: {source}" for text, source in library_tables(sweep.sources)]
+    inputs = Grid("Inputs of the computation", ["part", "values"], rows)
+    yield "Conditions and inputs", [inputs, *[Items(sources)] * bool(sources)]
+    notes = split_notes(words.told(pipeline.points(ds, **conditions), "notes"))
+    limits = [*notes, *pipeline.warned(ds).lines()]
+    # A reader of the report may not have the pages of help.
+    plain = [re.sub(r" \(irg help [\w-]+\)", "", line) for line in limits]
+    yield "What is not covered", [_MODEL, Items(plain)]
+    choices = [
+        f"{name.replace('_', ' ')} {value}" for name, value in asdict(sweep.scene.fidelity).items()
+    ]
+    origin = [
+        *str(ds.attrs.get("history", "")).splitlines(),
+        f"scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
+        f"numerical choices: {', '.join(choices)}",
+        f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
+        _PAPER,
+    ]
+    yield "How this was computed", [Items(origin)]
+
+
+def _table_of(path: str) -> str:
+    """Table of an entry, such as "pin" or "materials.steel"."""
+    return path.rpartition(".")[0] if path.startswith("materials") else path.partition(".")[0]
+
+
+def _name_of(path: str, table: str) -> str:
+    return path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
+
+
+def _text_of(value: Any) -> str:
+    return ", ".join(map(_text_of, value)) if isinstance(value, list) else str(value)
+
+
+def _sentence(line: str) -> str:
+    return f"{line[:1].upper()}{line[1:]}."
+
+
+def _grid(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
+    heads = [str(head).replace("_", " ") for head in frame]
+    return Grid(caption, heads, cells_of(frame, "–", digits=3), bold)
+
+
+def _picture(draw: Callable[[], Figure], caption: str, alt: str) -> Picture:
+    """Draw a figure twice, for usual and for narrow screens."""
+    drawn = []
+    for width in (None, _NARROW):
+        with style.fitted(width, plain=True):
+            written = io.BytesIO()
+            draw().savefig(written, format="svg", metadata={"Date": None})
+        text = base64.b64encode(written.getvalue()).decode()
+        drawn.append(f"data:image/svg+xml;base64,{text}")
+    return Picture(drawn[0], drawn[1], alt, caption)
