@@ -65,7 +65,6 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.searched
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.patches
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals --scenes 8 --accuracy 1

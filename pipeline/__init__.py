@@ -18,11 +18,11 @@ The public names, in the order of the page ``API.md``, which says what each is f
 
 - scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
-- dataset: `open_sweep`, `end_of_point`, `results`
-- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`,
-  `warned`, `infer`
+- dataset: `open_sweep`, `end_of_point`
+- answers: `boundary`, `margin`, `tests`, `points`, `infer`, `temperatures`, `warned`,
+  `Conditions`
 - accuracy: `trade`
-- figures: `plot`
+- figures and report: `plot`, `report`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 

@@ -138,7 +138,7 @@ ROWS = {
     ),
     "stated": Row(
         "stated errors hold, at points and between them",
-        ("tribo", "pipeline/analysis"),
+        ("tribo", "pipeline/answers"),
         "python -m tests.promises.errors",
         "--scenes 3 --minutes 1",
         "",
@@ -146,7 +146,7 @@ ROWS = {
     ),
     "patches": Row(
         "two sets of patches differ as little as their errors by the surface say",
-        ("tribo", "pipeline/analysis"),
+        ("tribo", "pipeline/answers"),
         "python -m tests.promises.patches",
         "--patches 6",
         "",
@@ -155,7 +155,7 @@ ROWS = {
     "laboratories": Row(
         "synthetic laboratories: 90 % intervals hold the common shift; places called mild at 2 to "
         "5 % are severe; places called severe at 95 to 98 % are mild",
-        ("pipeline/analysis",),
+        ("pipeline/answers",),
         "python -m tests.promises.laboratories",
         "100",
         "",

@@ -11,7 +11,6 @@ import pytest
 
 import pipeline
 import tribo
-from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
 API = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
@@ -60,16 +59,3 @@ def test_help_on_tribo_has_all_public_names_and_an_example_that_runs():
     assert set(re.findall(r"`(\w+)`", listed)) == public
     exec(textwrap.dedent(text.partition("::")[2]), names := {})
     assert isinstance(names["oil"], tribo.Conditions)
-
-
-def test_a_scene_loads_only_the_readers_of_what_it_names():
-    readers = {f"pipeline.scene.{name}" for name in ("along", "over")}
-    readers |= {"pipeline.laboratory.logs"}
-    code = f"""if True:
-        import sys, pipeline
-        for over in ({{}}, {{"sweep.over": {{"pin.radius": ["1 mm", "2 mm"]}}}}):
-            pipeline.load_scene("irg_transition", overrides=over)
-            print(*({readers!r} & set(sys.modules)))
-    """
-    plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
-    assert (plain, named) == ("", "pipeline.scene.rows")

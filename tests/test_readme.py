@@ -8,8 +8,9 @@ import pytest
 
 import pipeline
 from pipeline.cli.parser import parse
-from pipeline.scene.doubts import doubts, note_on_ends
+from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
+from pipeline.sweep.left_out import note_on_ends
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

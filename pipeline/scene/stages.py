@@ -11,7 +11,7 @@ from typing import Any
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import EvenLevels, StagedRunTable, Test, TestTable
+from pipeline.scene.format_of_tests import EvenLevels, StagedRunTable, Test
 from pipeline.scene.kinds import LOAD, VELOCITY
 from pipeline.units import si_unit, to_si
 from tribo import InputError
@@ -66,10 +66,6 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
         for index, entry in enumerate(listed or ()):
-            if not isinstance(entry, TestTable):
-                problem = "a log is read with its scene file; give its tests"
-                faults.refuse(f"{key}[{index}]", problem)
-                continue
             own = next(number)
             named = replace(entry, number=own) if entry.number is None else entry
             if isinstance(named, StagedRunTable):

@@ -61,7 +61,7 @@ def scene():
         parts += [_table(_HEADS, rows)] if rows else []
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in table_of(FidelityTable).listed
+        for key in table_of(FidelityTable).keys
         if key != "preset"
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"

@@ -7,6 +7,7 @@ from tests.house.measure import ROOT
 _ALLOWED = {
     "cluster/cheap.py _GROUP": "as many tasks are sent together as by a run",
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
+    "pipeline/run/test_cluster.py _hash_of_code": "a worker with other code is named by its hash",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",

@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
+from pipeline.analysis.rises import Rises
+from pipeline.analysis.warned_points import exponents
 from scipy.stats import binom
 
 import pipeline
 from pipeline import Conditions
-from pipeline.analysis.preset_error import preset_bound
-from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
-from pipeline.analysis.rises import Rises
-from pipeline.analysis.warned_points import exponents
-from pipeline.constants import BETWEEN, PRESET_BOUNDS
+from pipeline.answers.preset_error import preset_bound
+from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import Variants
@@ -180,6 +180,7 @@ def plane_of(row, preset, name):
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
+        patches=np.ones(len(rises), int),
         is_left_out=np.zeros(rises.shape, bool),
         conditions=Conditions(1.0, 300.0, criterion=CRITERIA[name]),
         promised=preset_bound(preset, CRITERIA[name]),
@@ -288,12 +289,12 @@ def constants(rows, places):
         yield "RISE_SHARE, fine by reference", np.concatenate(apart)
     fine = places[(places["preset"] == "fine") & (places["criterion"] == USUAL)]
     for name, along, kept in (
-        ("BETWEEN", "at_velocity", BETWEEN),
-        ("LEAST_BENT, over stated", "at_load", 1.0),
+        ("BENT_ALONG_LOAD, over stated", "at_velocity", 1.0),
+        ("BENT, over stated", "at_load", 1.0),
     ):
         group = fine[fine[along] & (fine["between"] > 0)]
         yield name, kept * group["error"] / group["between"]
-    yield "BEYOND, over stated", [error for row in rows for error in beyond(row)]
+    yield "BENT beyond, over stated", [error for row in rows for error in beyond(row)]
     for kind in WarningKind:
         for preset, group in usual[usual["flags"] & int(kind) != 0].groupby("preset"):
             yield f"{kind.label}, {preset}", group["error"]

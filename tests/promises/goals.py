@@ -22,15 +22,16 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-
-from pipeline.analysis.preset_error import presets_for, velocity_error
+from pipeline.analysis.rise_error import SURFACE, totals
 from pipeline.analysis.specimen import Alone
+
+from pipeline.answers.preset_error import presets_for, velocity_error
 from pipeline.run.goal import why_fixed
-from pipeline.run.goal_preset import goal_presets
-from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
+from pipeline.run.search import MOST_PATCHES, Goal, Place
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
+from tests.helpers.told import Told
 from tests.promises.families import cases
 from tribo import Corrections, Friction, TriboError
 from tribo.simulation.severity import relative_sampling, worst_rises
@@ -42,7 +43,7 @@ NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are la
 VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
 _BESIDE = 1.02  # ratio of velocities about a crossing, for its exponent
-_FIRST_PATCH = Goal(0.02, 0.0, 1, counts_surface=False)
+_FIRST_PATCH = Goal(0.02, 1, counts_surface=False)
 _TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
 HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
 
@@ -53,9 +54,8 @@ class Planes:
     def __init__(self, sweep, path):
         self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
-        presets = {one.preset: one for one in goal_presets(sweep)}
-        exact = presets_for(presets["standard"].scene, ["reference"])["reference"]
-        presets["reference"] = sweep.with_fidelity(exact, "reference")
+        names = presets_for(sweep.scene, ["standard", "fine", "reference"])
+        presets = {name: sweep.with_fidelity(one, name) for name, one in names.items()}
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
         self._patches = {name: self._scenes(one) for name, one in presets.items()}
         self._stations, self._path = choose_stations(sweep), path
@@ -104,15 +104,15 @@ class Planes:
     def search(self, accuracy, preset):
         """A search that has ended."""
         patches, alone = 1 if self.fixed else MOST_PATCHES, Alone.of(self._patches[preset][0])
-        goal = Goal(accuracy, self.promised[preset], patches, not self.fixed, alone)
-        search = Search(self.loads, self.velocities, self.conditions, goal)
+        goal = Goal(accuracy, patches, not self.fixed, alone)
+        search = Told(self.loads, self.velocities, self.conditions, self.promised[preset], goal)
         while batch := search.ask():
             self.tell(search, batch, preset)
         return search
 
     def whole(self, conditions):
         """A search that was told the whole plane of the first patch."""
-        search = Search(self.loads, self.velocities, conditions, _FIRST_PATCH)
+        search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST_PATCH)
         self.tell(search, [Place(0, *one) for one in np.ndindex(self.plane_shape)])
         return search
 
@@ -139,7 +139,8 @@ class Planes:
         """What a search for an accuracy takes, and its true error at each load."""
         preset = next(name for name, one in self.promised.items() if (one or 0.0) < accuracy)
         search = self.search(accuracy, preset)
-        best, found = search.best()[0], []
+        parts = search.errors if not self.fixed else np.delete(search.errors, SURFACE, axis=0)
+        best, found = float(np.nanmax(totals(parts), initial=0.0)), []
         for load, velocity in zip(self.loads, search.critical, strict=True):
             if np.isfinite(velocity) and best <= accuracy:
                 beside = search.rises.y(load, velocity * np.array([1 / _BESIDE, _BESIDE]))
@@ -161,7 +162,7 @@ class Planes:
             law = replace(plain, friction=Friction(by_velocity=_law(rng, self.velocities, bends)))
             judged = replace(self.conditions, corrections=law)
             every = self.whole(judged)
-            search = Search(self.loads, self.velocities, judged, _FIRST_PATCH)
+            search = Told(self.loads, self.velocities, judged, 0.0, _FIRST_PATCH)
             while batch := search.ask():
                 self.tell(search, batch)
             counts = [

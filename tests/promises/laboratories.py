@@ -7,9 +7,9 @@ judged that it has not tested.
 import sys
 
 import numpy as np
+from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from scipy.special import ndtr
 
-from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from tests.helpers.campaigns import conclude, table
 
 KINDS = "transitions", "stages", "outcomes"

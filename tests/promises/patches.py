@@ -13,9 +13,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from pipeline.analysis import specimen
 
 import pipeline
-from pipeline.analysis import specimen
 from tests.helpers.campaigns import conclude, table
 
 SCENES = {

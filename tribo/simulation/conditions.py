@@ -160,13 +160,6 @@ class Conditions:
             return math.inf
         return (temperature - self.coldest_bulk_temperature) / self.rise_factor
 
-    def temperature_error(self, temperature: float) -> float:
-        """Derivative dT/d ln(rise) [K] at a contact `temperature` T [K].
-
-        This derivative times the relative error of the rise is the error of T.
-        """
-        return temperature - self.coldest_bulk_temperature
-
     def replace_friction(self, friction: float | None) -> Conditions:
         """The conditions with a friction coefficient that was measured at one point.
 

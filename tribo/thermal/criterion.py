@@ -153,11 +153,6 @@ class Criterion:
         """True where the criterion's `rise` [K] is above its `limit` [K]; False where it is NaN."""
         return rise > limit
 
-    @staticmethod
-    def is_mild(rise: Any, limit: Any) -> Any:
-        """True where the criterion's `rise` is at most its `limit` [K]; False where it is NaN."""
-        return rise <= limit
-
     def rise(self, columns: Columns) -> Any:
         """Rise that the criterion compares with its limit [K], (...), from columns of rises.
 

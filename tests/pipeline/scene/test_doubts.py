@@ -10,8 +10,9 @@ import pytest
 
 import tribo
 from pipeline import load_scene
-from pipeline.scene.doubts import doubts, note_on_ends
+from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
+from pipeline.sweep.left_out import note_on_ends
 from tests.helpers.entries import bare_test, changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 from tribo.simulation.lubrication import SurfaceFacts

@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.scene.doubts import note_on_ends, note_on_turns
+from pipeline.sweep.left_out import note_on_ends, note_on_turns
 from tests.helpers.scenes import SCENE
 
 ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}

@@ -48,31 +48,6 @@ def test_a_new_scene_means_what_the_shipped_one_does(name, tmp_path):
     assert load_scene(tmp_path / f"{name}.toml") == load_scene(WORKFLOWS / f"{name}.toml")
 
 
-@pytest.fixture(scope="module")
-def template(tmp_path_factory):
-    path = tmp_path_factory.mktemp("new") / "mine.toml"
-    new_scene(path, full=True)
-    return path
-
-
-def test_the_short_scene_means_what_the_full_one_does(template, tmp_path):
-    path, _ = new_scene(tmp_path / "mine.toml")
-    assert load_scene(path) == load_scene(template)
-    lines = path.read_text(encoding="utf-8").splitlines()
-    assert len(lines) <= 30
-    assert max(map(len, lines)) <= 130
-
-
-def test_the_template_holds_every_table_and_key(template):
-    text = template.read_text(encoding="utf-8")
-    lines = re.findall(r"^#?(\w+)[\w.]* = (.*?) +#", text, flags=re.MULTILINE)
-    tables = [section.path for section in sections() if section.path]
-    assert {name for name, _ in lines} == {key for _, key in KEYS}
-    assert len(text.splitlines()) <= len(KEYS) + len(tables)  # one line for each entry and table
-    headers = re.findall(r"^#?\[+([\w.]+)\]+ +#", text, flags=re.MULTILINE)
-    assert headers == [path.replace("NAME", "steel") for path in tables]
-
-
 def test_a_copy_replaces_no_file_that_the_scene_names(tmp_path):
     (tmp_path / "fig8_load_record.csv").write_text("mine")
     with pytest.raises(InputError, match=r"fig8_load_record\.csv exists already"):

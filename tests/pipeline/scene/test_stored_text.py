@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import pipeline
 import tribo
+from pipeline.answers.results import sweep_of
 from pipeline.scene import library
 from pipeline.scene.format import RandomSurface
 from pipeline.scene.tables import table_of
@@ -116,7 +117,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(
     with writing(path, sweep):
         pass
     change(monkeypatch)
-    again = pipeline.results(pipeline.open_sweep(path)).sweep
+    again = sweep_of(pipeline.open_sweep(path))
     assert again == sweep
     assert again.preset == sweep.preset == "standard"
     new = pipeline.load_scene(own)
@@ -169,10 +170,10 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     for name in names:
         (tmp_path / name).unlink()
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
-    copy = pipeline.results(ds.drop_vars("inputs")).stored  # enough where no surface is needed
-    assert copy.conditions == pipeline.results(ds).stored.conditions
+    copy = sweep_of(ds.drop_vars("inputs"))  # enough where no surface is needed
+    assert copy.conditions == sweep_of(ds).conditions
     assert all("are missing" in str(copy.case(n).scene.roughness) for n in copy.variants.names)
-    sweep = pipeline.results(ds).stored
+    sweep = sweep_of(ds)
     rows = [sweep.case(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
 

@@ -11,6 +11,7 @@ from numcodecs.zstd import Zstd
 import pipeline
 from pipeline import StoreError
 from pipeline.cli import main
+from pipeline.store import store as stored
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.place import LOCK
@@ -138,7 +139,7 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
     try:
         assert not pipeline.verify_store(copy).is_clean
         with pytest.raises(StoreError, match=f"{name.split('/')[-2]} cannot be read; irg verify"):
-            _ = pipeline.results(pipeline.open_sweep(copy).load()).messages
+            _ = pipeline.open_sweep(copy).load(), stored.opened(copy).read("message", ...)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -12,6 +12,7 @@ import zarr
 
 import pipeline
 import tribo
+from pipeline.answers.results import cases_of
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -113,7 +114,7 @@ def opened(made):
 
 def test_a_plain_dataset_has_no_sweep_and_says_so(made):
     with pytest.raises(InputError, match=r"no attribute sweep.*pipeline\.open_sweep"):
-        pipeline.results(xr.open_zarr(made))
+        cases_of(xr.open_zarr(made))
 
 
 @pytest.mark.parametrize("name", PLAIN)

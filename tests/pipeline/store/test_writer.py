@@ -11,7 +11,7 @@ class Commits:
     """Fake store whose commits take a minute of a fake clock."""
 
     def __init__(self):
-        self.now, self.place, self.commits = 0.0, None, []
+        self.now, self.place, self.commits, self.arrays = 0.0, None, [], {}
 
     def commit(self, records):
         self.now += 60.0

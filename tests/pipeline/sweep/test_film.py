@@ -10,7 +10,7 @@ import pipeline
 from tests.helpers.entries import changed
 from tribo import Ball, Crowned, MeasuredRoughness, Oil, contact_modulus, lubrication_regime
 from tribo.material import minimum_point_film
-from tribo.simulation import lubrication as rules
+from tribo.simulation import lubrication
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
@@ -18,7 +18,7 @@ LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5,
 
 
 def film_of(sweep):
-    return rules.find_lubrication(sweep.scene, sweep.lubricant)
+    return lubrication.find_lubrication(sweep.scene, sweep.lubricant)
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +29,9 @@ def sweep():
 def test_film_parameters_of_the_papers_transitions(sweep):
     """The paper's 0.33, 0.38, 0.53, 0.84 are for 55 mPa s; this oil has 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
-    lubrication = film_of(changed(sweep, oil=thinner))
+    film = film_of(changed(sweep, oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
-    assert lubrication.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(
-        expected, abs=0.01
-    )
+    assert film.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(expected, abs=0.01)
 
 
 def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
@@ -49,12 +47,12 @@ def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
 def test_a_ball_has_the_film_of_a_point_contact(sweep):
     ball = changed(sweep, pin=Ball(5e-3, sweep.scene.disk), pixels=replace(
         sweep.scene.pixels, periodic=(False, False)), wear=None)  # fmt: skip
-    lubrication = film_of(ball)
+    film = film_of(ball)
     modulus = contact_modulus(ball.scene.disk, ball.scene.disk)
     expected = minimum_point_film(0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, modulus)
-    slow = lubrication.film_thickness(50.0, 1.0, 298.15)
+    slow = film.film_thickness(50.0, 1.0, 298.15)
     assert slow == expected
-    assert lubrication.film_thickness(50.0, 2.0, 298.15) / slow == pytest.approx(2**0.68)
+    assert film.film_thickness(50.0, 2.0, 298.15) / slow == pytest.approx(2**0.68)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
