@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from tests.helpers import synthetic
+from tests.helpers import tiny
+from tests.helpers.stores import commit
 
 NOT_FOR_HELP = {"dask", "matplotlib", "pandas", "scipy.interpolate", "xarray", "zarr"}
 # xarray itself looks for Dask and pint.
@@ -23,8 +24,8 @@ print("loaded", *sys.modules)
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
-    path = tmp_path_factory.mktemp("store") / "copy.zarr"
-    synthetic.sweep().to_zarr(path, consolidated=False)
+    path = tmp_path_factory.mktemp("store") / "tiny.zarr"
+    commit(path, tiny.full())
     return str(path)
 
 
@@ -43,5 +44,5 @@ def test_the_help_loads_no_library_of_arrays():
 
 @pytest.mark.parametrize("command", ["boundary", "margin"])
 def test_reading_a_store_loads_no_solver_scheduler_or_figure(command, store):
-    place = ["--load=400 N", "--velocity=2 m/s"] * (command == "margin")
+    place = ["--load=400 N", "--velocity=1 m/s"] * (command == "margin")
     assert not NOT_FOR_BOUNDARY & modules_of(command, store, *place)

@@ -40,7 +40,9 @@ LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.velocities, 2.0))
 
 
 def chunks(path, name):
-    return sorted(file for file in (path / path_of(name)).iterdir() if file.name.startswith("c."))
+    """Files of the chunks of a variable; a store that took the place of another has no "c."."""
+    others = ("zarr.json", "lock")
+    return sorted(file for file in (path / path_of(name)).iterdir() if file.name not in others)
 
 
 def flipped(file):
