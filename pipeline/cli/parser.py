@@ -143,8 +143,8 @@ What a command takes:
   irg COMMAND --help"""
 
 
-def whole_parser(name: str) -> argparse.ArgumentParser:
-    """Parser of all commands, with the options of command `name` only."""
+def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
+    """Parser of all commands, with the options of command `name` only; of all if None."""
     parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
@@ -161,7 +161,7 @@ def whole_parser(name: str) -> argparse.ArgumentParser:
             epilog=f"example:\n  irg {command.name} {command.example}",
         )
         added.set_defaults(command=command.function, parser=added)
-        if name == command.name:
+        if name in (None, command.name):
             _add_options(added, (*o.OF_ALL, *command.takes))
     return parser
 

@@ -6,7 +6,6 @@ from the colder body, at the ratio Δ/µ, and are never negative.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Container, Mapping
 from typing import Any
 
@@ -66,14 +65,6 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
     return one_point.verdict(columns, load, conditions)
-
-
-def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the critical velocity that an error of the `rise` there causes.
-
-    `expected` is the right value of the `rise`, and `exponent` is d ln(rise)/d ln(velocity).
-    """
-    return math.expm1(-math.log(rise / expected) / exponent)
 
 
 def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:

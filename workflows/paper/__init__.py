@@ -27,10 +27,8 @@ from .load_record import fig8
 from .report import WORDS, Report
 from .resolution import fig6
 from .rivals import rivals
-from .sensitivity import sensitivity
 from .steel import steel
 from .study import Study
-from .surface_band import band
 from .table_4 import table4
 from .table_6 import table6
 from .transition_diagram import fig10
@@ -46,8 +44,8 @@ NOT_REPRODUCED: dict[str, str] = WORDS["not_reproduced"]
 _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
-        *(fig4, fig5, fig6, fig8, fig10, band),
-        *(table4, table6, heldout, rivals, sensitivity, inverse, steel),
+        *(fig4, fig5, fig6, fig8, fig10),
+        *(table4, table6, heldout, rivals, inverse, steel),
     )
 }
 

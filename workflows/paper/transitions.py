@@ -16,7 +16,6 @@ from pipeline.sweep.conditions import rise_limit
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
 from tribo.simulation.lubrication import find_lubrication
-from tribo.simulation.severity import boundary_velocity_error
 from tribo.thermal import Criterion, failed_share
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
@@ -38,7 +37,6 @@ Tested = tuple[Sweep, Any]
 """A scene, and a transition of a printed table."""
 
 _SURFACES = 8
-_EXPONENT = 0.6  # d ln(rise)/d ln(velocity), for a second guess
 _LOOKS = {
     "swept": (BLUE, "o"),
     "local": (VERMILION, "s"),
@@ -86,20 +84,17 @@ def end_of(sweep: Sweep, test: Any, factor: float = 1.0) -> Ends:
     return end_at(sweep, state, test.friction)
 
 
-def around_transition(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
-    """Simulate a test, and estimate the critical velocity from a second velocity.
+def around_transition(sweep: Sweep, test: Any, step: float) -> Ends:
+    """Simulate a test and one at a velocity × exp(`step`); return quantities at the test.
 
-    Adds to the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
+    Adds to the quantities of `end_of`: ``rise``, the governing one at friction 1 [K], its
     ``exponent`` over the velocity, and ``velocity_off``, the relative error of the critical
-    velocity at the scene's friction. `step` is the difference in ln(velocity); by default it
-    reaches about the boundary.
+    velocity at the scene's friction.
     """
-    deciding, limit = sweep.conditions.criterion, rise_limit(sweep.conditions)
-    end = end_of(sweep, test)
-    rise = float(deciding.rise(end))
-    step = step or math.log(limit / rise) / _EXPONENT or 0.01
-    exponent = math.log(float(deciding.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
-    off = boundary_velocity_error(rise, limit, exponent)
+    governing, end = sweep.conditions.criterion, end_of(sweep, test)
+    rise = float(governing.rise(end))
+    exponent = math.log(float(governing.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
+    off = math.expm1(-math.log(rise / rise_limit(sweep.conditions)) / exponent)
     return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 
 

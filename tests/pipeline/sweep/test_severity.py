@@ -12,7 +12,6 @@ from pipeline.sweep.conditions import rise_limit
 from tests.helpers import tiny
 from tribo import QUANTILES, Criterion
 from tribo.simulation.severity import (
-    boundary_velocity_error,
     rises_above_colder,
     verdict,
     worst_rises,
@@ -96,14 +95,6 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     assert judged.time == 3.0
     assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
     assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
-
-
-def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
-    velocity, exponent, limit = 1.5, 0.6, 1200.0
-    for factor in (0.7, 1.0, 1.3):  # on the rise 1200 K · (V/1.5)^0.6
-        critical = velocity * (limit / (factor * limit)) ** (1 / exponent)
-        error = boundary_velocity_error(factor * limit, limit, exponent)
-        assert error == pytest.approx(critical / velocity - 1, abs=1e-14)
 
 
 @pytest.mark.parametrize("disk", [None, 318.15])
