@@ -6,8 +6,7 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
     scene = pipeline.load_scene("first_try", overrides={"pin.radius": "2 mm"})
     pipeline.run_sweep(scene, "results/first_try.zarr")
     pipeline.boundary("results/first_try.zarr")["critical_velocity"]
-    hotter = pipeline.at("results/first_try.zarr", friction=0.12)
-    pipeline.margin(hotter, "400 N", "1.4 m/s").verdict
+    pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s", friction=0.12)["verdict"]
     pipeline.end_of_point("results/first_try.zarr")["contact_width"]
 
 Arguments: a scene is a path, the name of a shipped scene, or what `load_scene` returned; a store is

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from pipeline.answers import words
-from pipeline.answers.conditions import in_arrays, judged
+from pipeline.answers.conditions import ConditionValues, in_arrays, judged
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.judge import Caveat, Judge, JudgedCase
@@ -70,7 +70,10 @@ _STATED = {
 
 @np.errstate(under="ignore")
 def margin(
-    ds: xr.Dataset | PathLike, load: Any = None, velocity: Any = None, **conditions: Any
+    ds: xr.Dataset | PathLike,
+    load: Any = None,
+    velocity: Any = None,
+    **conditions: Unpack[ConditionValues],
 ) -> xr.Dataset:
     """Judge places of a sweep without a new simulation.
 
@@ -95,6 +98,15 @@ def margin(
         The verdict on a further run, its probability, temperatures, numerical errors and their
         parts, critical velocity, load and friction, and `Caveat` flags; each with ``units`` and
         ``long_name``. Attributes state what holds for all places.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.margin("results/first_try.zarr", "400 N", "1.5 m/s")
+    >>> found["verdict"].item()
+    'mild'
+    >>> bool(0.003 < found["probability"] < 0.004)
+    True
     """
     ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
     if velocity is None and isinstance(load, _TABLES):
@@ -135,17 +147,17 @@ def margin(
     return _side_by_side(ds, answer)
 
 
-def _rows(ds: xr.Dataset, points: OperatingPoints, conditions: dict[str, Any]) -> xr.Dataset:
+def _rows(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> xr.Dataset:
     """Judge the rows of a table, each under its own conditions where it states some."""
-    columns = {"load": [load for load, _ in points.places]}
+    columns: dict[str, Any] = {"load": [load for load, _ in points.places]}
     columns["velocity"] = [velocity for _, velocity in points.places]
     stored = {} if case_dims(ds) else plain_values(sweep_of(ds).conditions)
     for name in dict.fromkeys(name for row in points.conditions for name in row):
         key = "share" if name == "failing_share" else name
         usual = conditions.get(key, stored.get(name))
         cells = [row.get(name, usual) for row in points.conditions]
-        conditions = {**conditions, key: xr.DataArray(np.array(cells, object), dims="place")}
-    found = margin(ds, **columns, **conditions)
+        columns[key] = xr.DataArray(np.array(cells, object), dims="place")
+    found = margin(ds, **{**conditions, **columns})
     others = {f"{k} (given)" if k in found.variables else k: x for k, x in points.others.items()}
     return found.assign_coords({name: ("place", [*cells]) for name, cells in others.items()})
 
@@ -192,7 +204,7 @@ def _answers_at(judge: Judge, loads: Array, velocities: Array) -> dict[str, Any]
 
 
 @np.errstate(under="ignore")
-def boundary(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Find the critical velocity at each load, and the critical load at each velocity.
 
     Parameters
@@ -209,6 +221,13 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
         ``velocity_error(load)`` and its parts; ``tested_velocity(load)`` with the ends of its band;
         the outcomes ``velocity_outcome(load)`` and ``load_outcome(velocity)``, and all ``turns``.
         Varied entries, and conditions given as lists, are further dimensions.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.boundary("results/first_try.zarr", friction=[0.1, 0.12])
+    >>> found["critical_velocity"].sel(load=400).round(2).values.tolist()
+    [2.31, 1.68]
     """
     ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
     given = in_arrays(conditions)
@@ -326,12 +345,19 @@ def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
     return found
 
 
-def tests(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """The tests of a scene at their own conditions, along ``test``: what is computed there.
 
     ``log_severity`` is y = ln(rise/limit), ``mild`` and ``severe`` are those at the ends of a
     transition, and ``by_the_others`` is the probability of the outcome by the other tests. The
     attribute ``levels`` has the y at which a further run is severe by 5, 50 and 95 %.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.tests("results/first_try.zarr")
+    >>> found["load"].values.tolist(), found["severe"].round(2).values.tolist()
+    ([750.0, 600.0, 400.0, 200.0], [0.03, -0.03, -0.11, -0.06])
     """
     case = cases_of(ds)[0]
     judge = JudgedCase(case).under(judged(case.sweep.conditions, conditions))
@@ -361,10 +387,16 @@ def tests(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
     return found.assign_attrs(words.about(judge), missing_points=0, levels=levels)
 
 
-def points(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """State of each computed point of a sweep's first case, on each patch.
 
     ``state`` is mild, severe, failed or pending, and ``warned`` true at points with a warning.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.points("results/first_try.zarr")["state"].sel(load=750)[0].values.tolist()
+    ['mild', 'severe', 'severe', 'severe', 'severe', 'severe']
     """
     case = cases_of(ds)[0]
     own = judged(case.sweep.conditions, conditions)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -23,6 +23,18 @@ from tribo import InputError
 _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 NAMES = tuple(PATHS)
 """Conditions that answers take as keywords."""
+Values = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
+"""One value in SI or text with its unit, or several, which make a dimension."""
+
+
+class ConditionValues(TypedDict, total=False):
+    """Conditions to judge by in place of the scene's, as keywords of answers."""
+
+    friction: Values | None
+    bulk_temperature: Values | Mapping[str, float | str] | None
+    critical_temperature: Values | None
+    share: Values | None
+    unmodelled_rise: Values | None
 
 
 def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:

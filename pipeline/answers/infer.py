@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 from scipy.special import logsumexp
 
-from pipeline.answers.conditions import judged
+from pipeline.answers.conditions import ConditionValues, judged
 from pipeline.answers.judge import JudgedCase
 from pipeline.answers.results import cases_of
 from pipeline.answers.tests import outcome_of
@@ -22,7 +22,7 @@ _TAILS = math.sqrt(2)  # standard deviation of Student's t with 4 degrees, over 
 
 
 @np.errstate(under="ignore")
-def infer(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Find the critical temperature of the lubricant from the tests of a scene.
 
     Nothing is known before the tests of ln(critical − bulk temperature) but a scale of 1. The
@@ -34,6 +34,13 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
         ``critical_temperature``; ``spread``, its standard deviation on another rig, with the
         model's bias in it, and ``own_spread`` on this one; ``at_least`` and ``at_most``, where only
         mild or only severe tests bound it: its 5 or 95 % quantile.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.infer("results/first_try.zarr")
+    >>> (found["critical_temperature"] - 273.15).round(1).item()
+    139.8
     """
     case = cases_of(ds)[0]
     stored = case.sweep.conditions

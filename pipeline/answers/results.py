@@ -74,6 +74,13 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ------
     StoreError
         If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> ds["load"].values.tolist()
+    [200.0, 400.0, 600.0, 750.0]
     """
     ds = open_store(found_store(path)).drop_vars("message", errors="ignore")
     return ascending(ds)
@@ -86,7 +93,15 @@ def ascending(ds: xr.Dataset) -> xr.Dataset:
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
-    """Select the end of each point: the step at the point's nominal load."""
+    """Select the end of each point: the step at the point's nominal load.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> end = pipeline.end_of_point("results/first_try.zarr")
+    >>> bool((end["normal_load"] == end["load"]).all())
+    True
+    """
     ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
     return ds.sel(step=0, drop=True)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.conditions import NAMES, judged
+from pipeline.answers.conditions import NAMES, ConditionValues, judged
 from pipeline.answers.results import open_sweep, sweeps_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import rise_limit
@@ -24,7 +24,7 @@ _INNER = ("step", "bulk_ratio", "cooler_share")
 
 
 @np.errstate(under="ignore")
-def temperatures(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Temperatures of the contact at each step of each point.
 
     Parameters

@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.conditions import judged
+from pipeline.answers.conditions import ConditionValues, judged
 from pipeline.answers.results import CaseResults, cases_of
 from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.quantities import display
@@ -50,10 +50,18 @@ class Warned:
             yield from remarks("warning", f"{carry} a warning ({kinds})", f"at {self.example}")
 
 
-def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
+def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> Warned:
     """Count the points of a sweep that carry a warning, such as too few elements in contact.
 
     One kind, "molten", says that steel would melt under the conditions.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.warned("results/first_try.zarr").points
+    0
+    >>> pipeline.warned("results/first_try.zarr", friction=2.0).kinds
+    {'molten': 22}
     """
     points, kinds, example = 0, dict[str, int](), ""
     for case in cases_of(ds):
