@@ -63,7 +63,7 @@ UNITS = {
     "distance": "K", "friction": "",
     "failing_share": "", "viscosities": "mm²/s",
     "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
-    "pressure_coefficients": "1/GPa",
+    "pressure_coefficient": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, by the names of columns and fields; empty for a number."""
 SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}

@@ -61,8 +61,7 @@ class Evidence:
         grouped = dict[str, list[ComparedTest]]()
         for row in self.rows:
             if not (row.reason or row.is_outside):
-                run = f"run {row.test.run}" if row.test.run else f"test {row.test.number}"
-                grouped.setdefault(run, []).append(row)
+                grouped.setdefault(str(row.test.number), []).append(row)
         return [*grouped.values()]
 
     @functools.cached_property

@@ -124,7 +124,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
     lubrication = find_lubrication(sweep.scene, sweep.lubricant)
     if lubrication is None:
-        has_pressure_coefficient = sweep.lubricant.pressure_coefficients is not None
+        has_pressure_coefficient = sweep.lubricant.pressure_coefficient is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield "oil", f"{viscosity}; its film is not known without {missing}"
         return

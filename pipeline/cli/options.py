@@ -255,7 +255,6 @@ OF_SURFACE = (
         "--pixel-size", metavar="DX[,DY]", type=values.sides,
         help='sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"',
     ),
-    flag("--transpose", "exchange x and y of the file"),
     value(
         "--missing SHARE", "share of missing heights up to which they are filled; default: 10%%",
         values.share,

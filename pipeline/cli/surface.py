@@ -20,8 +20,7 @@ def surface(options: argparse.Namespace) -> Result:
         return _of_profile(options)
     with working("fitting a random surface"):
         found = pipeline.surface_statistics(
-            options.scan, options.height_unit, options.pixel_size, options.transpose,
-            options.missing,
+            options.scan, options.height_unit, options.pixel_size, options.missing,
         )  # fmt: skip
     return Result(found.as_dict(), wrapped(found.lines()))
 

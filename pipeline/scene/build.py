@@ -48,9 +48,8 @@ Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
 _RECORD = {"time": "s", "load": "N"}
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
-    "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
+    "size, by crop or repeat of [disk.roughness]; x runs from column to column"
 )
-_NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
 
 
 @dataclass(frozen=True)
@@ -222,24 +221,14 @@ def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Ro
 def _scanned(path: Path, table: Any, window: Window) -> tuple[Array, Sequence[str]]:
     """Heights (nx, ny) of the window [m] from the file of a scan, and notes on them."""
     sides = window.pixel_size
-    scan = read_scan(path, table.height_unit, table.pixel_size, table.transpose, sides)
+    scan = read_scan(path, table.height_unit, table.pixel_size, sides)
     heights, notes = window_heights(scan, vars(table), window.pixels, sides)
     return heights, [*notes]
 
 
 def oil_of(table: OilTable) -> tribo.Oil:
-    """Oil; a dynamic viscosity becomes kinematic at 1000 kg/m³."""
-    kinematic = table.kinematic_viscosity
-    dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
-    if bool(kinematic) == bool(dynamic) or (kinematic and table.density is None):
-        raise tribo.InputError(
-            "the viscosity of the oil is not known; give kinematic_viscosity and density, or "
-            "dynamic_viscosity alone"
-        )
-    density = table.density if kinematic and table.density else _NOMINAL
-    coefficient = table.pressure_viscosity_coefficient
-    pair = None if coefficient is None else _pair(coefficient)
-    return tribo.Oil(table.temperatures, kinematic or dynamic, density, pair)
+    """The oil of its table."""
+    return tribo.Oil(table.kinematic_viscosity, table.density, table.pressure_viscosity_coefficient)
 
 
 def _pair(value: Any) -> tuple[float, float]:

@@ -179,22 +179,11 @@ def _unfit_friction(scene: Any) -> Misfits:
         yield "friction.coefficient", words
 
 
-@_check("measured", "tested")
-def _unfit_tests(scene: Any) -> Misfits:
+@_check("measured")
+def _unfit_steps(scene: Any) -> Misfits:
     for number, test in enumerate(scene.measured or ()):
         if test.step:
             value = getattr(test, name := axis_of(test.step))
             if to_si(test.step, like=test.step) >= value:
                 words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
                 yield f"measured[{number}].step", f"{quoted(test.step)} {words}"
-    lists = (("measured", scene.measured), ("tested", scene.tested))
-    oils = {
-        f"{name}[{number}]": "no oil" if test.oil is None else quoted(str(test.oil))
-        for name, tests in lists
-        for number, test in enumerate(tests or ())
-    }
-    for path, oil in oils.items():
-        if oil != oils[first := next(iter(oils))]:
-            problem = f"{oil}, but {first} has {oils[first]}; a scene takes the tests of one oil"
-            yield f"{path}.oil", f"{problem}: leave the others out, in a log by where or skip"
-            break

@@ -181,20 +181,15 @@ def _difference(own: Loading, plane: Loading) -> str:
 
 
 def doubt_on_runs(sweep: Sweep) -> str:
-    """Which tests of one specimen are simulated as fresh ones, in words; empty if none are.
+    """Which runs by stages are simulated as fresh specimens, in words; empty if none are.
 
-    Those of one run at several loads or velocities had a past that no entry states.
+    Both ends of such a run had a past that no entry states.
     """
     runs = dict[str, list[Test]]()
     for test in sweep.tests:
-        if test.run is not None and isinstance(test.case.scene.loading, Ramp):
-            runs.setdefault(test.run, []).append(test)
-    alike = [
-        test
-        for tests in runs.values()
-        if len({place for test in tests for place in test.places}) > 1
-        for test in tests
-    ]
+        if isinstance(test.case.scene.loading, Ramp):
+            runs.setdefault(str(test.number), []).append(test)
+    alike = [test for tests in runs.values() if len(tests) > 1 for test in tests]
     if not alike:
         return ""
     return (

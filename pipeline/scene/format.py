@@ -20,7 +20,6 @@ from pipeline.scene.kinds import (
     LOAD,
     SIZE,
     SPEED,
-    TEMPERATURE,
     VELOCITY,
     Kind,
     Number,
@@ -138,9 +137,6 @@ class MeasuredSurfaceTable(Declared):
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
         "Sides of a pixel of the file along x and y, if it gives none or wrong ones."] = None
-    transpose: A[bool,
-        "True to exchange x and y of the file, with the sides of its pixels."] = False
-    flip: A[bool, "True to reverse the heights, for depths or a replica."] = False
     crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
         "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
@@ -148,8 +144,9 @@ class MeasuredSurfaceTable(Declared):
     missing: A[float, Share(at_least=0, below=1),
         "Share of pixels without a height up to which these are filled smoothly from "
         "around."] = 0.1
-    repeat: A[str, OneOf(("no", "mirror", "tile")),
-        "Continuation of a surface that is smaller than the window."] = "no"
+    repeat: A[str, OneOf(("no", "mirror")),
+        "Continuation of a surface that is smaller than the window: it is mirrored at its "
+        "edges."] = "no"
 
 class Disk(Body):
     roughness: A[RandomSurface | MeasuredSurfaceTable | None,
@@ -199,11 +196,9 @@ class Record(Declared):
     decimal: A[str, OneOf((".", ",")), "Decimal mark of the file."] = "."
 
 class MotionTable(Declared):
-    slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),
+    slide_roll_ratio: A[float, Share(usual=(-2, 2)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
-        "faster body."] = None
-    entrainment_velocity: A[float | None, Quantity("3 m/s", zero=True),
-        "Mean velocity of both surfaces, at all sliding velocities."] = None
+        "faster body."]
     track_length: A[float | None, Quantity("314 mm"),
         "Length over which the wear of the pin spreads; by default the pin's `track_length`, or "
         "the circumference of its radius."] = None
@@ -220,22 +215,13 @@ class Archard(Declared):
 
 
 class OilTable(Declared):
-    like: A[str | None,
-        "An oil of the library, whose values hold where none is given here."] = None
-    temperatures: A[tuple[float, float], List(TEMPERATURE, length=2),
-        "Two temperatures at which the viscosity is known, rising."] = (313.15, 373.15)
-    kinematic_viscosity: A[tuple[float, float] | None,
+    kinematic_viscosity: A[tuple[float, float],
         List(Quantity("32 mm^2/s", usual=(0.5, 1e5)), length=2),
-        "Kinematic viscosity at these temperatures; give this or the dynamic one."] = None
-    dynamic_viscosity: A[tuple[float, float] | None,
-        List(Quantity("28 mPa s", usual=(0.4, 1e5)), length=2),
-        "Dynamic viscosity at these temperatures."] = None
-    density: A[float | None, Quantity("866 kg/m^3", usual=(500, 2000)),
-        "Density; needed with a kinematic viscosity."] = None
-    pressure_viscosity_coefficient: A[Any,
-        one_or_two(Quantity("20 1/GPa", name="a pressure coefficient")),
-        "Pressure–viscosity coefficient, one, or one at the first temperature and one at the last. "
-        "Without it no film is predicted."] = None
+        "Kinematic viscosity at 40 and at 100 °C."]
+    density: A[float, Quantity("866 kg/m^3", usual=(500, 2000)), "Density."]
+    pressure_viscosity_coefficient: A[float | None,
+        Quantity("20 1/GPa", name="a pressure coefficient"),
+        "Pressure–viscosity coefficient. Without it no film is predicted."] = None
 
 class FrictionByVelocity(Declared):
     velocity: A[float, SPEED, "Sliding velocity."]
@@ -319,8 +305,7 @@ class SceneFile(Declared):
     loading: A[RampTable | StagesTable | Record,
         "Growth of the load: a ramp, stages of one specimen, or a recorded load."]
     motion: A[MotionTable | None,
-        "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
-        "table the pin is at rest."] = None
+        "Motion of both bodies. Without the table the pin is at rest."] = None
     wear: A[Any, table_of(Archard),
         "Wear of the pin by Archard's law. Without the table there is no wear."] = None
     oil: A[OilTable | None,

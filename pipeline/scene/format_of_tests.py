@@ -62,8 +62,6 @@ class TestTable(Declared):
         "Critical temperature, criterion, `[oil]` and `[model]` are those of the scene."] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default its place in the file or log."] = None
-    oil: A[str | int | None, NAME,
-        "Oil of the test. A scene takes the tests of one oil."] = None
 
 class TransitionTable(TestTable):
     step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
@@ -71,9 +69,6 @@ class TransitionTable(TestTable):
         "step before."] = None
 
 class _RunTable(TestTable):
-    run: A[str | int | None, NAME,
-        "Run of the test, by default its own. Tests of one run have one specimen, and count as "
-        "one."] = None
     stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
         "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
         "default those of `[loading]`, whose rate leads from stage to stage."] = None

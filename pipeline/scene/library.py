@@ -1,7 +1,6 @@
 """The library of materials and oils: what a scene takes from it by name, and from which source.
 
-A scene's own entries override those of the library; viscosities and their temperatures are taken
-together.
+A scene's own entries override those of the library.
 """
 
 from __future__ import annotations
@@ -19,8 +18,6 @@ from pipeline.sweep.remarks import FromLibrary
 from pipeline.words import key_path, quoted
 
 Entries = dict[str, Any]
-_VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
-"""Entries of the viscosity: if a scene gives one, the library adds none of them."""
 
 
 @functools.cache
@@ -41,9 +38,8 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
     """Add values of the library to a scene's entries; return the entries, and the added values."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
-    if (oil := entries.get("oil")) is not None:
-        table = {"like": oil} if isinstance(oil, str) else oil
-        entries["oil"] = _filled(table, None, "oils", "oil", taken, faults)
+    if isinstance(oil := entries.get("oil"), str):
+        entries["oil"] = _added(oil, "oils", "oil", "oil", {}, taken, faults)
     tables = entries.get("materials", {})
     if not isinstance(tables, dict):
         return entries, tuple(taken)
@@ -53,32 +49,37 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
-            name: _filled(table, name, "materials", key_path("materials", name), taken, faults)
-            for name, table in tables.items()
+            name: _filled(table, name, taken, faults) for name, table in tables.items()
         }
     return entries, tuple(taken)
 
 
-def _filled(
-    table: Any, name: str | None, kind: str, place: str, taken: list[FromLibrary], faults: Faults
-) -> Any:
-    """Table with the entries that it lacks, from the library; they are added to `taken`, too."""
-    known = library()[kind]
+def _filled(table: Any, name: str, taken: list[FromLibrary], faults: Faults) -> Any:
+    """The table of a material with the entries that it lacks, from the library."""
     if not isinstance(table, dict):
         return table
     # Without `like`, an incomplete table takes the material of its own name.
     is_whole = table.keys() >= {*table_of(MaterialTable).needed}
-    like = table.get("like", name if name in known and not is_whole else None)
+    usual = name if name in library()["materials"] and not is_whole else None
+    like, place = table.get("like", usual), key_path("materials", name)
     if not isinstance(like, str) or not like:
         return table
-    if like not in known:
-        problem = f"{quoted(like)} is not in the library; its {kind}: "
-        faults.refuse(f"{place}.like", problem + ", ".join(map(quoted, known)))
-        like = next(iter(known))  # so that nothing else seems to be missing
-    has_viscosity = any(key in table for key in _VISCOSITY)
+    return _added(like, "materials", place, f"{place}.like", table, taken, faults)
+
+
+def _added(
+    name: str, kind: str, place: str, entry: str, table: Entries, taken: list[FromLibrary],
+    faults: Faults,
+) -> Entries:  # fmt: skip
+    """The table at `place` with what the library has of `name`, which `entry` gives."""
+    known = library()[kind]
+    if name not in known:
+        problem = f"{quoted(name)} is not in the library; its {kind}: "
+        faults.refuse(entry, problem + ", ".join(map(quoted, known)))
+        name = next(iter(known))  # so that nothing else seems to be missing
     added = {}
-    for key, (value, source) in known[like].items():
-        if key not in table and not (has_viscosity and isinstance(value, list)):
+    for key, (value, source) in known[name].items():
+        if key not in table:
             added[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)
             taken.append(FromLibrary(f"{place}.{key}", text, library()["sources"][source]))

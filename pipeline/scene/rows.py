@@ -14,9 +14,9 @@ from pipeline.limits import MOST_SCENES
 from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import OilTable, SceneFile
+from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import LOAD, SPEED
-from pipeline.scene.tables import Entry, Table, number_at, table_of
+from pipeline.scene.tables import Entry, Table, number_at
 from pipeline.sweep.case import Case
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import CONDITION_ENTRIES
@@ -35,8 +35,6 @@ from pipeline.units import UnitError, si_unit, to_si
 from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
 
-_LIKE = {"oil": "oil.like"}
-"""Entry of a table that may be given by a name of the library."""
 _FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested")
 """Entries and tables that cannot take several values."""
 _PLACE = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
@@ -123,12 +121,9 @@ def _rows_over(over: dict[str, Any]) -> Rows:
         pairs = [*zip(labels, values, strict=True)]
         if unit is not None:  # quantities ascend, texts keep their order
             pairs.sort(key=lambda pair: pair[0])
-        key, others = path, Row()
-        if path in _LIKE:  # a name of the library, which replaces the whole table
-            key, others = _LIKE[path], {f"{path}.{one}": None for one in table_of(OilTable).keys}
-        column = _column(dimension_of(path), unit, f"{path} of the scene", key)
+        column = _column(dimension_of(path), unit, f"{path} of the scene", path)
         table = Variants((column,), tuple({column.name: label} for label, _ in pairs))
-        rows *= Rows(table, [{**others, key: value} for _, value in pairs])
+        rows *= Rows(table, [{path: value} for _, value in pairs])
     return rows
 
 

@@ -62,12 +62,16 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     by a test at its last mild stage and a test at its first severe stage, if the run states these
     stages. A faulty run is added to `faults`, and left out.
     """
-    number, expanded = itertools.count(1), dict[str, Any]()
+    number, named_before, expanded = itertools.count(1), set[str](), dict[str, Any]()
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
         for index, entry in enumerate(listed or ()):
             own = next(number)
             named = replace(entry, number=own) if entry.number is None else entry
+            if (name := str(named.number)) in named_before:
+                problem = f"{name} is the number of two tests; give each its own, or leave it out"
+                faults.refuse(f"{key}[{index}].number", problem)
+            named_before.add(name)
             if isinstance(named, StagedRunTable):
                 tests += _read_stages(named, f"{key}[{index}]", faults)
             else:
@@ -95,7 +99,6 @@ def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[
         low, high = (display(ends[outcome], UNITS[name]) for outcome in ("severe", "mild"))
         faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
-    run = entry.run if entry.run is not None else f"number {entry.number}"
     common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
     if entry.stages is not None and ends:
         last = max(ends.values())  # the last stage that is named ends the specimen
@@ -110,4 +113,4 @@ def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[
                 if level <= last * (1 + 1e-9)
             )
     for outcome, value in ends.items():
-        yield Test(**common | {"run": run, name: value, "outcome": outcome})
+        yield Test(**common | {name: value, "outcome": outcome})

@@ -150,7 +150,6 @@ def _test_of(entry: Any, case: Case) -> Test:
         hold=entry.hold,
         outcome=getattr(entry, "outcome", None),
         number=None if entry.number is None else str(entry.number),
-        run=None if (run := getattr(entry, "run", None)) is None else str(run),
         **{} if step is None else {f"{axis_of(step)}_step": to_si(step, like=step)},
     )
 

@@ -75,7 +75,6 @@ def read_scan(
     path: str | Path,
     height_unit: float | None = None,
     pixel_size: tuple[float, float] | None = None,
-    transpose: bool = False,
     usual_sides: tuple[float, float] | None = None,
 ) -> Scan:
     """Read a map of heights, in which x goes from column to column.
@@ -87,9 +86,7 @@ def read_scan(
     height_unit : float, optional
         Unit of the heights [m]; it replaces that of the file.
     pixel_size : tuple of float, optional
-        Sides of a pixel along x and y [m], after any transposition; they replace those of the file.
-    transpose : bool, optional
-        Exchange x and y of the file.
+        Sides of a pixel along x and y [m]; they replace those of the file.
     usual_sides : tuple of float, optional
         Sides of a pixel [m], if neither the file nor `pixel_size` has them.
 
@@ -106,18 +103,14 @@ def read_scan(
     try:
         file = _read(path, content)
         sides = pixel_size or (None if file.pixel_size else usual_sides)
-        return _scan(file, height_unit, sides, transpose)
+        return _scan(file, height_unit, sides)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _scan(
-    file: _File, height_unit: float | None, pixel_size: tuple[float, float] | None, transpose: bool
-) -> Scan:
-    heights, own, lines = file.heights, file.pixel_size, "column"
-    if transpose:
-        heights, own, lines = heights.T, own and own[::-1], "row"
-    notes = [f"x, the sliding direction, goes from {lines} to {lines}", *file.notes]
+def _scan(file: _File, height_unit: float | None, pixel_size: tuple[float, float] | None) -> Scan:
+    heights, own = file.heights, file.pixel_size
+    notes = ["x, the sliding direction, goes from column to column", *file.notes]
     unit, sides = height_unit or file.unit, pixel_size or own
     lacks = ["the unit of heights (height_unit)"] * (not unit)
     lacks += ["the sides of a pixel (pixel_size)"] * (not sides)

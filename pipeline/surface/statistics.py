@@ -117,7 +117,6 @@ def surface_statistics(
     path: str | Path,
     height_unit: float | str | None = None,
     pixel_size: Sequence[float | str] | None = None,
-    transpose: bool = False,
     missing: float = MISSING,
 ) -> SurfaceStatistics:
     """Measure the roughness of a scan by ISO 25178-2, and fit a random surface to it.
@@ -131,10 +130,8 @@ def surface_statistics(
         Unit of the heights, such as ``"um"``, or its length in m. It replaces the unit of the
         file.
     pixel_size : two of float or str, optional
-        Sides of a pixel along x and y after any transposition, as numbers in m or text with a
-        unit. They replace the sizes in the file.
-    transpose : bool, optional
-        Exchange x and y of the file.
+        Sides of a pixel along x and y, as numbers in m or text with a unit. They replace the sizes
+        in the file.
     missing : float, optional
         Share of missing heights up to which they are filled for the fit.
 
@@ -174,7 +171,7 @@ def surface_statistics(
     if isinstance(unit, str):
         unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
     sides = [in_si("pixel_size", side, "1 um") for side in pixel_size or ()]
-    scan = read_scan(path, unit, (sides[0], sides[1]) if sides else None, transpose)
+    scan = read_scan(path, unit, (sides[0], sides[1]) if sides else None)
     try:
         return _statistics(str(path), scan, missing)
     except InputError as error:

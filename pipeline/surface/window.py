@@ -25,7 +25,7 @@ def window_heights(
         raise InputError(
             f"its pixels are {display_sides(scan.pixel_size)}; give those, window.pixel_size"
         )
-    heights = _cropped(-scan.heights if table["flip"] else scan.heights, table, pixels)
+    heights = _cropped(scan.heights, table, pixels)
     notes = [*scan.notes]
     if table["level"]:
         heights, _, radii = remove_form(heights, sides)
@@ -36,14 +36,12 @@ def window_heights(
         heights = filled(patch, table["missing"])
         notes.append(f"{patch.missing_words} and were filled from their surroundings")
     if table["repeat"] != "no" and np.less(heights.shape, pixels).any():
-        is_mirrored = table["repeat"] == "mirror"  # continuous; tiles have steps, but keep a lay
         notes.append(
-            f"{heights.shape[0]} × {heights.shape[1]} heights were "
-            f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
-            f"{pixels[1]}, so that the surface repeats itself"
+            f"{heights.shape[0]} × {heights.shape[1]} heights were mirrored to fill the window of "
+            f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself"
         )
         more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
-        heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
+        heights = np.pad(heights, [(0, n) for n in more], "symmetric")
     return np.ascontiguousarray(heights), notes
 
 

@@ -54,7 +54,7 @@ class Case:
     def has_film(self) -> bool:
         """True if the film of an oil is judged: between line contacts, of an oil that is known."""
         oil = self.lubricant
-        return bool(oil and oil.pressure_coefficients) and self.scene.pin.length is not None
+        return bool(oil and oil.pressure_coefficient) and self.scene.pin.length is not None
 
     def on_surface(self, seed: int) -> Self:
         """The case on the random surface of another seed; unchanged without a random surface."""
@@ -97,8 +97,7 @@ class Test:
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: Literal["mild", "severe"] | None = None  # None at a transition
-    number: str | None = None  # number or name in answers
-    run: str | None = None  # shared by the tests of one specimen
+    number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
     velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
 

@@ -27,7 +27,7 @@ MEASURED = (
     bare_test(400.0, 2.25, 0.091),
     bare_test(200.0, 3.75),
 )
-OIL = tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+OIL = tribo.Oil((32e-6, 5e-6), 866.0, 20e-9)
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
 NOTHING = {(load, velocity): PENDING for load in LOADS for velocity in VELOCITIES}

@@ -353,11 +353,10 @@ def measure(entries, kind):
     for key in [key for key in entries if key.startswith("disk.roughness")]:
         del entries[key]
     entries |= {"disk.roughness.file": "heights.npy", "disk.roughness.height_unit": "um"}
-    entries["disk.roughness.transpose"] = True
     entries["title"] = f"{kind} surface of seed {seed}, Ra {ra:g} µm"
 
     def write(path):
-        np.save(path, measured_heights(shape, kind, seed, ra))
+        np.save(path, measured_heights(shape, kind, seed, ra).T)  # x from column to column
 
     return {"heights.npy": write}
 

@@ -123,14 +123,11 @@ class Draw:
         rate, pattern = self.log_between(1e-18, 1e-13), self.one_of([None, "swept", "local"])
         return tribo.Wear(rate, pattern) if pattern else None
 
-    def motion(self, velocity):
-        kind = self.one_of(["rest", "rest", "ratio", "entrainment"])
-        if kind == "ratio":
-            ratio = self.between(0.2, 1.9) * self.one_of([1, -1])
-            return tribo.Motion(slide_roll_ratio=ratio)
-        if kind == "entrainment":
-            return tribo.Motion(entrainment_velocity=velocity * self.between(1.0, 4.0))
-        return None
+    def motion(self):
+        if self.chance(1 / 2):
+            return None
+        ratio = self.between(0.2, 1.9) * self.one_of([1, -1])
+        return tribo.Motion(slide_roll_ratio=ratio)
 
 
 def hertz(pin, disk, pressure):

@@ -16,6 +16,8 @@ BOUNDARY = 1.0
 FULL_FILM = 3.0
 """Film parameter from which the film carries the load."""
 
+_COLD, _WARM = 313.15, 373.15  # temperatures at which viscosities are stated [K]
+
 
 @dataclass(frozen=True, slots=True)
 class Oil:
@@ -23,35 +25,30 @@ class Oil:
 
     Parameters
     ----------
-    temperatures : tuple of float
-        Two temperatures at which the viscosity is known, ascending [K].
     viscosities : tuple of float
-        Kinematic viscosity at these temperatures, falling [m²/s].
+        Kinematic viscosity at 40 and at 100 °C, falling [m²/s].
     density : float
         Density, taken as the same at all temperatures [kg/m³].
-    pressure_coefficients : tuple of float or None
-        Pressure-viscosity coefficient α at these temperatures [1/Pa]; None if it is not known.
+    pressure_coefficient : float or None
+        Pressure-viscosity coefficient α [1/Pa]; None if it is not known.
 
     Examples
     --------
-    >>> white = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+    >>> white = Oil((32e-6, 5e-6), 866.0, 20e-9)
     >>> f"{white.viscosity(313.15):.4f}, {white.viscosity(298.15):.4f} Pa s"
     '0.0277, 0.0593 Pa s'
     """
 
-    temperatures: tuple[float, float]
     viscosities: tuple[float, float]
     density: float
-    pressure_coefficients: tuple[float, float] | None = None
+    pressure_coefficient: float | None = None
 
     def __post_init__(self) -> None:
-        (cold, warm), (thick, thin) = self.temperatures, self.viscosities
-        require_positive(temperature=cold, viscosity=thin, density=self.density)
-        require_positive(temperature=warm, viscosity=thick)
-        for coefficient in self.pressure_coefficients or ():
-            require_positive(pressure_coefficient=coefficient)
-        if not cold < warm:
-            raise InputError(f"temperatures are {cold:g} and {warm:g} K; they must rise")
+        thick, thin = self.viscosities
+        require_positive(viscosity=thin, density=self.density)
+        require_positive(viscosity=thick)
+        if self.pressure_coefficient is not None:
+            require_positive(pressure_coefficient=self.pressure_coefficient)
         if not thick > thin:
             raise InputError(
                 f"viscosities are {thick:g} and {thin:g} m²/s; they must fall with temperature"
@@ -65,24 +62,11 @@ class Oil:
         log log(ν + 0.7) is linear in log T, with ν [mm²/s] and T [K] (ASTM D341; Walther 1931).
         """
         require_positive(temperature=temperature)
-        place = math.log(temperature / self.temperatures[0]) / math.log(
-            self.temperatures[1] / self.temperatures[0]
-        )
+        place = math.log(temperature / _COLD) / math.log(_WARM / _COLD)
         cold, warm = (math.log(math.log(1e6 * nu + 0.7)) for nu in self.viscosities)
         # The bound is above any oil, and keeps the double exponential from an overflow.
         kinematic = math.exp(math.exp(min(cold + place * (warm - cold), 5.0))) - 0.7
         return 1e-6 * kinematic * self.density
-
-    def pressure_coefficient(self, temperature: float) -> float:
-        """Pressure-viscosity coefficient α [1/Pa]; ln α is linear in the temperature [K].
-
-        Raises an `InputError` if the oil's `pressure_coefficients` are None.
-        """
-        if self.pressure_coefficients is None:
-            raise InputError("the oil has no pressure-viscosity coefficient; give it one")
-        require_positive(temperature=temperature)
-        (cold, warm), (low, high) = self.temperatures, self.pressure_coefficients
-        return float(low * (high / low) ** ((temperature - cold) / (warm - cold)))
 
 
 def minimum_line_film(

@@ -156,9 +156,9 @@ def film_excess(
     first, second = scene.velocities_at(velocity)
     speed = abs(first + second) / 2
     length = scene.pin.length
-    if not (speed and length):
+    eta, alpha = oil.viscosity(bulk), oil.pressure_coefficient
+    if not (speed and length and alpha):
         return -math.inf
-    eta, alpha = oil.viscosity(bulk), oil.pressure_coefficient(bulk)
     modulus = 2 * contact_modulus(scene.pin.material, scene.disk)
     slope = math.log(oil.viscosity(bulk - 5) / oil.viscosity(bulk + 5)) / 10
     heating = slope * eta * speed**2 / _OIL_CONDUCTIVITY

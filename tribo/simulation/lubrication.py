@@ -79,7 +79,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 def find_lubrication(scene: Scene, oil: Oil | None) -> Lubrication | None:
     """Lubrication of a scene by an oil; None if oil or roughness are missing or not fully known."""
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
-    if oil is None or oil.pressure_coefficients is None or not is_known:
+    if oil is None or oil.pressure_coefficient is None or not is_known:
         return None
     facts = surface_facts(scene)
     return Lubrication(scene, oil, facts.rq) if facts and facts.rq else None
@@ -95,7 +95,7 @@ class Lubrication:
     >>> steel = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
     >>> ball, pixels = tribo.Ball(10e-3, steel), tribo.Grid((64, 64), (4e-6, 4e-6), (False, False))
     >>> scene = tribo.Scene(pin=ball, disk=steel, pixels=pixels, loading=tribo.Ramp(10.0, 10.0))
-    >>> oil = tribo.Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
+    >>> oil = tribo.Oil((32e-6, 5.4e-6), 866.0, 20e-9)
     >>> film = Lubrication(scene, oil, rms_height=0.3e-6)
     >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
     '0.067'
@@ -112,7 +112,7 @@ class Lubrication:
         """
         entrainment = abs(sum(self.scene.velocities_at(velocity))) / 2
         viscosity = self.oil.viscosity(temperature)
-        coefficient = self.oil.pressure_coefficient(temperature)
+        coefficient = self.oil.pressure_coefficient or math.nan
         modulus = contact_modulus(self.scene.pin.material, self.scene.disk)
         oil = OilEntry(entrainment, viscosity, coefficient)
         return self.scene.pin.film_thickness(oil, load, modulus)

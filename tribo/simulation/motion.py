@@ -45,17 +45,12 @@ class Velocities(NamedTuple):
 class Motion:
     """Motion of both bodies, from which their velocities follow at each sliding velocity.
 
-    Exactly one of `slide_roll_ratio` and `entrainment_velocity` is given.
-
     Parameters
     ----------
-    slide_roll_ratio : float, optional
+    slide_roll_ratio : float
         Sliding over entrainment velocity, s = (u₂ − u₁)/ū. If it is positive, the disk is faster,
         if negative, the pin. Beyond ±2 the bodies move in opposite directions. At 2 the pin is at
         rest.
-    entrainment_velocity : float, optional
-        Mean velocity of both bodies, ū [m/s], the same at every sliding velocity; the disk is the
-        faster body. At a sliding velocity of 0 the bodies roll on each other.
     track_length : float, optional
         Length of the track around the pin [m]; 2π times its radius if not given. It is needed if
         the pin's radius is the reduced radius of two discs.
@@ -64,29 +59,16 @@ class Motion:
     --------
     >>> Motion(slide_roll_ratio=0.5).velocities(1.0)
     Velocities(pin=1.5, disk=2.5)
-    >>> Motion(entrainment_velocity=3.0).velocities(0.0)
-    Velocities(pin=3.0, disk=3.0)
     """
 
-    slide_roll_ratio: float | None = None
-    entrainment_velocity: float | None = None
+    slide_roll_ratio: float
     track_length: float | None = None
 
     def __post_init__(self) -> None:
-        pair = self.slide_roll_ratio, self.entrainment_velocity
-        if (pair[0] is None) == (pair[1] is None):
-            raise InputError(
-                f"motion has slide_roll_ratio {pair[0]!r} and entrainment_velocity {pair[1]!r}; "
-                "exactly one of them must be given"
-            )
-        for name, value in zip(("slide_roll_ratio", "entrainment_velocity"), pair, strict=True):
-            if value is not None and not math.isfinite(value):
-                raise InputError(f"{name} is {value!r}; it must be finite")
+        if not math.isfinite(self.slide_roll_ratio):
+            raise InputError(f"slide_roll_ratio is {self.slide_roll_ratio!r}; it must be finite")
         if self.slide_roll_ratio == 0:
-            raise InputError(
-                "slide_roll_ratio is 0: pure rolling has no sliding velocity; give "
-                "entrainment_velocity, and the sliding velocity 0"
-            )
+            raise InputError("slide_roll_ratio is 0: pure rolling has no sliding velocity")
         if self.track_length is not None:
             require_positive(track_length=self.track_length)
 
@@ -100,12 +82,8 @@ class Motion:
         sliding : float
             Sliding velocity [m/s]; if it is negative, both velocities change sign.
         """
-        if self.slide_roll_ratio is not None:
-            mean, share = abs(sliding / self.slide_roll_ratio), self.slide_roll_ratio / 2
-            pin, disk = mean * (1 - share), mean * (1 + share)
-        else:
-            mean = self.entrainment_velocity or 0.0
-            pin, disk = mean - abs(sliding) / 2, mean + abs(sliding) / 2
+        mean, share = abs(sliding / self.slide_roll_ratio), self.slide_roll_ratio / 2
+        pin, disk = mean * (1 - share), mean * (1 + share)
         if abs(pin) <= _AT_REST * abs(sliding):
             pin = 0.0
         return Velocities(pin, disk) if sliding >= 0 else Velocities(-pin, -disk)

@@ -225,22 +225,18 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if a rolling pin turns only a few times, or happens to be at rest at this velocity."""
+    """Warn if a rolling pin turns only a few times."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
     turning = abs(scene.velocities_at(state.speed).pin)
     turns = turning * state.time / scene.track_length
-    if turning == 0 and scene.motion.entrainment_velocity is not None:
-        said = "stands still at this very velocity, and wears flat where at others it stays round"
-    elif 0 < turns < FEWEST_TURNS:
-        said = f"turns {turns:.2g} times, and its wear is taken to be even all around it"
-    else:
-        return
-    yield (
-        WarningKind.FEW_TURNS,
-        f"the pin {said}; {FEWEST_TURNS} turns or more are sound: leave such velocities out, or "
-        "take a motion in which the pin turns faster or not at all",
-    )
+    if 0 < turns < FEWEST_TURNS:
+        yield (
+            WarningKind.FEW_TURNS,
+            f"the pin turns {turns:.2g} times, and its wear is taken to be even all around it; "
+            f"{FEWEST_TURNS} turns or more are sound: leave such velocities out, or take a motion "
+            "in which the pin turns faster or not at all",
+        )
 
 
 def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:

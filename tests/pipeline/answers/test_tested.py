@@ -40,19 +40,19 @@ def chances(ds, *ys):
 # Ends of an interval, as tests, and the result that they are
 SPECIMENS = {
     "mild rows count by the highest": (
-        [at(-0.3, "mild", run="a"), at(-0.1, "mild", run="a")],
+        [at(-0.3, "mild", number="a"), at(-0.1, "mild", number="a")],
         Outcome(mild=-0.1),
     ),
     "severe rows count by the lowest": (
-        [at(0.2, "severe", run="a"), at(0.1, "severe", run="a")],
+        [at(0.2, "severe", number="a"), at(0.1, "severe", number="a")],
         Outcome(severe=0.1),
     ),
     "both are an interval": (
-        [at(-0.2, "mild", run="a"), at(0.1, "severe", run="a")],
+        [at(-0.2, "mild", number="a"), at(0.1, "severe", number="a")],
         Outcome(0.1, -0.2),
     ),
     "inverted ones are a transition in their middle": (
-        [at(0.2, "mild", run="a"), at(0.0, "severe", run="a")],
+        [at(0.2, "mild", number="a"), at(0.0, "severe", number="a")],
         Outcome(0.0, 0.2),
     ),
     "a transition has no width": ([at(-0.1)], Outcome(-0.1, -0.1)),
@@ -121,7 +121,7 @@ EASIER = {
 def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
     """Many mild tests make an easy place mild, but for one that a severe test dominates."""
     load, velocity, own = EASIER[way]
-    mild = [at(-0.2, "mild", run=str(k)) for k in range(40)]
+    mild = [at(-0.2, "mild", number=f"m{k}") for k in range(40)]
     severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **own)
     ds = swept(*mild, severe)
     there = asked(ds, 300.0, 0.9)
@@ -133,7 +133,7 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
 
 
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
-    severe = [at(0.2, "severe", run=str(k)) for k in range(40)]
+    severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
     mild = bare_test(700.0, 3.8, outcome="mild")
     ds = swept(*severe, mild)
     assert asked(ds, 700.0, 3.8).verdict == "not decided"

@@ -45,10 +45,6 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     fault, *_ = faults_of(write(own=EXTENDS + '[disk.roughness]\nfile = "scan.npy"'))
     assert fault.startswith("disk.roughness.ra (in ")
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
-    write(base=TEXT + "[motion]\nslide_roll_ratio = 0.5\n")
-    (fault,) = faults_of(write(own=EXTENDS + '[motion]\nentrainment_velocity = "4 m/s"'))
-    assert fault.startswith("motion: ")
-    assert "exactly one of them must be given" in fault
 
 
 def test_entries_of_its_own_stand_in_place_of_the_others(write):

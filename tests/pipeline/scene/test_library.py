@@ -13,9 +13,6 @@ TABLE = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
 NO_TABLE = TEXT.replace(TABLE, "").replace('"steel"', '"AISI 52100"')
 
 
-LINE = 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]'
-
-
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
     sweep, written = read(text=NO_TABLE), read(text=TEXT)
     assert sweep.scene.disk == written.scene.disk == STEEL
@@ -61,15 +58,6 @@ def test_every_number_of_the_library_has_a_source():
     assert used == sources
 
 
-def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
-    """The source also has 23.3 mPa s at 60 °C, which ASTM D341 meets within 3 %."""
-    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').lubricant
-    assert oil.viscosity(303.15) == pytest.approx(0.107)
-    assert oil.viscosity(373.15) == pytest.approx(0.0064)
-    assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
-    assert oil.pressure_coefficient(333.15) == pytest.approx(22.8e-9, rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("grade", "warm"),
     # Viscosities at 100 °C for a viscosity index of 95, by calculators of ASTM D2270.
@@ -79,7 +67,4 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 def test_every_grade_from_32_to_680_has_its_viscosity_at_40_and_100_degrees(read, grade, warm):
     oil = read(text=f'oil = "ISO VG {grade}"\n{TEXT}').lubricant
     assert oil.viscosities == pytest.approx((1e-6 * grade, 1e-6 * warm), rel=0.01)
-    assert oil.pressure_coefficients[0] > oil.pressure_coefficients[1] > 0
-    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG {grade}"\n{LINE}\n').lubricant
-    assert line.viscosities == (32e-6, 5e-6)
-    assert line.pressure_coefficients is None  # the grade's hold at its temperatures only
+    assert 10e-9 < oil.pressure_coefficient < 40e-9

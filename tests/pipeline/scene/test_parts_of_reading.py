@@ -43,23 +43,6 @@ def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
         seeds(2, without=["disk.roughness"])
 
 
-def test_the_rate_of_wear_and_the_pressure_coefficient_may_be_pairs():
-    oil = {"oil": {"temperatures": ["40 degC", "100 degC"], "density": "900 kg/m^3",
-                   "kinematic_viscosity": ["32 mm^2/s", "5 mm^2/s"],
-                   "pressure_viscosity_coefficient": "20 1/GPa"}}  # fmt: skip
-    one = pipeline.load_scene("first_try", overrides=oil).lubricant
-    assert one.pressure_coefficients == pytest.approx((2e-8, 2e-8))
-    oil["oil"]["pressure_viscosity_coefficient"] = ["20 1/GPa", "15 1/GPa"]
-    two = pipeline.load_scene("first_try", overrides=oil).lubricant
-    assert two.pressure_coefficients == pytest.approx((2e-8, 1.5e-8))
-    del oil["oil"]["kinematic_viscosity"], oil["oil"]["density"]
-    oil["oil"]["dynamic_viscosity"] = ["30 mPa s", "4 mPa s"]
-    oil["without"] = ["oil"]
-    thin = pipeline.load_scene("first_try", overrides=oil).lubricant
-    assert thin.viscosity(313.15) == pytest.approx(0.03)
-    assert thin.viscosity(373.15) == pytest.approx(0.004)
-
-
 # Doubts
 
 

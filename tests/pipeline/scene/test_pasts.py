@@ -38,11 +38,6 @@ def test_a_specimen_of_several_places_without_stages_is_doubted(told):
     run = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
     assert f"test 1: {FRESH}" in told(run)
     assert not [line for line in told(run + STAGES) if "simulated fresh" in line]
-    rows = [
-        PLACE + 'run = "a"\n',
-        PLACE.replace("400", "300").replace("severe", "mild") + 'run = "a"\n',
-    ]
-    assert f"tests 1, 2: {FRESH}" in told(*rows)
 
 
 def test_more_stages_of_the_same_kind_are_no_other_past(tmp_path, irg):

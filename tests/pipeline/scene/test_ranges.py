@@ -105,11 +105,8 @@ PLACES = {
     "loading.hold": lambda v: replace(RAMP, hold=v),
     "motion.track_length": lambda v: tribo.Motion(slide_roll_ratio=1.0, track_length=v),
     "wear.specific_wear_rate": tribo.Wear,
-    "oil.temperatures": lambda v: tribo.Oil((v, 400.0), (32e-6, 5e-6), 866.0),
-    "oil.density": lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), v),
-    "oil.pressure_viscosity_coefficient": lambda v: tribo.Oil(
-        (313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)
-    ),
+    "oil.density": lambda v: tribo.Oil((32e-6, 5e-6), v),
+    "oil.pressure_viscosity_coefficient": lambda v: tribo.Oil((32e-6, 5e-6), 866.0, v),
     "friction.coefficient": lambda v: replace(CONDITIONS, friction=v),
     "temperature.failing_share": lambda v: tribo.Criterion(share=v),
     "sweep.loads": lambda v: list(tribo.simulate(SCENE, v, 1.0)),

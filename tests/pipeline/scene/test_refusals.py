@@ -16,7 +16,7 @@ from tests.helpers.stored import parse_sweep, sweep_text
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
-STAGES = '\n[[tested]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\nrun = 1\n'
+STAGES = '\n[[tested]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\n'
 
 
 def scene(*changes, text=TEXT, **overrides):
@@ -106,9 +106,7 @@ FILES = {
     "load large": (long_load, "load.csv is binary; save the table"),
     "load falls": (load(b"time [s],load [N]\n0,7\n1,5\n"), "begins at 7 N"),
     "load clock": (load(b"time,load [N]\n10:00:00,0\n10h,5\n"), '"10:00:00" is not a number'),
-    "oil density": (entry("without", ["oil.density"]),
-                    "give kinematic_viscosity and density, or dynamic_viscosity alone"),
-    "oil thin": (entry("oil", {"density": "900 kg/m^3", "temperatures": ["40 degC", "100 degC"],
+    "oil thin": (entry("oil", {"density": "900 kg/m^3",
                                "kinematic_viscosity": ["30 mm^2/s", "0.1 mm^2/s"]}),
                  "at least 3.1e-07 m²/s"),
 }  # fmt: skip
@@ -170,8 +168,8 @@ TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
-    "oils": (entry("tested", [{**TEST, "oil": "A"}, {**TEST, "oil": "B"}], without="measured"),
-             'tested[1].oil: "B", but tested[0] has "A"; a scene takes the tests of one oil'),
+    "number twice": (entry("tested", [{**TEST, "number": 2}, TEST], without="measured"),
+                     "tested[1].number: 2 is the number of two tests"),
     "entry of a test": (entry("tested", [{**TEST, "with": {"pin.radius": 3}}], without="measured"),
                         "tested[0].with: pin.radius: 3 has no unit"),
     "entry of a test later": (lambda: scene().changed("tested", [{**TEST, "with": {"wear.x": 3}}]),
@@ -193,7 +191,6 @@ ENTRIES = {
     "stages of a record": (staged_record, "stages need a rate of the load"),
     "velocity of a track": (warmed, "stages of velocity take one friction"),
     "hold of a record": (held, "hold is 3 s, but the load follows a record"),
-    "another oil": (entry("tested", [{**TEST, "oil": "A"}]), '"A", but measured[0] has no oil;'),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
     "huge": (entry("model.bias", 1e-200), "is out of range, which is from"),
@@ -207,8 +204,6 @@ ENTRIES = {
                   "one pixel cannot be rough"),
     "crown": (entry("pin.shape", "crowned", without="pin.length"),
               "pin.crown_radius: missing; a crowned pin needs"),
-    "motions": (entry("motion", {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}),
-                "exactly one of them must be given"),
     "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
                     "it must be at least that of the window along x"),
     "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk, 25 °C"),
@@ -250,7 +245,7 @@ ENTRIES = {
     "over fixed": (over("sweep.loads", [1, 2]), "this cannot take several values"),
     "over units": (over("pin.radius", ["1 mm", 2]), "pin.radius: 2 has no unit"),
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "two rows of the sweep have the same"),
-    "over nothing": (over("oil.like", ["oil A", "ISO VG 46"]), "changes nothing here; leave it"),
+    "over nothing": (over("materials.x.like", ["AISI 52100", "42CrMo4"]), "changes nothing here"),
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is out of range'),
     "over bulks": (over("temperature.bulk.disk", ["25 degC", "50 degC"],
                         **{"temperature.bulk": {"pin": "25 degC", "disk": "25 degC"}}),

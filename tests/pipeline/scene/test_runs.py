@@ -17,12 +17,12 @@ def tested(tmp_path):
 
 
 def places(tests):
-    return [(test.normal_load, test.velocity, test.outcome, test.run) for test in tests]
+    return [(test.normal_load, test.velocity, test.outcome, test.number) for test in tests]
 
 
 def test_stages_of_load_or_velocity_are_the_last_mild_test_and_the_severe_one(tested):
-    by_load = 'velocity = "2 m/s"\nmild_up_to = "400 N"\nsevere_at = "450 N"\nrun = 7'
-    by_velocity = 'load = "300 N"\nmild_up_to = "2 m/s"\nsevere_at = "150 m/min"\nrun = "b"'
+    by_load = 'velocity = "2 m/s"\nmild_up_to = "400 N"\nsevere_at = "450 N"\nnumber = 7'
+    by_velocity = 'load = "300 N"\nmild_up_to = "2 m/s"\nsevere_at = "150 m/min"\nnumber = "b"'
     assert places(tested(by_load, by_velocity)) == [
         (400.0, 2.0, "mild", "7"),
         (450.0, 2.0, "severe", "7"),
@@ -36,4 +36,4 @@ def test_a_run_may_end_beyond_its_last_stage_or_at_its_first(tested):
     mild, severe = tested(beyond, 'velocity = "2 m/s"\nsevere_at = "100 N"\nnumber = "A7"')
     assert (mild.outcome, mild.normal_load, mild.friction) == ("mild", 700.0, 0.1)
     assert (severe.outcome, severe.normal_load, severe.number) == ("severe", 100.0, "A7")
-    assert mild.run != severe.run
+    assert mild.number != severe.number

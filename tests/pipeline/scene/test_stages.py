@@ -62,7 +62,7 @@ def test_a_run_by_stages_is_one_specimen_up_to_its_last_stage(load):
     assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
     assert (mild.normal_load, mild.outcome) == (200.0, "mild")
     assert (severe.normal_load, severe.outcome) == (300.0, "severe")
-    assert mild.run == severe.run
+    assert mild.number == severe.number
 
 
 def test_the_stages_of_a_test_may_be_of_velocity(load):

@@ -29,11 +29,11 @@ def scene(tmp_path):
     return load
 
 
-def test_a_scene_takes_a_patch_turned_levelled_and_filled(scene):
+def test_a_scene_takes_a_patch_levelled_and_filled(scene):
     holed = HEIGHTS.copy()
     holed[10, 12] = holed[20, 20] = np.nan
-    sweep = scene((40, 32), holed, crop=[4, 6], level=True, flip=True)
-    patch, *_ = remove_form(-holed[4:44, 6:38], SIDES)
+    sweep = scene((40, 32), holed, crop=[4, 6], level=True)
+    patch, *_ = remove_form(holed[4:44, 6:38], SIDES)
     expected = filled(Scan(patch, SIDES), 0.1)
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
     assert expected[6, 6] == pytest.approx(expected[[5, 7, 6, 6], [6, 6, 5, 7]].mean())
@@ -45,7 +45,7 @@ def test_a_scene_takes_a_patch_turned_levelled_and_filled(scene):
 
 def test_a_scan_of_another_size_is_refused_or_continued(scene):
     for pixels, table, words in (
-        ((40, 48), {}, "by crop, repeat or transpose of"),
+        ((40, 48), {}, "by crop or repeat of"),
         ((48, 40), {"crop": [1, 0]}, "extends beyond"),
         ((48, 40), {"pixel_size": ["1 um", "0.95 um"]}, "give those, window.pixel_size"),
     ):

@@ -13,7 +13,7 @@ from tribo.material import minimum_point_film
 from tribo.simulation import lubrication
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
-WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+WHITE = Oil((32e-6, 5e-6), 866.0, 20e-9)
 LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5, 2.25, 3.75])
 
 
@@ -79,7 +79,7 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
         {"oil": None},
         {"roughness": None},
         {"roughness": MeasuredRoughness(np.zeros((576, 480)))},
-        {"oil": replace(WHITE, pressure_coefficients=None)},
+        {"oil": replace(WHITE, pressure_coefficient=None)},
     ],
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):

@@ -31,7 +31,7 @@ def heat():
         disk=STEEL,
         pixels=tribo.Grid((96, 144), (14e-3 / 96, 28e-3 / 144), periodic=(False, False)),
         loading=tribo.Ramp(rate=100e3, reference_load=100e3),
-        motion=tribo.Motion(entrainment_velocity=30.0),
+        motion=tribo.Motion(slide_roll_ratio=1 / 30),
         fidelity=tribo.Fidelity(pixels_per_element=1, increments=2),
         unequal_bulks=True,
     )

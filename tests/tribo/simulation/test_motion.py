@@ -58,8 +58,6 @@ def end(scene, velocity, load=LOAD):
         (Motion(slide_roll_ratio=0.5), -1.0, -1.5, -2.5),
         (Motion(slide_roll_ratio=2.0), 1.25, 0.0, 1.25),
         (Motion(slide_roll_ratio=4.0), 2.0, -0.5, 1.5),
-        (Motion(entrainment_velocity=3.0), 0.0, 3.0, 3.0),
-        (Motion(entrainment_velocity=0.0), 2.0, -1.0, 1.0),
     ],
 )
 def test_the_velocities_have_the_sliding_velocity_as_difference(motion, sliding, pin, disk):
