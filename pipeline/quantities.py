@@ -58,7 +58,7 @@ _OTHERS = {
 UNITS = {
     "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
     "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
-    "bulk_temperature": "°C", "disk_temperature": "°C", "critical_temperature": "°C",
+    "bulk_temperature": "°C", "critical_temperature": "°C",
     "deciding_temperature": "°C", "temperature_error": "K", "surface_error": "K",
     "distance": "K", "friction": "",
     "failing_share": "", "viscosities": "mm²/s",

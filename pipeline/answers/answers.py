@@ -59,7 +59,6 @@ _STATED = {
     "tests_beside": ("", "tests at or near the place, in words"),
     "friction": ("1", "coefficient of friction"),
     "bulk_temperature": ("K", "temperature of the bodies far from the contact"),
-    "disk_temperature": ("K", "bulk temperature of the disk"),
     "critical_temperature": ("K", "temperature above which the lubricant fails"),
     "failing_share": ("1", "wear is severe if more of the contact is above it"),
     "load": ("N", "normal load on the pin"),
@@ -262,7 +261,7 @@ def _boundary(judge: Judge, varied: dict[str, xr.DataArray]) -> xr.Dataset:
         )
         if oil := find_lubrication(judge.case.sweep.scene, judge.case.sweep.lubricant):
             at = {line: places, axis: here[f"critical_{axis}"]}
-            bulk = judge.conditions.mean_bulk_temperature
+            bulk = judge.conditions.bulk_temperature
             film = oil.film_parameter(at["load"], at["velocity"], bulk)
             found[f"film_parameter_at_{line}"] = (line, film)
     critical = found["critical_velocity"][1]
@@ -282,7 +281,7 @@ def _told(variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArra
     axes = {name: variables.pop(name) for name in PLANE}
     found = xr.Dataset(variables, axes)
     for name, value in plain_values(judge.conditions).items():
-        known = {"failing_share": "share", "disk_temperature": "bulk_temperature"}.get(name, name)
+        known = {"failing_share": "share"}.get(name, name)
         if known not in varied and name != "corrections":
             found = found.assign_coords({name: np.nan if value is None else value})
     found = found.assign_coords(varied)

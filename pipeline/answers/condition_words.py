@@ -23,8 +23,6 @@ def heating_words(
     if one of them had another. A rise beside the model is added, such as "rise +6 %".
     """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
-    if conditions.disk_temperature is not None:
-        bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
     added = f", rise {signed_percent(conditions.unmodelled_rise)}"
     friction = conditions.friction if velocity is None else conditions.friction_at(velocity)
     beside = _test_frictions(conditions, tests)

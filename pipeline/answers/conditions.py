@@ -70,8 +70,6 @@ def _si(name: str, value: Any) -> Any:
     if value is None:  # that of the scene
         return None
     match name:
-        case "bulk_temperature" if isinstance(value, Mapping):
-            return {body: _oil_temperature(name, one) for body, one in value.items()}
         case "bulk_temperature" | "critical_temperature":
             return _oil_temperature(name, value)
         case "share" | "unmodelled_rise":

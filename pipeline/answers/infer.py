@@ -46,7 +46,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     stored = case.sweep.conditions
     given = {"criterion": stored.criterion.name, **conditions}
     own = judged(stored, given)
-    bulk = own.coldest_bulk_temperature
+    bulk = own.bulk_temperature
     if own.critical_temperature is None:
         own = judged(stored, {**given, "critical_temperature": own.bulk_temperature + _USUAL})
     judge = JudgedCase(case).under(own)

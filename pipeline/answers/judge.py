@@ -67,16 +67,17 @@ class JudgedCase:
         known_critical_temperature(conditions)
         c = conditions
         specimen = self._once(
-            ("specimen", c.criterion, c.bulk_ratio, c.corrections),
+            ("specimen", c.criterion, c.corrections),
             lambda: specimen_of(self.case, c, self._flags),
         )
         oil = (c.critical_temperature, c.unmodelled_rise, c.criterion)
         evidence = self._once(
-            ("evidence", *oil, c.bulk_ratio, c.corrections),
+            ("evidence", *oil, c.corrections),
             lambda: evidence_of(self.case, specimen, c),
         )
-        bulk = c.mean_bulk_temperature
-        film = self._once(("film", bulk), lambda: film_of(self.case, bulk))
+        film = self._once(
+            ("film", c.bulk_temperature), lambda: film_of(self.case, c.bulk_temperature)
+        )
         return Judge(self.case, c, specimen, evidence, film, self.promised)
 
 
@@ -152,7 +153,7 @@ class Judge:
         conditions = self.conditions
         with np.errstate(invalid="ignore"):
             temperature = conditions.contact_temperature(np.exp(np.where(known, rise, np.nan)))
-            heat = temperature - conditions.coldest_bulk_temperature
+            heat = temperature - conditions.bulk_temperature
         computed = known & self.field.is_point(loads, velocities)
         continued = known & ~computed & self.field.is_continued(loads, moving)
         edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
@@ -176,10 +177,8 @@ class Judge:
             "distance": known_critical_temperature(conditions) - temperature,
         }
         answers |= {f"error_{part}": heat * one for part, one in zip(PARTS, parts, strict=True)}
-        above = known_critical_temperature(conditions) - conditions.coldest_bulk_temperature
+        above = known_critical_temperature(conditions) - conditions.bulk_temperature
         friction = above / (1 + conditions.unmodelled_rise) / np.exp(np.where(known, rise, np.nan))
-        if conditions.bulk_difference:  # then the rise depends on friction itself
-            friction = np.full(y.shape, np.nan)
         return answers | {"critical_friction": friction, "caveats": caveats, "reason": reason}
 
     def _reasons(self, loads: Array, velocities: Array, rise: Array) -> Any:

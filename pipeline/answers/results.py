@@ -21,6 +21,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import (
     AT_TESTS,
+    COLUMNS,
     COORDINATES,
     DONE,
     FAILED,
@@ -29,7 +30,6 @@ from pipeline.store.schema import (
     PENDING,
     PLANE,
     SAMPLING,
-    STEPPED,
     TEST_STEP,
     split_arrays,
     test_variable,
@@ -45,13 +45,12 @@ from tribo import InputError
 from tribo.simulation.severity import (
     columns_needed,
     relative_sampling,
-    require_bulks,
     worst_rises,
 )
 from tribo.types import Array, Indices, Mask
 
 _SPECIMEN = ("realization", *PLANE)
-_INNER = ("step", "bulk_ratio", "cooler_share")
+_INNER = ("step", "cooler_share")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -243,7 +242,6 @@ class CaseResults:
         The rise [K] is that which the criterion compares with its limit, per unit friction
         coefficient, without the effect of velocity on friction.
         """
-        require_bulks(self.ds, conditions)
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
                 f"friction is {conditions.friction:g}, but the sweep was computed without friction "
@@ -350,7 +348,7 @@ def _require_sweep(ds: xr.Dataset) -> None:
         raise InputError("the dataset has no status; take it as pipeline.open_sweep gives it")
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
-    if "step" not in ds.dims and any(name in ds for name in STEPPED):
+    if "step" not in ds.dims and any(name in ds for name in COLUMNS):
         raise InputError("the dataset has a single step; select it with a list: ds.sel(step=[0])")
     for name in PLANE:
         values = ds[name].values if name in ds.coords else np.array([])
@@ -373,7 +371,7 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]
             for name in AT_TESTS
             if test_variable(name) in ds.variables
         }
-        inner = (TEST_POINT, TEST_STEP, "bulk_ratio", "cooler_share")
+        inner = (TEST_POINT, TEST_STEP, "cooler_share")
         # `xarray.concat` of surfaces repeats what is the same for all of them.
         named = {
             k: one.isel({d: 0 for d in one.dims if d not in inner}) for k, one in named.items()

@@ -12,7 +12,7 @@ from pipeline.answers.results import open_sweep, sweeps_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import rise_limit
 from tribo import QUANTILES, InputError
-from tribo.simulation.severity import columns_needed, rises_above_colder
+from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.thermal.quantiles import failed_share
 
 _MEANINGS = {
@@ -20,7 +20,7 @@ _MEANINGS = {
     "mean_temperature": ("mean_rise", "mean temperature of the contact"),
     "temperature_quantile": ("rise_quantile", "quantile of the temperature of the contact"),
 }
-_INNER = ("step", "bulk_ratio", "cooler_share")
+_INNER = ("step", "cooler_share")
 
 
 @np.errstate(under="ignore")
@@ -41,9 +41,6 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
         the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
         critical temperature, ``failed_fraction``, the share of the contact area above it.
-
-        If friction depends on temperature, each temperature T is computed as if the whole contact
-        had the friction at T. Verdicts use the run's own solution instead.
 
     Examples
     --------
@@ -72,7 +69,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
             name: part[name].broadcast_like(like).transpose(*axes, missing_dims="ignore")
             for name in names
         }
-        rises = rises_above_colder({name: one.values for name, one in held.items()}, own)
+        rises = corrected_columns({name: one.values for name, one in held.items()}, own)
         found = xr.Dataset()
         for name, (rise, meaning) in _MEANINGS.items():
             found[name] = held[rise].copy(data=own.contact_temperature(rises[rise]))

@@ -153,7 +153,7 @@ def _is_outside(case: CaseResults, test: Test, point: TestPoint, own: Conditions
     inlet, pressure = float(held["film_inlet"]), float(held["film_pressure"])
     if not math.isfinite(inlet * pressure):
         return False
-    place, bulk = (point.load, point.velocity), own.mean_bulk_temperature
+    place, bulk = (point.load, point.velocity), own.bulk_temperature
     return film_excess(test.case.scene, oil, *place, bulk, inlet, pressure) > 0
 
 
@@ -178,7 +178,7 @@ def forbidden(
     masks = {kind: np.zeros(len(loads), bool) for kind in ("severe", "mild")}
     names = [list[str]() for _ in loads]
     here = [loads, velocities, conditions.friction * conditions.friction_factor(velocities)]
-    here += [np.full(len(loads), bulk) for bulk in _bulks(conditions)]
+    here.append(np.full(len(loads), conditions.bulk_temperature))
     for row in evidence.rows:
         own, test = row.conditions, row.test
         if own is None or with_own(own, conditions) != conditions:
@@ -188,7 +188,7 @@ def forbidden(
         for kind, place in (("severe", test.places[-1]), ("mild", test.places[0])):
             if test.outcome not in (kind, None) or (kind == "mild" and row.is_outside):
                 continue
-            there = [*place, own.friction_at(place[1]), *_bulks(own)]
+            there = [*place, own.friction_at(place[1]), own.bulk_temperature]
             ways = np.array([_apart(a, b) for a, b in zip(here, there, strict=True)])
             ways = ways if kind == "severe" else -ways
             holds = (ways >= 0).all(axis=0)
@@ -198,11 +198,6 @@ def forbidden(
             for k in np.flatnonzero(holds).tolist():
                 names[k].append(str(row))
     return Forbidden(masks["severe"], masks["mild"], [", ".join(dict.fromkeys(n)) for n in names])
-
-
-def _bulks(conditions: Conditions) -> tuple[float, float]:
-    disk = conditions.disk_temperature
-    return conditions.bulk_temperature, conditions.bulk_temperature if disk is None else disk
 
 
 def _apart(a: Array, b: float) -> Array:

@@ -120,7 +120,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     """Yield rows on the oil film, or on the entry that is missing to compute it."""
     if sweep.lubricant is None:
         return
-    bulk = sweep.conditions.mean_bulk_temperature
+    bulk = sweep.conditions.bulk_temperature
     viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
     lubrication = find_lubrication(sweep.scene, sweep.lubricant)
     if lubrication is None:

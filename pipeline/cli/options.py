@@ -181,9 +181,8 @@ AT = several(
 
 FRICTION = several("--friction MU", "coefficient of friction, at least 0", float)
 BULK = several(
-    "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"; '
-    '"pin=60 degC, disk=25 degC" if they differ', values.bulk,
-)  # fmt: skip
+    "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"', str
+)
 CRITERION = several(
     "--criterion NAME", 'temperature that decides: "share" (the one that --share of the contact '
     'exceeds), "highest" or "mean"', str,

@@ -36,13 +36,6 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
     return read
 
 
-def bulk(text: str) -> str | dict[str, str]:
-    """Return the text of a bulk temperature; texts by body for "pin=60 degC, disk=25 degC"."""
-    if "=" not in text:
-        return text
-    return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
-
-
 def store(text: str) -> Path | str:
     """Read the path or the URL of a store."""
     return text if "://" in text else user_path(text)

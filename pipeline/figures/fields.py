@@ -18,7 +18,7 @@ from pipeline.quantities import UNITS, shown_in
 from pipeline.sweep.conditions import Conditions, rise_limit
 from pipeline.units import in_si
 from tribo import InputError
-from tribo.simulation.severity import columns_needed, corrected_columns, rises_above_colder
+from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.types import Array, Mask
 
 Wanted = float | str | Iterable[float | str] | None
@@ -39,9 +39,9 @@ class Shown(NamedTuple):
         return np.asarray(self.case.array(name)[0])
 
     def columns(self) -> Mapping[str, Any]:
-        """Rises above the colder body, and all other variables by step (load, velocity, step)."""
+        """Corrected rises, and all other variables by step (load, velocity, step)."""
         held = {str(k) for k, one in self.case.ds.items() if {"step"} <= {*one.dims}}
-        return rises_above_colder({name: self.values(name) for name in held}, self.conditions)
+        return corrected_columns({name: self.values(name) for name in held}, self.conditions)
 
     def words(self, point: Spot) -> str:
         """The point in words, such as "750 N, 1.25 m/s"."""
@@ -193,9 +193,6 @@ def _surface_fields(shown: Shown, point: Spot) -> tuple[Array, ...]:
     here = shown.case.ds.isel(realization=0, load=point[0], velocity=point[1])
     here = here.transpose("x", "y", ...)
     rise = here["rise"].values
-    if conditions.bulk_ratio:
-        rise = rise + conditions.bulk_ratio * here["bulk_response"].values
-        rise += max(0.0, -conditions.bulk_ratio)  # rise above the colder body
     if conditions.corrections:
         columns = {name: shown.values(name)[point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}

@@ -27,7 +27,7 @@ from pipeline.figures.fields import (
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
-from pipeline.store.schema import MADE, STEPPED, VARIABLES
+from pipeline.store.schema import COLUMNS, MADE, VARIABLES
 from pipeline.sweep.conditions import Conditions, changed_conditions, rise_limit
 from pipeline.sweep.left_out import doubt_lines
 from tribo import InputError
@@ -99,7 +99,7 @@ def ramp(
 
 def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
     """Axis label with unit, and `name`; `InputError` unless it is stored at each step."""
-    stepped = {*STEPPED, *MADE, "own_grid"} & {*columns}
+    stepped = {*COLUMNS, *MADE, "own_grid"} & {*columns}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")

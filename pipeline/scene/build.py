@@ -16,7 +16,6 @@ from pipeline.scene.entries import Entries, entry_at
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import (
     USUAL_PRESET,
-    Bulks,
     MaterialTable,
     MeasuredSurfaceTable,
     Model,
@@ -35,7 +34,7 @@ from pipeline.scene.tracks import disc_of, track_length
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
-from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
+from pipeline.sweep.conditions import PATHS, Conditions, criterion_of
 from pipeline.sweep.remarks import FromLibrary
 from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
@@ -145,7 +144,6 @@ def scene_of(tables: Any, **parts: Any) -> tribo.Scene:
         pin=kind(**sizes, material=material_of(tables.materials[pin.material])),
         disk=material_of(tables.materials[tables.disk.material]),
         friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
-        unequal_bulks=_bulks_of(tables)["disk_temperature"] is not None,
         **parts,
     )
 
@@ -238,18 +236,12 @@ def _pair(value: Any) -> tuple[float, float]:
 
 def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
-    values = {name: entry_at(tables, path) for name, path in PATHS.items()} | _bulks_of(tables)
+    values = {name: entry_at(tables, path) for name, path in PATHS.items()}
     values["criterion"] = criterion_of(values["criterion"], values.pop("share"))
     values["corrections"] = corrections_of(tables, scene)
     # Of a scene without [model], the rise beside it has its default.
     known = {name: one for name, one in values.items() if one is not None}
     return Conditions(**known).under(scene.loading)
-
-
-def _bulks_of(tables: Any) -> dict[str, Any]:
-    """Bulk temperatures of a scene as arguments of `Conditions`."""
-    bulk = tables.temperature.bulk
-    return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)
 
 
 def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:

@@ -10,7 +10,7 @@ import tribo
 from pipeline.quantities import UNITS, display
 from pipeline.scene.facts import expect_contacts
 from pipeline.scene.faults import Fault, Faults
-from pipeline.scene.format import Bulks, RandomSurface, StagesTable
+from pipeline.scene.format import RandomSurface, StagesTable
 from pipeline.scene.library import library
 from pipeline.scene.stages import axis_of, stages_of
 from pipeline.scene.tracks import track_length
@@ -160,9 +160,8 @@ def _unfit_bodies(scene: Any) -> Misfits:
 @_check("temperature.critical", "temperature.bulk")
 def _cold_limit(scene: Any) -> Misfits:
     critical, bulk = scene.temperature.critical, scene.temperature.bulk
-    warmest = max(bulk.pin, bulk.disk) if isinstance(bulk, Bulks) else bulk
-    if critical is not None and critical <= warmest:
-        words = f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}"
+    if critical is not None and critical <= bulk:
+        words = f"{display(critical, '°C')} is not above temperature.bulk, {display(bulk, '°C')}"
         yield "temperature.critical", f'{words}; give a higher one, such as "145 degC"'
 
 

@@ -236,13 +236,8 @@ class FrictionTable(Declared):
     by_velocity: A[tuple[FrictionByVelocity, ...],
         f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
 
-class Bulks(Declared):
-    pin: A[float, BULK, "Temperature of the pin."]
-    disk: A[float, BULK, "Temperature of the disk."]
-
 class Temperature(Declared):
-    bulk: A[float | Bulks, Either(BULK, table_of(Bulks)),
-        "Temperature far from the contact, of both bodies, or of `pin` and `disk`."]
+    bulk: A[float, BULK, "Temperature of both bodies far from the contact."]
     critical: A[float | None, CRITICAL,
         "Contact temperature above which the lubricant fails; needed to judge wear."] = None
     failing_share: A[float, Share(at_least=0, below=1),

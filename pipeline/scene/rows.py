@@ -209,13 +209,8 @@ def _case_of(entries: Entries, files: Files, base: Built, changes: Entries, key:
 
 def _require_alike(row: Built, base: Built) -> None:
     """Raise an `InputError` if a row stores other variables than the scene itself (`base`)."""
-    one, other, has_fields = row.case.scene, base.case.scene, base.tables.sweep.fields
-    for name, is_other in (
-        ("unequal bulks", one.unequal_bulks != other.unequal_bulks),
-        ("grid of the stored fields", has_fields and one.grid != other.grid),
-    ):
-        if is_other:
-            raise InputError(
-                f"this changes the {name}, which must be the same for all values; sweep each "
-                "value into a separate store"
-            )
+    if base.tables.sweep.fields and row.case.scene.grid != base.case.scene.grid:
+        raise InputError(
+            "this changes the grid of the stored fields, which must be the same for all values; "
+            "sweep each value into a separate store"
+        )

@@ -87,9 +87,6 @@ def read_tests(entries: Entries, files: Files, scene: Built, faults: Faults) -> 
             other, found = known[key]
             wrong = [f"{fault.key}: {fault.problem}" for fault in found]
             faults.notes += [note for note in found.notes if note.place in changes]
-            if other and other.case.scene.unequal_bulks != base.scene.unequal_bulks:
-                problem = "this changes the unequal bulks, which must be the same in all tests"
-                wrong.append(f"{problem}; give bulk_temperature")
             built = other or scene
         for problem in wrong:
             faults.refuse(f"{place}.with", problem)
@@ -123,7 +120,7 @@ def test_case(case: Case, number: int, own: Any) -> Case:
     case = case.held(own.hold)
     made = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
     if own.bulk_temperature is not None:
-        made = replace(made, bulk_temperature=own.bulk_temperature, disk_temperature=None)
+        made = replace(made, bulk_temperature=own.bulk_temperature)
     made = made.replace_friction(own.friction)
     loading, parts = case.scene.loading, made.corrections
     rises = isinstance(loading, Stages) and loading.velocities

@@ -36,9 +36,9 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import (
     ABOUT,
-    AT_END,
     AT_ENDS,
     DIM,
+    FIELDS,
     FORMAT,
     INPUTS,
     OF_TESTS,
@@ -65,7 +65,6 @@ from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Variant, in_order
 from tribo import QUANTILES, TriboError
-from tribo.thermal import BULK_RATIOS
 from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
@@ -125,7 +124,6 @@ class Group:
             **rows,
             self.step: [*range(1 - max(map(len, kept)), 1)],
             "cooler_share": [*QUANTILES],
-            "bulk_ratio": [*BULK_RATIOS],
             "x": scenes[0].grid.coordinates(0).tolist(),
             "y": scenes[0].grid.coordinates(1).tolist(),
         }
@@ -166,7 +164,7 @@ class Group:
                 {}
                 if is_coordinate(name) or name == "status"
                 else one_each
-                if name in AT_END
+                if name in FIELDS
                 else block,
                 self.keys,
             )
@@ -178,7 +176,7 @@ class Group:
         most = max(
             8 * math.prod(self.sizes[dim] for dim in one.dims if not is_of_points(dim))
             for name, one in self.variables.items()
-            if not (name in AT_END or is_coordinate(name))
+            if not (name in FIELDS or is_coordinate(name))
         )
         return chunk_sizes({dim: self.sizes[dim] for dim in self.dims}, most)
 

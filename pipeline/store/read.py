@@ -13,15 +13,15 @@ from xarray.core import indexing
 from pipeline.store.arrays import is_unwritten, read_document
 from pipeline.store.place import ROOT, PathLike, damaged, place_of
 from pipeline.store.schema import (
-    AT_END,
     AT_ENDS,
     AT_TESTS,
+    COLUMNS,
     DATA,
     DONE,
     FAILED,
+    FIELDS,
     INPUTS,
     RECORDS,
-    STEPPED,
     TEST_STEP,
     attributes_of,
     test_variable,
@@ -57,7 +57,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store as a dataset whose data are read when they are used."""
     group, lacks = store.group, set[str]()
     if store.sweep.fields and read_document(store.place, f"{AT_ENDS}/{ROOT}") is None:
-        lacks = {*AT_END, "x", "y"}  # a copy may lack the fields, which are most of a store
+        lacks = {*FIELDS, "x", "y"}  # a copy may lack the fields, which are most of a store
     present: dict[str, Any] = {**group.coordinates, "status": store.flags}
     coords = {*group.coordinates, "own_grid"} - {INPUTS, *lacks}
     variables = {}
@@ -124,7 +124,7 @@ class _Masked(BackendArray):
 
         In a copy that was made while a run wrote, statuses may be newer than data.
         """
-        if self._name in STEPPED:
+        if self._name in COLUMNS:
             steps = np.arange(self.shape[self._mask.ndim])[key[0]]
             (at,) = np.nonzero(np.atleast_1d(steps) == self.shape[self._mask.ndim] - 1)
             if not at.size:  # the end, which every point has, is not read

@@ -38,7 +38,6 @@ PLANE = ("load", "velocity")
 """Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
 _STEP = (*PLANE, "step")
 _QUANTILES = (*_STEP, "cooler_share")
-_AT_BULKS = (*_STEP, "bulk_ratio", "cooler_share")
 _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
 
@@ -53,7 +52,6 @@ COORDINATES = {
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the point, 0 at its end, −1 before", "int64"),
     "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
-    "bulk_ratio": Variable(("bulk_ratio",), "K", "bulk of the disk minus the pin's, over friction"),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
@@ -96,13 +94,6 @@ FILM = {
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth worn contact"),
 }
 """Variables of the contact at the end, by which answers judge the film of an oil."""
-BULK_COLUMNS = {
-    "mean_bulk_response": Variable(_STEP, "1", "mean rise per kelvin by which the disk is warmer"),
-    "bulk_rise_quantile": Variable(_AT_BULKS, "K", f"quantile of the rise above the pin {_RISE}"),
-}
-"""Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
-BULK_FIELDS = {"bulk_response": _field("1", "pin rise per kelvin by which the disk is warmer")}
-"""Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
 _STATES = {
     "flag_values": [NOT_ASKED, DONE, FAILED, PENDING],
     "flag_meanings": "not_asked done failed pending",
@@ -123,15 +114,9 @@ INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
 """Zarr groups: texts and facts of the store, fields over x and y, and the points of tests."""
-VARIABLES = (
-    COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | SAMPLING | FILM | FIELDS | BULK_FIELDS
-)
+VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
-STEPPED = COLUMNS | BULK_COLUMNS
-"""Variables at each step."""
-AT_END = FIELDS | BULK_FIELDS
-"""Fields, which are stored only as they are when the simulation of a point ends."""
-DATA = STEPPED | SAMPLING | FILM | AT_END
+DATA = COLUMNS | SAMPLING | FILM | FIELDS
 """All results of a simulation."""
 
 
@@ -139,9 +124,7 @@ TEST_STEP = "test_step"
 """Dimension of the steps at points of tests, of which a point may have others than the plane."""
 AT_TESTS = (
     "status", "message", "warning_flags", "load", "velocity", SCENE_HASH, *FILM,
-    *dict.fromkeys(
-        (*NEEDED, "max_rise", "rise_quantile", "mean_bulk_response", "bulk_rise_quantile")
-    ),
+    *dict.fromkeys((*NEEDED, "max_rise", "rise_quantile")),
 )  # fmt: skip
 """Variables at points of tests that answers need."""
 
@@ -161,7 +144,7 @@ def path_of(name: str) -> str:
     """Path of a variable in a store; texts are in the group ``about``, fields in ``fields``."""
     if name == "message":
         return f"{ABOUT}/{name}"
-    return f"{AT_ENDS}/{name}" if name in AT_END or name in ("x", "y") else name
+    return f"{AT_ENDS}/{name}" if name in FIELDS or name in ("x", "y") else name
 
 
 def is_coordinate(name: str) -> bool:
@@ -171,7 +154,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True for a dimension of points; False for a dimension within points, such as step."""
-    return dim not in ("step", TEST_STEP, "cooler_share", "bulk_ratio", "x", "y", "input")
+    return dim not in ("step", TEST_STEP, "cooler_share", "x", "y", "input")
 
 
 def require_free_names(sweep: Sweep) -> None:
@@ -209,9 +192,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     absent = {*ROWS}  # the table of variants adds its own
     placed = frozenset(table)
     if not sweep.fields:
-        absent |= {"x", "y", *AT_END}
-    if not any(case.scene.unequal_bulks for case in sweep._given):
-        absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
+        absent |= {"x", "y", *FIELDS}
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue

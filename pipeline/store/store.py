@@ -32,12 +32,12 @@ from pipeline.store.place import (
     read_errors,
 )
 from pipeline.store.schema import (
-    AT_END,
+    COLUMNS,
     DONE,
     FAILED,
+    FIELDS,
     NOT_ASKED,
     PENDING,
-    STEPPED,
     is_coordinate,
     path_of,
 )
@@ -151,7 +151,7 @@ class Store:
         """Fields of a point whose fields are not kept, by name: NaN everywhere."""
         return {
             name: np.full(self.arrays[name].shape[len(self.dims) :], np.nan, np.float32)
-            for name in AT_END
+            for name in FIELDS
             if name in self.arrays
         }
 
@@ -165,7 +165,7 @@ class Store:
         All chunks are read, one after the other; those that cannot be read are added to `damage`.
         """
         names = [name for name in self.arrays if not (name == "status" or is_coordinate(name))]
-        others = [name for name in names if name not in AT_END]
+        others = [name for name in names if name not in FIELDS]
         everywhere = [*blocks(np.ones(self.flags.shape, bool), self.block_of("message"))]
         with ThreadPoolExecutor(_THREADS) as threads:
 
@@ -179,7 +179,7 @@ class Store:
                     index = tuple(int(i) + at.start for i, at in zip(within, block, strict=True))
                     own = {k: None if v is None else v[tuple(within)] for k, v in values.items()}
                     here = tuple(slice(i, i + 1) for i in index)
-                    fields = read([name for name in names if name in AT_END], here)
+                    fields = read([name for name in names if name in FIELDS], here)
                     own |= {k: None if v is None else v.squeeze() for k, v in fields.items()}
                     yield index, *self._record(index, own)
                 progress(Progress(done=count, total=len(everywhere)))
@@ -198,12 +198,12 @@ class Store:
             return PointRecord(point, None, *about), fault
         fault = "" if bool(about[0]) == bool(about[1]) else "its warnings are lost"
         for name, one in values.items():
-            end = one[-1] if name in STEPPED else one
+            end = one[-1] if name in COLUMNS else one
             if is_unwritten(end, self.arrays[name]).any():
                 fault = f"{name} is missing"
         if not (steps and np.isfinite(values["contact_fraction"][-1])):
             fault = "it has no values"
-        data = {k: one[-int(steps) :] if k in STEPPED else one for k, one in values.items()}
+        data = {k: one[-int(steps) :] if k in COLUMNS else one for k, one in values.items()}
         return PointRecord(point, data, str(about[0]), int(about[1]), float(about[2])), fault
 
     def _try(self, name: str, block: Slices) -> Any:
@@ -313,7 +313,7 @@ class Store:
             whole = np.full(shape, array.fill_value, array.dtype)
         for index, value in values.items():
             within = tuple(i - part.start for i, part in zip(index, block, strict=True))
-            if name in STEPPED:
+            if name in COLUMNS:
                 whole[within] = array.fill_value
                 whole[within][-len(value) :] = value
             else:

@@ -33,32 +33,30 @@ CONDITION_ENTRIES = {
 }
 """Conditions that rows of tables may set, and their entries in a scene."""
 UNITS = {
-    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
+    "friction": "1", "bulk_temperature": "K", "critical_temperature": "K",
     "failing_share": "1", "unmodelled_rise": "1",
 }  # fmt: skip
 """Units of those of `plain_values` that are numbers."""
-OF_TESTS = "friction", "bulk_temperature", "disk_temperature", "corrections"
+OF_TESTS = "friction", "bulk_temperature", "corrections"
 """Conditions that each test has of its own; all others are the oil's."""
 
 
 def plain_values(conditions: Conditions) -> dict[str, Any]:
     """Values of conditions by name, as plain data; of a criterion its name and share.
 
-    A disk temperature or corrections that are None are left out.
+    Corrections that are None are left out.
     """
     corrections = conditions.corrections
     values = {
         "friction": conditions.friction,
         "bulk_temperature": conditions.bulk_temperature,
         "critical_temperature": conditions.critical_temperature,
-        "disk_temperature": conditions.disk_temperature,
         "unmodelled_rise": conditions.unmodelled_rise,
         "corrections": corrections and corrections.as_dict(),
         "failing_share": conditions.criterion.share,
         "criterion": conditions.criterion.name,
     }
-    rare = ("disk_temperature", "corrections")
-    return {k: v for k, v in values.items() if v is not None or k not in rare}
+    return {k: v for k, v in values.items() if v is not None or k != "corrections"}
 
 
 def known_critical_temperature(conditions: Conditions) -> float:
@@ -75,8 +73,8 @@ def known_critical_temperature(conditions: Conditions) -> float:
 def rise_limit(conditions: Conditions) -> float:
     """Temperature rise per unit friction coefficient above which wear is severe [K].
 
-    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
-    `InputError` if the critical temperature is not known.
+    It is infinite if the friction coefficient is 0. Raises an `InputError` if the critical
+    temperature is not known.
     """
     known_critical_temperature(conditions)
     return verdict.rise_limit(conditions)
@@ -97,8 +95,6 @@ def changes_of(**given: Any) -> dict[str, Any]:
     changes = {name: value for name, value in given.items() if value is not None}
     if "share" in changes:
         changes.setdefault("criterion", "share")
-    if "bulk_temperature" in changes:
-        changes |= bulk_entries(changes["bulk_temperature"])
     return changes
 
 
@@ -112,20 +108,3 @@ def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Co
     values, present = dict(changes), conditions.criterion
     share, kind = values.pop("share", present.share), values.pop("criterion", present.name)
     return replace(conditions, **values, criterion=criterion_of(kind, share))
-
-
-def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
-    """Bulk temperatures [K] by name of the field of `Conditions`.
-
-    `bulks` is one temperature of both bodies, or a mapping with the keys "pin" and "disk". The
-    field for the disk is None if both bodies have the same temperature.
-    """
-    if not isinstance(bulks, Mapping):
-        return {"bulk_temperature": bulks, "disk_temperature": None}
-    if set(bulks) != {"pin", "disk"}:
-        raise InputError(
-            f"bulk_temperature names {', '.join(map(str, bulks)) or 'no body'}; give one "
-            "temperature for both bodies, or one for pin and one for disk"
-        )
-    disk = bulks["disk"] if bulks["disk"] != bulks["pin"] else None
-    return {"bulk_temperature": bulks["pin"], "disk_temperature": disk}

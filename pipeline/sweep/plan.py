@@ -35,8 +35,7 @@ from tribo.simulation import (
     stages_of,
 )
 from tribo.simulation.film import film_inlet
-from tribo.simulation.severity import verdict
-from tribo.thermal import BULK_RATIOS
+from tribo.simulation.verdict import verdict
 from tribo.types import Array
 
 Moment = Mapping[str, float | Array]
@@ -45,7 +44,6 @@ _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they fo
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_sampling": _NO_QUANTILES, "mean_rise_sampling": math.nan}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
-_NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,9 +70,7 @@ class PointResult:
         """Fields at the end of the simulation by name, each (nx, ny).
 
         They are ``pressure`` [Pa], temperature ``rise`` per unit friction coefficient [K] and
-        ``wear_depth`` [m]. With unequal bulk temperatures there is also ``bulk_response`` [K/K]:
-        how much the pin's surface warms for each kelvin by which the disk's bulk is warmer than the
-        pin's. Rise and response are NaN without a contact. If the point was computed on smaller
+        ``wear_depth`` [m]. The rise is NaN without a contact. If the point was computed on smaller
         elements than the scene's, values are means over the scene's elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
@@ -84,9 +80,6 @@ class PointResult:
             "rise": heat.rise if heat else unknown,
             "wear_depth": self.state.wear_depth,
         }
-        if "bulk_rise_quantile" in self.columns:
-            response = heat.bulk_response if heat else None
-            fields["bulk_response"] = unknown if response is None else response
         if pressure.shape == self.shape:
             return fields
         blocks = (self.shape[0], -1, self.shape[1], pressure.shape[1] // self.shape[1])
@@ -249,15 +242,11 @@ def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
 def record_at(scene: Scene, state: State) -> Moment:
     """Values to record at one time of a point's loading, by name of the variable in the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    record: dict[str, float | Array] = {
+    return {
         "own_grid": state.pressure.size >= math.prod(scene.grid.shape),
         **measures(scene, state),
         "rise_quantile": quantiles,
     }
-    if scene.unequal_bulks:
-        of_bulk = state.heat.bulk_rise_quantile if state.heat else None
-        record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
-    return record
 
 
 def choose_stations(sweep: Sweep) -> Stations:

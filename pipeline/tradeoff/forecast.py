@@ -223,7 +223,7 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
     stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
-    fields = 3 + sweep.scene.unequal_bulks if sweep.fields else 0
+    fields = 3 if sweep.fields else 0
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)
     return stored + fields * field

@@ -24,7 +24,7 @@ import pipeline
 from pipeline import verify_store
 from pipeline.store.create import find_sweep
 from pipeline.store.files import PARTIAL
-from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
+from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.sweep.sweep import Point
 from tests.crash.drive import drive
 from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES
@@ -160,7 +160,7 @@ def differing(arrays, index, result):
         stored, values = np.atleast_1d(arrays[name][index]), np.atleast_1d(values)
         if stored[-len(values) :].tobytes() != values.tobytes():
             yield name
-        elif name in STEPPED and _is_known(stored[: -len(values)]).any():
+        elif name in COLUMNS and _is_known(stored[: -len(values)]).any():
             yield f"{name} beyond its end"
 
 
@@ -182,7 +182,7 @@ def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
             continue
         if status == FAILED and not may_fail(point, arrays["message"][index]):
             yield f"{point} has failed: {arrays['message'][index]}"
-        for name in {*STEPPED, *FIELDS} & set(arrays):
+        for name in {*COLUMNS, *FIELDS} & set(arrays):
             if _is_known(arrays[name][index]).any():
                 yield f"{point} is not done, and has {name}"
     yield from (f"{point} was told as done, and is lost" for point in left)

@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 from tests.helpers import synthetic
-from tribo import QUANTILES, Criterion
-from tribo.thermal import BULK_RATIOS
+from tribo import QUANTILES
 
 _VELOCITIES = np.array([0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0])
 _LOADS = np.array([150.0, 200.0, 300.0, 450.0, 600.0, 750.0])
@@ -101,33 +100,12 @@ def with_loads_left_out(seed=0):
     return ds.assign(masked | {name: one.astype(np.int8) for name, one in flags.items()})
 
 
-def of_a_warm_pin():
-    """Sweep of a pin warmer than the disk, judged by the mean temperature."""
-    bulks = {"bulk_temperature": 378.15, "disk_temperature": 298.15}
-    return of_two_bulks(**bulks, criterion=Criterion("mean"))
-
-
-def of_two_bulks(**conditions):
-    """Sweep of bodies of unequal bulk temperature; by default the disk is warmer."""
-    changed = {"disk_temperature": 318.15} | conditions
-    ds = one(conditions=synthetic.CONDITIONS | changed, unequal_bulks=True, measured=())
-    ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
-    quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
-    response = xr.where(ratio > 0, 0.3 + 0.4 * quantile, 0.7 - 0.4 * quantile**2)
-    at_ratio = (ds["rise_quantile"] + ratio * response).transpose(..., "bulk_ratio", "cooler_share")
-    return ds.assign_coords(bulk_ratio=ratio).assign(
-        bulk_rise_quantile=at_ratio, mean_bulk_response=0.5 + 0 * ds["mean_rise"]
-    )
-
-
 KINDS = {
     "one surface": one,
     "ragged ends": lambda: one(status={(x, v): 0 for x in _LOADS[::2] for v in _VELOCITIES[5:]}),
     "zero velocity": with_zero_velocity,
     "several surfaces": lambda: over_surfaces(count=3),
     "a hold": held,
-    "two bulk temperatures": of_two_bulks,
-    "a warm pin": of_a_warm_pin,
 }
 
 

@@ -24,7 +24,6 @@ _VARIABLES = {
     "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Sampling errors of each point": schema.SAMPLING,
-    "Variables of bodies that differ in bulk temperature": schema.BULK_COLUMNS | schema.BULK_FIELDS,
     "Fields at the end of each point": schema.FIELDS,
 }
 

@@ -39,7 +39,7 @@ def test_a_film_is_outside_from_where_it_carries_a_fifth_of_the_load(name, load,
     sweep = scene_of(name)
     *_, state = tribo.simulate(sweep.scene, load, velocity)
     inlet, pressure = film_inlet(sweep.scene, state)
-    bulk = sweep.conditions.mean_bulk_temperature
+    bulk = sweep.conditions.bulk_temperature
     found = film_excess(sweep.scene, sweep.lubricant, load, velocity, bulk, inlet, pressure)
     assert found == pytest.approx(excess, abs=0.02)
     assert (found > 0) == (excess > 0)
@@ -49,7 +49,7 @@ def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too(
     sweep = scene_of("first_try")
     soft = replace(sweep.scene, disk=replace(sweep.scene.disk, hardness=1.5e9))
     *_, state = tribo.simulate(soft, 750.0, 1.0)
-    at = 750.0, 1.0, sweep.conditions.mean_bulk_temperature
+    at = 750.0, 1.0, sweep.conditions.bulk_temperature
     found = film_excess(soft, sweep.lubricant, *at, *film_inlet(soft, state))
     assert found == pytest.approx(-0.325, abs=0.02)  # with the contact solved to 0.01
 

@@ -16,13 +16,13 @@ from pipeline.sweep.conditions import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.asked import asked as ask
 from tests.helpers.sweeps import deciding_rise, with_fields
-from tribo import Corrections, Criterion, Friction
+from tribo import Corrections, Friction
 
 
 def done_only(ds, is_done):
     """Copy of a sweep in which only some points are done, and the others pending."""
     mask = is_done & (ds["status"] == 1)
-    steps = ["normal_load", "time", "rise_quantile", "mean_rise", "max_rise", "bulk_rise_quantile"]
+    steps = ["normal_load", "time", "rise_quantile", "mean_rise", "max_rise"]
     columns = {name: ds[name].where(mask) for name in steps if name in ds}
     return ds.assign(columns | {"status": ds["status"].where(mask, 0).astype(np.int8)})
 
@@ -63,9 +63,7 @@ CASES = {
         one_velocity(done_only(full(), full()["load"] < 500.0)),
         one_velocity(full()),
     ),
-    "a warm pin": lambda: (interrupted(warm_pin()), warm_pin()),
     "friction by velocity": lambda: (interrupted(slippery()), slippery()),
-    "a warm disk": lambda: (interrupted(sweeps.of_two_bulks()), sweeps.of_two_bulks()),
 }
 
 
@@ -86,12 +84,6 @@ def slippery():
     ds = full()
     falling = Corrections(friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))))
     return with_fields(ds, conditions=replace(sweep_of(ds).conditions, corrections=falling))
-
-
-def warm_pin():
-    ds = sweeps.of_a_warm_pin()
-    own = sweep_of(ds).conditions
-    return with_fields(ds, conditions=replace(own, criterion=Criterion()))
 
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = Outcome

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 
 import pipeline
 from pipeline.answers.results import sweep_of
-from tests.helpers import page_sweeps, synthetic
+from tests.helpers import synthetic
 from tests.helpers.asked import asked
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
@@ -40,8 +40,6 @@ def falling():
 KINDS = {
     "one bulk": lambda: without_tests(synthetic.sweep()),
     "friction by velocity": falling,
-    "two bulks": lambda: without_tests(page_sweeps.of_two_bulks()),
-    "a warm pin": lambda: without_tests(page_sweeps.of_a_warm_pin()),
 }
 
 
@@ -58,15 +56,6 @@ def test_it_acts_as_more_friction_does(kind):
         assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-9)
     both = pipeline.temperatures(ds, **RISE), pipeline.temperatures(ds, **rubbed)
     xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)
-
-
-def test_between_bodies_of_unequal_bulk_only_the_rise_by_friction_grows():
-    ds = page_sweeps.of_two_bulks()
-    both = {}, RISE
-    rubbed, added = (pipeline.temperatures(ds, **one)["mean_temperature"] for one in both)
-    still = 298.15 + 0.5 * 20.0  # the disk is 20 K warmer, of which the contact takes half
-    np.testing.assert_allclose(added - still, ADDED * (rubbed - still), rtol=1e-11)
-    assert rubbed.max() > still + 20.0
 
 
 @pytest.fixture(scope="module")

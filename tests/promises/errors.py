@@ -197,8 +197,6 @@ def half(row):
 def places(row, preset, name):
     """Errors of a preset's rises, true (against `fine`) and stated, at each place."""
     plane, true = plane_of(row, preset, name), np.array(row["fine"][name])
-    if min(plane.plane.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
-        return pd.DataFrame()
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
     )

@@ -65,7 +65,7 @@ def stated(ds, load, velocity):
     """Rise of a specimen [K], and the relative error that it states for the surface."""
     held = pipeline.margin(ds, load, velocity, without_tests=True)
     conditions = pipeline.results(ds).conditions
-    rise = held.deciding_temperature - conditions.coldest_bulk_temperature
+    rise = held.deciding_temperature - conditions.bulk_temperature
     return rise, held.error.surface / rise
 
 

@@ -12,7 +12,6 @@ from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 from tribo.simulation import state_rises
-from tribo.simulation.severity import rises_above_colder
 
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
 SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
@@ -97,7 +96,7 @@ def _with_boundary(sweep, velocity):
     state = state_at(sweep.scene, sweep.loads[2], velocity)
     rises = state_rises(sweep.scene, state, sweep.conditions.corrections)
     own = replace(sweep.conditions, corrections=None)
-    rise = float(own.criterion.rise(rises_above_colder(rises, own)))
+    rise = float(own.criterion.rise(rises))
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

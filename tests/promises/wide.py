@@ -1,4 +1,4 @@
-"""Random scenes of a wider family: other pins, motions, records of the load, surfaces and bulks."""
+"""Random scenes of a wider family: other pins, motions, records of the load and surfaces."""
 
 import math
 from dataclasses import replace
@@ -11,7 +11,6 @@ from pipeline.sweep.variants import surfaces
 from tests.helpers.entries import changed
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
-from tribo.simulation.severity import rises_above_colder
 
 SHARES = (0.4, 0.7, 1.0)  # loads over the reference load
 _MIDDLE = 1  # number of the load whose boundary lies in the middle of the velocities
@@ -50,8 +49,7 @@ def random_wide_sweep(seed):
     sweep = window_guess(sweep, draw.lengths(), velocity)
     if sweep.scene.roughness is not None and draw.chance(1 / 5):
         sweep = changed(sweep, variants=surfaces((seed, seed + 1000)))
-    bulks = draw.between(-0.5, 0.5) if draw.chance(1 / 4) else 0.0
-    return _with_boundary(sweep, velocity, bulks)
+    return _with_boundary(sweep, velocity)
 
 
 class Draw:
@@ -143,22 +141,11 @@ def hertz(pin, disk, pressure):
     return load, (half_width / oblong, half_width * oblong)
 
 
-def _with_boundary(sweep, velocity, bulks):
-    """Copy of a sweep with bulk and critical temperatures that put the boundary inside it."""
-    scene = sweep._alone(sweep.variants.names[0])
-    warm = changed(scene, unequal_bulks=bulks != 0).scene
-    state = state_at(warm, sweep.loads[_MIDDLE], velocity)
+def _with_boundary(sweep, velocity):
+    """Copy of a sweep with a critical temperature that puts the boundary inside it."""
+    scene = sweep._alone(sweep.variants.names[0]).scene
+    state = state_at(scene, sweep.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
-    if bulks:
-        rise = float(conditions.criterion.rise(state.heat.columns))
-        apart = bulks * conditions.friction * rise
-        conditions = replace(conditions, disk_temperature=conditions.bulk_temperature + apart)
-        warmest = conditions.bulk_temperature + max(0.0, apart)
-        conditions = replace(conditions, critical_temperature=warmest + 1000.0)
-    rise = float(conditions.criterion.rise(rises_above_colder(state.heat.columns, conditions)))
+    rise = float(conditions.criterion.rise(state.heat.columns))
     critical = conditions.contact_temperature(rise)
-    return changed(
-        sweep,
-        unequal_bulks=bulks != 0,
-        conditions=replace(conditions, critical_temperature=critical),
-    )
+    return changed(sweep, conditions=replace(conditions, critical_temperature=critical))

@@ -11,12 +11,10 @@ from tribo.errors import InputError
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.simulation.corrections import Corrections
 from tribo.simulation.friction import Friction
-from tribo.thermal import BULK_RATIOS, Criterion
+from tribo.thermal import Criterion
 from tribo.types import Array
 
-_NUMBERS = (
-    "friction", "bulk_temperature", "disk_temperature", "critical_temperature", "unmodelled_rise"
-)  # fmt: skip
+_NUMBERS = "friction", "bulk_temperature", "critical_temperature", "unmodelled_rise"
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +26,9 @@ class Conditions:
     friction : float
         Friction coefficient, at least 0.
     bulk_temperature : float
-        Temperature of both bodies far from the contact, or of the pin if they differ [K].
+        Temperature of both bodies far from the contact [K].
     critical_temperature : float or None
         Temperature above which the lubricant fails [K]; None if it is not known.
-    disk_temperature : float or None
-        Temperature of the disk far from the contact [K]; None if it equals the pin's.
     unmodelled_rise : float
         Rise that acts beside the model, as a part of the rise by friction that is computed: 0.06
         multiplies it by 1.06. It is above -1.
@@ -46,8 +42,7 @@ class Conditions:
     Raises
     ------
     InputError
-        If a value is out of range, or if friction varies, but the bodies have unequal bulk
-        temperatures.
+        If a value is out of range.
 
     Examples
     --------
@@ -59,7 +54,6 @@ class Conditions:
     friction: float
     bulk_temperature: float
     critical_temperature: float | None = None
-    disk_temperature: float | None = field(default=None, kw_only=True)
     unmodelled_rise: float = field(default=0.0, kw_only=True)
     corrections: Corrections | None = field(default=None, kw_only=True)
     criterion: Criterion = field(default_factory=Criterion, kw_only=True)
@@ -71,62 +65,23 @@ class Conditions:
                 raise InputError(f"{name} is {value!r}; it must be one finite number here")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction!r}; it must be finite and ≥ 0")
-        warmest = max(self.bulk_temperature, self.disk_temperature or 0.0)
-        if self.bulk_temperature <= 0:
-            raise InputError(f"bulk_temperature is {self.bulk_temperature!r} K; it must be above 0")
-        if self.disk_temperature is not None and self.disk_temperature <= 0:
-            raise InputError(f"disk_temperature is {self.disk_temperature!r} K; it must be above 0")
-        if self.critical_temperature is not None and self.critical_temperature <= warmest:
-            critical = self.critical_temperature
+        bulk, critical = self.bulk_temperature, self.critical_temperature
+        if bulk <= 0:
+            raise InputError(f"bulk_temperature is {bulk!r} K; it must be above 0")
+        if critical is not None and critical <= bulk:
             raise InputError(
                 f"critical_temperature is {critical:g} K ({critical - 273.15:.4g} °C); it must be "
-                f"above the bulk temperature, {warmest:g} K ({warmest - 273.15:.4g} °C)"
+                f"above the bulk temperature, {bulk:g} K ({bulk - 273.15:.4g} °C)"
             )
         if self.unmodelled_rise <= -1:
             raise InputError(
                 f"unmodelled_rise is {self.unmodelled_rise!r}; give a share above -1, such as 0.06"
             )
-        if self.has_friction_curve and self.bulk_difference:
-            raise InputError(
-                "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
-                "rise is not proportional to friction; give one bulk temperature, or one friction"
-            )
-
-    @property
-    def bulk_difference(self) -> float:
-        """Bulk temperature of the disk minus that of the pin [K]."""
-        disk = self.disk_temperature
-        return 0.0 if disk is None else disk - self.bulk_temperature
-
-    @property
-    def coldest_bulk_temperature(self) -> float:
-        """Bulk temperature of the colder body [K], above which rises are measured."""
-        return self.bulk_temperature + min(0.0, self.bulk_difference)
-
-    @property
-    def mean_bulk_temperature(self) -> float:
-        """Mean of both bodies' bulk temperatures [K], used as the temperature of the oil."""
-        return self.bulk_temperature + self.bulk_difference / 2
 
     @property
     def rise_factor(self) -> float:
-        """Factor by which a rise per unit friction is multiplied: µ (1 + `unmodelled_rise`).
-
-        If the bulk temperatures differ, the factor is at least their absolute difference divided by
-        the largest of `tribo.thermal.BULK_RATIOS` [K]. So the factor is above 0 even without
-        friction, and `bulk_ratio`, the difference divided by the factor, is finite.
-        """
-        heating = self.friction * (1 + self.unmodelled_rise)
-        return max(heating, abs(self.bulk_difference) / BULK_RATIOS[-1])
-
-    @property
-    def bulk_ratio(self) -> float:
-        """Bulk temperature of the disk minus that of the pin, per unit friction [K].
-
-        It is `bulk_difference` [K] divided by `rise_factor`; 0 if both bulk temperatures are equal.
-        """
-        difference = self.bulk_difference
-        return difference / self.rise_factor if difference else 0.0
+        """Factor by which a rise per unit friction is multiplied: µ (1 + `unmodelled_rise`)."""
+        return self.friction * (1 + self.unmodelled_rise)
 
     @property
     def friction_law(self) -> Friction:
@@ -152,13 +107,13 @@ class Conditions:
 
     def contact_temperature(self, rise: Any) -> Any:
         """Temperature of the contact [K], from one or more rises per unit friction [K]."""
-        return self.coldest_bulk_temperature + self.rise_factor * rise
+        return self.bulk_temperature + self.rise_factor * rise
 
     def limit(self, temperature: float) -> float:
         """Rise per unit friction coefficient above which the contact exceeds a temperature [K]."""
         if self.rise_factor == 0:
             return math.inf
-        return (temperature - self.coldest_bulk_temperature) / self.rise_factor
+        return (temperature - self.bulk_temperature) / self.rise_factor
 
     def replace_friction(self, friction: float | None) -> Conditions:
         """The conditions with a friction coefficient that was measured at one point.

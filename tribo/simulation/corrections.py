@@ -204,9 +204,8 @@ class Corrections:
         """Return `columns` with corrected rises per unit friction coefficient [K].
 
         Each rise becomes (rise + `added_rise`) × the friction factor at its sliding velocity.
-        `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise``,
-        ``rise_quantile`` and, for unequal bulk temperatures, ``bulk_rise_quantile``. All columns
-        but the rises are returned unchanged.
+        `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise`` and
+        ``rise_quantile``. All columns but the rises are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -223,7 +222,6 @@ _RISES: dict[str, Any] = {
     "max_rise": ...,
     "mean_rise": ...,
     "rise_quantile": (..., None),
-    "bulk_rise_quantile": (..., None, None),
 }
 """Columns of rises, and the index that broadcasts steps along their further axes."""
 

@@ -65,8 +65,6 @@ def judge(
     >>> found.is_severe, f"{found.deciding_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
-    if conditions.disk_temperature is not None and not scene.unequal_bulks:
-        scene = replace(scene, unequal_bulks=True)
     conditions = conditions.under(scene.loading)
     if parts := conditions.corrections:
         conditions = replace(conditions, corrections=replace(parts, motion=scene.motion))

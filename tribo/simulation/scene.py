@@ -52,9 +52,6 @@ class Scene:
         True if there is friction and its heat. If not, the rise is 0 and is not computed.
     motion : Motion, optional
         Motion of both bodies; the pin is at rest if not given.
-    unequal_bulks : bool
-        True if the bodies may have different bulk temperatures. Then the response of the contact to
-        a difference is also computed.
     fidelity : Fidelity
         Numerical choices.
 
@@ -78,7 +75,6 @@ class Scene:
     wear: Wear | WearLaw | None = None
     friction_heat: bool = True
     motion: Motion | None = None
-    unequal_bulks: bool = False
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
@@ -104,11 +100,6 @@ class Scene:
             raise InputError(
                 "wear follows a law of your own, which needs a pin at rest, and there is a motion; "
                 "leave out one of them"
-            )
-        if self.unequal_bulks and self.fidelity.partition == "uniform":
-            raise InputError(
-                "partition is 'uniform', which divides frictional heat alone, and the bulk "
-                "temperatures are unequal; use 'local'"
             )
         if isinstance(self.loading, Stages) and self.loading.velocities and self.remembers_heat:
             raise InputError(
@@ -237,8 +228,7 @@ class Scene:
     @property
     def remembers_heat(self) -> bool:
         """True if a temperature depends on the heat of earlier steps."""
-        warms = self.friction_heat or self.unequal_bulks
-        return warms and self.fidelity.heat_model == "history"
+        return self.friction_heat and self.fidelity.heat_model == "history"
 
     @property
     def heated_length(self) -> HeatedLength:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,9 +16,9 @@ class Heat:
     """Temperature rises of the contact, per unit friction coefficient.
 
     If a ball or crowned pin touches on few elements, the contact is also solved with the disk at
-    other positions. Quantiles, `max_rise`, `mean_rise`, `pin_heat_share` and `mean_bulk_response`
-    are then means over all positions, and `iterations` is the sum over them. Arrays of shape
-    (nx, ny) are those at the first position.
+    other positions. Quantiles, `max_rise`, `mean_rise` and `pin_heat_share` are then means over all
+    positions, and `iterations` is the sum over them. Arrays of shape (nx, ny) are those at the
+    first position.
 
     Attributes
     ----------
@@ -33,14 +32,6 @@ class Heat:
         Share of the friction heat that goes into the pin; NaN without friction heat.
     iterations : int
         Iterations of the heat partition, each one convolution.
-    bulk_response : ndarray, shape (nx, ny), or None
-        Rise of the pin's surface above the pin's bulk temperature for each kelvin by which the
-        disk's bulk temperature is higher; None unless the scene has unequal bulk temperatures.
-    mean_bulk_response : float
-        Mean of `bulk_response` over the contact area [K/K]; NaN without `bulk_response`.
-    bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
-        Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
-        `tribo.thermal.BULK_RATIOS`.
     quantile_without, mean_without : ndarray, shapes (8, len(QUANTILES)) and (8,)
         `rise_quantile` and `mean_rise` without each of eight groups of elements in turn [K], see
         `tribo.thermal.sampling`; None for a smooth disk, or if they were not asked for.
@@ -59,9 +50,6 @@ class Heat:
     mean_rise: float
     pin_heat_share: float
     iterations: int = 0
-    bulk_response: Array | None = None
-    mean_bulk_response: float = math.nan
-    bulk_rise_quantile: Array | None = None
     quantile_without: Array | None = None
     mean_without: Array | None = None
 
@@ -82,14 +70,7 @@ class Heat:
     @property
     def columns(self) -> dict[str, Any]:
         """Temperature rises that a criterion uses, by the names of a sweep's variables."""
-        columns: dict[str, Any] = {
-            "rise_quantile": self.rise_quantile,
-            "mean_rise": self.mean_rise,
-        }
-        if self.bulk_rise_quantile is not None:
-            columns["bulk_rise_quantile"] = self.bulk_rise_quantile
-            columns["mean_bulk_response"] = self.mean_bulk_response
-        return columns
+        return {"rise_quantile": self.rise_quantile, "mean_rise": self.mean_rise}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,8 +119,6 @@ class State:
         state.
     heat_history : HeatHistory or None
         Heat that has flowed so far, if the temperature depends on it.
-    response_history : HeatHistory or None
-        Heat that has flowed so far because of unequal bulk temperatures, if any.
     passing : tuple of ndarray, each of shape (nx, ny)
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
@@ -174,7 +153,6 @@ class State:
     heat: Heat | None = None
     history: State | None = None
     heat_history: HeatHistory | None = None
-    response_history: HeatHistory | None = None
     passing: tuple[Array, ...] = ()
     course: tuple[Any, ...] = ()
 

@@ -20,11 +20,9 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction`` (of
         the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole pin)
         [m³], ``iterations`` and ``residual`` of the contact; ``max_rise`` and ``mean_rise`` (per
-        unit friction coefficient) [K], ``pin_heat_share``; and with unequal bulk temperatures
-        ``mean_bulk_response``, the mean rise over the contact for each kelvin by which the disk's
-        bulk is warmer than the pin's [K/K]. The last four are NaN if the temperature was not
-        computed. Values that depend on the size of elements are for the state's elements, which are
-        larger before the last step; see `Fidelity.fewest_elements`.
+        unit friction coefficient) [K], and ``pin_heat_share``. The last three are NaN if the
+        temperature was not computed. Values that depend on the size of elements are for the state's
+        elements, which are larger before the last step; see `Fidelity.fewest_elements`.
 
     Notes
     -----
@@ -43,7 +41,6 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     """
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
     of_contact = _contact_measures(scene, pressure)
-    response = state.heat.mean_bulk_response if state.heat else np.nan
     return {
         "time": state.time,
         "normal_load": state.normal_load,
@@ -56,7 +53,6 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         "max_rise": state.heat.max_rise if state.heat else np.nan,
         "mean_rise": state.heat.mean_rise if state.heat else np.nan,
         "pin_heat_share": state.heat.pin_heat_share if state.heat else np.nan,
-        **({"mean_bulk_response": response} if scene.unequal_bulks else {}),
     }
 
 

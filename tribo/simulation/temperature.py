@@ -18,7 +18,6 @@ from tribo.thermal import (
     Conductor,
     HeatHistory,
     HeatPartition,
-    bulk_ratio_quantiles,
     contact_quantiles,
     partition_heat,
     partition_with_history,
@@ -32,10 +31,8 @@ from tribo.types import Array, Mask
 def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) -> Heat:
     """Temperature rises of a state, per unit friction coefficient; `InputError` if nothing touches.
 
-    The rise is computed for equal bulk temperatures of pin and disk. If `Scene.unequal_bulks` is
-    True, the result also has `Heat.bulk_response`: how much the pin's surface warms for each kelvin
-    by which the disk's bulk is warmer. The present friction heat is taken to act since time 0
-    (Bosman & de Rooij), whatever the heat model of the fidelity.
+    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
+    model of the fidelity.
 
     The temperature depends on pressure and time of the contact, but not on the wear before. So
     thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
@@ -56,8 +53,8 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
     """`Heat` with mean values over positions of the disk, from the `heats` at each position.
 
-    The arrays `Heat.rise` and `Heat.bulk_response` are those at the first position, and
-    `Heat.iterations` is the sum over positions.
+    The array `Heat.rise` is that at the first position, and `Heat.iterations` is the sum over
+    positions.
     """
     first, *others = heats
     if not others:
@@ -73,20 +70,15 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
         pin_heat_share=float(mean("pin_heat_share")),
         rise_quantile=mean("rise_quantile"),
         iterations=sum(one.iterations for one in heats),
-        mean_bulk_response=float(mean("mean_bulk_response")),
         quantile_without=None if first.quantile_without is None else mean("quantile_without"),
         mean_without=None if first.mean_without is None else mean("mean_without"),
-        bulk_rise_quantile=None if first.bulk_rise_quantile is None else mean("bulk_rise_quantile"),
     )
 
 
 def _present_heat(scene: Scene, state: State, velocity: float, is_sampled: bool) -> Heat:
     """Rises per unit friction by the present heat since time 0, and the pin's share of the heat."""
     contact = state.pressure > 0
-    summary = _summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
-    if not scene.unequal_bulks:
-        return summary
-    return _add_response(scene, summary, _response(scene, state, velocity, contact), contact)
+    return _summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
@@ -101,39 +93,25 @@ def refined_scene(scene: Scene, state: State) -> Scene:
 def add_temperature(scene: Scene, before: State, state: State, velocity: float) -> State:
     """Return `state` with its temperature, which is due to all heat since the start.
 
-    `before` is the state one step earlier. The result has the heat histories of `before`, with the
+    `before` is the state one step earlier. The result has the heat history of `before`, with the
     heat of this step added. Its temperature, `State.heat`, is None if nothing touches. `velocity`
     is the sliding velocity [m/s].
     """
-    contact = state.pressure > 0
-
-    def since(
-        history: HeatHistory | None, flux: Array, bulk_difference: float
-    ) -> tuple[HeatPartition, HeatHistory]:
-        return partition_with_history(
-            scene.grid,
-            *_bodies(scene, velocity),
-            history or HeatHistory(),
-            state.time,
-            flux,
-            contact,
-            method=scene.fidelity.partition,
-            tolerance=scene.fidelity.heat_tolerance,
-            bulk_difference=bulk_difference,
-            spectrum_of=heat_spectrum,
-        )
-
-    friction = friction_heat(scene, state, velocity)
-    split, heat_history = since(before.heat_history, friction, 0.0)
+    contact, friction = state.pressure > 0, friction_heat(scene, state, velocity)
+    split, history = partition_with_history(
+        scene.grid,
+        *_bodies(scene, velocity),
+        before.heat_history or HeatHistory(),
+        state.time,
+        friction,
+        contact,
+        method=scene.fidelity.partition,
+        tolerance=scene.fidelity.heat_tolerance,
+        spectrum_of=heat_spectrum,
+    )
     _check_split(scene, friction, contact, split)
     summary = _summary(scene, split, contact, is_sampled=True) if contact.any() else None
-    state = replace(state, heat=summary, heat_history=heat_history)
-    if not scene.unequal_bulks:
-        return state
-    response, history = since(before.response_history, np.zeros(scene.grid.shape), 1.0)
-    if summary:
-        summary = _add_response(scene, summary, response, contact)
-    return replace(state, heat=summary, response_history=history)
+    return replace(state, heat=summary, heat_history=history)
 
 
 def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
@@ -152,31 +130,6 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool
         iterations=split.iterations,
         quantile_without=without[0],
         mean_without=without[1],
-    )
-
-
-def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """The `summary` with its fields for unequal bulks, from the pin's `response` per kelvin."""
-    rows = scene.rows_per_element
-    rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
-    return replace(
-        summary,
-        bulk_response=response.rise,
-        mean_bulk_response=float(response.rise[contact].mean()),
-        bulk_rise_quantile=bulk_ratio_quantiles(*rises, contact.repeat(rows, 1)),
-        iterations=summary.iterations + response.iterations,
-    )
-
-
-def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
-    """Heat that flows without friction if the disk's bulk is 1 K warmer than the pin's."""
-    return partition_heat(
-        *bodies_at(scene, state, velocity),
-        np.zeros(scene.grid.shape),
-        contact,
-        method=scene.fidelity.partition,
-        tolerance=scene.fidelity.heat_tolerance,
-        bulk_difference=1.0,
     )
 
 

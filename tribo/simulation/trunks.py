@@ -157,8 +157,5 @@ def _arrays(state: State) -> Iterator[Array | Spectrum]:
         yield state.displacement
     if state.heat is not None:
         yield state.heat.rise
-        if state.heat.bulk_response is not None:
-            yield state.heat.bulk_response
-    for history in (state.heat_history, state.response_history):
-        if history is not None:
-            yield from (*history.pin_flux[-1:], *history.disk_flux[-1:])
+    if (history := state.heat_history) is not None:
+        yield from (*history.pin_flux[-1:], *history.disk_flux[-1:])

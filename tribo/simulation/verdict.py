@@ -2,9 +2,7 @@
 
 r is the temperature rise of the contact that the criterion compares with its limit
 (`tribo.Criterion`), such as the rise exceeded on a tenth of the contact. It is per unit friction
-coefficient, at the time at which it is highest; µ is the friction coefficient. If the disk's bulk
-is warmer than the pin's by Δ, rises are computed for the ratio Δ/µ. They count from the colder
-body, so that they are never negative.
+coefficient, at the time at which it is highest; µ is the friction coefficient.
 """
 
 from __future__ import annotations
@@ -12,17 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from tribo.errors import InputError
 from tribo.simulation.conditions import Conditions
-from tribo.thermal import Criterion, add_bulk_ratio, failed_share
+from tribo.thermal import Criterion, failed_share
 from tribo.types import Array, Indices
-
-RISES = ("max_rise", "mean_rise", "rise_quantile")
-"""Names of the rises that change if the bulk temperatures of pin and disk differ."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +38,7 @@ class Verdict:
     failed_fraction : float or None
         Share of the contact area above the critical temperature; None if that is unknown.
     bulk_temperature : float
-        First part of `deciding_temperature`: the bulk temperature of the colder body [K].
+        First part of `deciding_temperature`: the bulk temperature [K].
     contact_rise : float
         Second part: the rise between two half-spaces, with its unmodelled part [K].
     added_rise : float
@@ -69,8 +63,8 @@ class Verdict:
 def rise_limit(conditions: Conditions) -> float:
     """Temperature rise per unit friction coefficient [K] above which wear is severe.
 
-    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
-    `InputError` if the critical temperature is not known.
+    It is infinite if the friction coefficient is 0. Raises an `InputError` if the critical
+    temperature is not known.
     """
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
@@ -88,35 +82,19 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
     return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
 
 
-def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Convert columns of rises above the pin's bulk to rises above the colder body's bulk [K].
-
-    Rises are per unit friction, as is `bulk_ratio`: bulk temperature of disk minus pin [K].
-    """
-    if bulk_ratio == 0:
-        return columns
-    above_pin = add_bulk_ratio(columns, bulk_ratio)
-    pin = max(0.0, -bulk_ratio)
-    return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
-
-
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
     """Mild or severe wear at a point, from its columns and its load [N].
 
     `columns` has arrays by name, with a step on the first axis: ``time`` [s], ``normal_load`` [N],
-    and the rises above the pin's bulk per unit friction coefficient [K] ``mean_rise`` and
-    ``rise_quantile`` (n_step, n_quantile). Corrections also need the variables in
-    `tribo.simulation.corrections.NEEDED`. Unequal bulk temperatures also need
-    ``mean_bulk_response`` and ``bulk_rise_quantile``.
+    and the rises per unit friction coefficient [K] ``mean_rise`` and ``rise_quantile`` (n_step,
+    n_quantile). Corrections also need the variables in `tribo.simulation.corrections.NEEDED`.
     """
-    ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
-    alone = above_colder(columns, ratio)
     parts = conditions.corrections
-    together = above_colder(parts.applied(columns), ratio) if parts else alone
+    together = parts.applied(columns) if parts else columns
     rises = conditions.criterion.rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
     rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
-    of_contact = float(conditions.contact_temperature(conditions.criterion.rise(alone)[worst]))
+    of_contact = float(conditions.contact_temperature(conditions.criterion.rise(columns)[worst]))
     known = conditions.critical_temperature is not None
     deciding = float(conditions.contact_temperature(rise))
     return Verdict(
@@ -125,7 +103,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
         deciding_temperature=deciding,
         max_temperature=float(conditions.contact_temperature(quantiles[-1])),
         failed_fraction=failed_share(quantiles, rise_limit(conditions)) if known else None,
-        bulk_temperature=bulk,
-        contact_rise=of_contact - bulk,
+        bulk_temperature=conditions.bulk_temperature,
+        contact_rise=of_contact - conditions.bulk_temperature,
         added_rise=deciding - of_contact,
     )

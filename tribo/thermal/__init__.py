@@ -7,7 +7,6 @@ from tribo.thermal.conduction import settling_time as settling_time
 from tribo.thermal.criterion import CRITERIA as CRITERIA
 from tribo.thermal.criterion import Criterion as Criterion
 from tribo.thermal.criterion import Rule as Rule
-from tribo.thermal.criterion import add_bulk_ratio as add_bulk_ratio
 from tribo.thermal.disc import Disc as Disc
 from tribo.thermal.duhamel import Conductor as Conductor
 from tribo.thermal.duhamel import HeatHistory as HeatHistory
@@ -15,10 +14,7 @@ from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum
 from tribo.thermal.duhamel import partition_with_history as partition_with_history
 from tribo.thermal.partition import HeatPartition as HeatPartition
 from tribo.thermal.partition import partition_heat as partition_heat
-from tribo.thermal.quantiles import BULK_RATIOS as BULK_RATIOS
 from tribo.thermal.quantiles import QUANTILES as QUANTILES
-from tribo.thermal.quantiles import bulk_ratio_quantiles as bulk_ratio_quantiles
-from tribo.thermal.quantiles import combine_bulks as combine_bulks
 from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
 from tribo.thermal.quantiles import failed_share as failed_share
 from tribo.thermal.quantiles import require_share as require_share

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tribo.errors import InputError, InvariantError, law_errors
-from tribo.thermal.quantiles import QUANTILES, combine_bulks, require_share, rise_exceeded
+from tribo.thermal.quantiles import QUANTILES, require_share, rise_exceeded
 from tribo.types import Array
 
 Columns = Mapping[str, Any]
@@ -161,8 +161,7 @@ class Criterion:
         columns : mapping
             Arrays by name: the criterion's `column`, ``rise_quantile`` (..., n_quantile) or
             ``mean_rise`` (...) [K], and ``quantile`` (n_quantile,), the probabilities of the
-            quantiles; `tribo.QUANTILES` if left out. If the bulk temperatures of pin and disk
-            differ, the rises must already account for this, as `add_bulk_ratio` makes them.
+            quantiles; `tribo.QUANTILES` if left out.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):
@@ -187,38 +186,3 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
             f"criterion {name}: a rise lies beyond the lowest and highest of its contact, or is "
             "not a number"
         )
-
-
-def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
-    """Convert rises per unit friction coefficient [K] from equal to unequal bulk temperatures.
-
-    Rises are above the pin's bulk temperature. The bulk ratio is (disk's − pin's bulk
-    temperature)/(friction coefficient) [K]. Returns the columns with new values of
-    ``rise_quantile``, ``max_rise`` and ``mean_rise``, if present; `columns` is not changed, and is
-    itself returned at a bulk ratio of 0. Quantiles need the column ``bulk_rise_quantile``, the mean
-    needs ``mean_bulk_response``; without both an `InputError` is raised.
-
-    Examples
-    --------
-    >>> mean = {"mean_rise": 500.0, "mean_bulk_response": 0.75}
-    >>> add_bulk_ratio(mean, bulk_ratio=200.0)["mean_rise"]
-    650.0
-    """
-    if bulk_ratio == 0:
-        return columns
-    if not {"bulk_rise_quantile", "mean_bulk_response"} & set(columns):
-        raise InputError(
-            "the bulk temperatures differ, and the scene was simulated with equal ones; set "
-            "unequal_bulks"
-        )
-    rises: dict[str, Any] = {}
-    if "rise_quantile" in columns:
-        quantiles = combine_bulks(
-            columns["rise_quantile"], columns["bulk_rise_quantile"], bulk_ratio
-        )
-        rises["rise_quantile"] = quantiles
-        if "max_rise" in columns:
-            rises["max_rise"] = quantiles[..., -1]
-    if "mean_rise" in columns:
-        rises["mean_rise"] = columns["mean_rise"] + bulk_ratio * columns["mean_bulk_response"]
-    return {**columns, **rises}

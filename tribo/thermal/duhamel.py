@@ -9,7 +9,7 @@ where Bᵢᵐ is the rise now due to a flux that grew from 0 to 1 before tᵐ an
 and Bᵢ⁰ the rise due to a flux that has grown since the last step. One temperature on the
 contact then replaces Eq. (1) of `partition` by
 
-    (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁ + ΔT_b.                                              (2)
+    (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁.                                                    (2)
 
 Bᵢᵐ depends only on how long ago each step was. So for steps of equal length it is computed once
 for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
@@ -25,7 +25,6 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tribo.material import Material
 from tribo.numerics import Convolution, Grid, padded_shape
@@ -118,7 +117,6 @@ def partition_with_history(
     contact: Mask,
     method: Literal["local", "uniform"] = "local",
     tolerance: float = 1e-8,
-    bulk_difference: ArrayLike = 0.0,
     spectrum_of: SpectrumOf = conducted_spectrum,
 ) -> tuple[HeatPartition, HeatHistory]:
     """Divide the present frictional heat between the bodies, with the effect of earlier heat.
@@ -133,7 +131,7 @@ def partition_with_history(
         Heat that has flowed up to an earlier time.
     time : float
         Present time, counted from when the heat began [s].
-    heat_flux, contact, method, tolerance, bulk_difference
+    heat_flux, contact, method, tolerance
         Present friction heat [W/m²], elements that touch, and how to divide the heat; as in
         `tribo.thermal.partition_heat`.
     spectrum_of : callable, optional
@@ -178,7 +176,7 @@ def partition_with_history(
         contact,
         method=method,
         tolerance=tolerance,
-        bulk_difference=disk_past - pin_past + np.asarray(bulk_difference, dtype=float),
+        bulk_difference=disk_past - pin_past,
     )
     pin_flux, disk_flux = (
         np.fft.rfft2(flux, s=padded_shape(grid))

@@ -3,15 +3,6 @@
 Wear turns severe where more than a given share of the real contact area is hotter than the
 critical temperature. An equivalent condition, of a smooth quantity, is that the quantile of the
 temperature that this share exceeds lies above the critical temperature.
-
-**Bodies of unequal bulk temperature.** Let a be the rise of the pin's surface per unit friction
-coefficient, and b its rise for a disk that is 1 K warmer. At the friction coefficient µ and a
-difference Δ the rise is µa + Δb, that is µ times a + ρb with the bulk ratio ρ = Δ/µ. The quantiles
-of a + ρb are not linear in ρ. They are stored at several ρ and interpolated linearly. This is exact
-at the stored ρ, for the mean, and wherever b is uniform. Along the boundary of Bosman & de Rooij, b
-lies between 0.8 and 0.9. There the temperature exceeded by 10 % of the contact area is wrong by at
-most 0.16 % of the mean rise for |ρ| up to 1000 K (Δ = 100 K at µ = 0.1), any other quantile by
-0.4 %.
 """
 
 from __future__ import annotations
@@ -26,13 +17,6 @@ QUANTILES: tuple[float, ...] = (
     0.8, 0.825, 0.85, 0.875, 0.89, 0.9, 0.91, 0.925, 0.95, 0.975, 0.99, 0.999, 1.0,
 )  # fmt: skip
 """Quantiles of the temperature that are stored: shares of the contact area that are cooler."""
-
-_RATIOS = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
-BULK_RATIOS: tuple[float, ...] = (*(-ratio for ratio in reversed(_RATIOS)), *_RATIOS)
-"""Bulk ratios at which quantiles are stored, together with 0 [K].
-
-A bulk ratio is the disk's less the pin's bulk temperature, over the friction coefficient. At the
-outermost ratios the frictional rise is next to nothing."""
 
 
 def contact_quantiles(rise: Array, contact: Mask) -> Array:
@@ -66,51 +50,6 @@ def sorted_quantiles(ordered: Array) -> Array:
     # The same as np.quantile, which takes several times as long for this many quantiles.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
-
-
-def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
-    """Quantiles of rise + ρ·response over the contact [K], (n_ratio, n_quantile).
-
-    ρ takes each value of `BULK_RATIOS`: the disk's minus the pin's bulk temperature, over the
-    friction coefficient [K]. `rise` is per unit friction coefficient [K], and `response` is the
-    rise for each kelvin of this difference.
-    """
-    return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
-
-
-def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
-    """Quantiles of the rise at the bulk `ratio` [K], by linear interpolation.
-
-    Rises are per unit friction coefficient. A bulk ratio is (disk's − pin's bulk
-    temperature)/(friction coefficient) [K]. `rise_quantiles`, of shape (..., n_quantile), are at
-    the ratio 0. `bulk_rise_quantiles`, of shape (..., n_ratio, n_quantile), are at each of the
-    ratios `BULK_RATIOS`, as `bulk_ratio_quantiles` returns them.
-
-    Examples
-    --------
-    A response of 0.8 everywhere moves all quantiles by the same amount:
-
-    >>> rise, everywhere = np.arange(101.0)[None, :], np.ones((1, 101), bool)
-    >>> kept = bulk_ratio_quantiles(rise, np.full(rise.shape, 0.8), everywhere)
-    >>> quantiles = combine_bulks(contact_quantiles(rise, everywhere), kept, ratio=300.0)
-    >>> f"{quantiles[QUANTILES.index(0.9)]:.3f}"
-    '330.000'
-    """
-    if ratio == 0:
-        return rise_quantiles
-    ratios = np.insert(BULK_RATIOS, len(_RATIOS), 0.0)
-    above = int(np.clip(np.searchsorted(ratios, ratio), 1, len(ratios) - 1))
-
-    def quantiles_at(place: int) -> Array:
-        if place == len(_RATIOS):
-            return rise_quantiles
-        quantiles: Array = bulk_rise_quantiles[..., place - (place > len(_RATIOS)), :]
-        return quantiles
-
-    low, high = ratios[above - 1], ratios[above]
-    weight = (ratio - low) / (high - low)
-    between: Array = (1 - weight) * quantiles_at(above - 1) + weight * quantiles_at(above)
-    return between
 
 
 def require_share(share: float) -> None:

@@ -42,10 +42,6 @@ REFUSALS = {
     # values of options
     "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit; give one like'),
     "not above 0": (irg("plot", "a.zarr", "--load", "-5N"), '"-5N" is not above 0'),
-    "bodies": (irg("boundary", "tiny.zarr", "--bulk-temperature", "pin=60 degC"),
-               "bulk_temperature names pin; give one temperature for both bodies, or one for pin"),
-    "body": (irg("boundary", "a.zarr", "--bulk-temperature", "pin=60 degC, 25 degC"),
-             '25 degC" has no name and value; give both, like "pin=60 degC, disk=25 degC"'),
     "critical": (irg("boundary", "tiny.zarr", "--critical-temperature", "20 degC"),
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
     "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "cannot write a.txt: the suffix must be"),

@@ -87,7 +87,6 @@ FAULTS = {
     'with = { "temperature.critical" = "200 degC" }': r"is the same in all tests of a scene",
     'friction = 0.1\nwith = { "friction.coefficient" = 0.2 }': "set by the friction of this test",
     'hold = "1 s"\nwith = { "loading.hold" = "2 s" }': "set by the hold of this test",
-    'with = { "temperature.bulk" = { pin = "30 degC", disk = "25 degC" } }': "the unequal bulks",
     "with = 3": r"measured\[0\].with: 3 is not a table; give a table of entries by their paths",
     'step = "3 m/s"': r'measured\[0\].step: "3 m/s" is not below the velocity, 2 m/s; give less',
     'step = "400 N"': r'"400 N" is not below the load, 400 N',

@@ -247,9 +247,6 @@ ENTRIES = {
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "two rows of the sweep have the same"),
     "over nothing": (over("materials.x.like", ["AISI 52100", "42CrMo4"]), "changes nothing here"),
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is out of range'),
-    "over bulks": (over("temperature.bulk.disk", ["25 degC", "50 degC"],
-                        **{"temperature.bulk": {"pin": "25 degC", "disk": "25 degC"}}),
-                   "which must be the same for all values"),
     "over grid": (over("fidelity.pixels_per_element", [2, 4]), "the grid of the stored fields"),
     "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
         "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "are too many"),

@@ -7,13 +7,12 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.conditions import bulk_entries, criterion_of, known_critical_temperature
+from pipeline.sweep.conditions import criterion_of, known_critical_temperature
 from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
 from pipeline.sweep.variants import Column, Variants, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
-from tribo.simulation.severity import require_bulks
 from tribo.surface.areal import areal_roughness, remove_form
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
@@ -44,16 +43,11 @@ REFUSALS = {
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
     "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
-    "disk above": (conditions(disk_temperature=420.0), "must be above the bulk temperature, 420 K"),
     "share": (lambda: criterion_of("share", 1.0), "share is 1.0"),
     "share nan": (lambda: criterion_of("share", math.nan), "failing_share is nan; it must be one"),
-    "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
     "criterion": (lambda: criterion_of("laws:median", 0.1), "allowed are share, highest, mean"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
-    "bodies": (lambda: bulk_entries({"pin": 300.0}), "bulk_temperature names pin; give one"),
-    "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
-                "25 °C of the pin"),
     # the sweep and its variants
     "hold": (lambda: tiny.sweep(loading=RECORD)._with_hold(2.0), "hold is 2 s, but the load"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion cannot be changed in"),

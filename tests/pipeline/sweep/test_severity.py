@@ -12,11 +12,11 @@ from pipeline.sweep.conditions import rise_limit
 from tests.helpers import tiny
 from tribo import QUANTILES, Criterion
 from tribo.simulation.severity import (
-    rises_above_colder,
-    verdict,
+    corrected_columns,
     worst_rises,
 )
-from tribo.thermal import BULK_RATIOS, failed_share
+from tribo.simulation.verdict import verdict
+from tribo.thermal import failed_share
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
@@ -66,20 +66,6 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
     assert alone.deciding_temperature == pytest.approx(judged.deciding_temperature, rel=1e-9)
 
 
-@pytest.mark.parametrize(("pin", "disk"), [(403.15, 298.15), (298.15, 403.15)])
-def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(pin, disk):
-    conditions = Conditions(0.1, pin, 418.15, disk_temperature=disk)
-    ratio = 10 * (disk - pin)
-    kept = np.array([EVEN + 0.4 * warmth for warmth in BULK_RATIOS])  # 0.4 K for each kelvin
-    at_ratio = rises_above_colder({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
-    rises = at_ratio["rise_quantile"]
-    assert (rises > 0).all()
-    np.testing.assert_allclose(
-        conditions.contact_temperature(rises), pin + 0.1 * (EVEN + 0.4 * ratio)
-    )
-    assert conditions.contact_temperature(rise_limit(conditions)) == pytest.approx(418.15)
-
-
 def test_without_friction_nothing_is_warm_and_nothing_severe():
     conditions = replace(OWN, friction=0.0)
     judged = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
@@ -97,16 +83,15 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
 
 
-@pytest.mark.parametrize("disk", [None, 318.15])
-def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
+def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
     plain_sweep = tiny.sweep()
     track = tribo.Track.under(plain_sweep.scene.pin, plain_sweep.scene.disk, 0.05)
     corrections = tribo.Corrections(track=track).under(plain_sweep.scene.loading)
-    conditions = replace(OWN, corrections=corrections, disk_temperature=disk)
-    warm = tiny.sweep(conditions=conditions, unequal_bulks=disk is not None)
+    conditions = replace(OWN, corrections=corrections)
+    warm = tiny.sweep(conditions=conditions)
     result = run_point(warm, 600.0, 1.5)
-    expected = rises_above_colder(result.columns, conditions)
-    plain = rises_above_colder(result.columns, replace(conditions, corrections=None))
+    expected = corrected_columns(result.columns, conditions)
+    plain = corrected_columns(result.columns, replace(conditions, corrections=None))
     assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
     alone = tribo.judge(warm.scene, 600.0, 1.5, conditions)
     judged = result.verdict(conditions)

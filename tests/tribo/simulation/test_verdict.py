@@ -39,15 +39,6 @@ def test_one_call_gives_the_verdict_of_a_sweep(loading, parts):
     assert found.is_severe == (found.deciding_temperature > 418.15)
 
 
-def test_unequal_bulks_need_no_word_in_the_scene():
-    scene = tiny.sweep().scene
-    even = tribo.Conditions(friction=0.1, bulk_temperature=300.0, critical_temperature=420.0)
-    warm = replace(even, disk_temperature=330.0)
-    assert tribo.judge(scene, 600.0, 1.5, warm).bulk_temperature == 300.0
-    hotter = [tribo.judge(scene, 600.0, 1.5, one).deciding_temperature for one in (even, warm)]
-    assert hotter[0] < hotter[1] < hotter[0] + 30.0
-
-
 def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
     found = tribo.judge(
         tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)

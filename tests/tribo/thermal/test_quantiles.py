@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tribo import QUANTILES
-from tribo.thermal import BULK_RATIOS, combine_bulks, contact_quantiles, failed_share, rise_exceeded
+from tribo.thermal import contact_quantiles, failed_share, rise_exceeded
 
 
 def test_quantile_and_failed_share_are_one_criterion():
@@ -40,27 +40,3 @@ def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
 def test_shares_at_the_ends_of_a_selection_have_its_first_and_last_quantile(share, rise):
     rises = np.array([[10.0, 20.0, 40.0]])
     assert rise_exceeded(rises, share, (0.25, 0.5, 0.75)) == pytest.approx([rise])
-
-
-def test_between_the_kept_bulk_ratios_quantiles_are_linear():
-    at_zero, slope = np.linspace(0.0, 50.0, len(QUANTILES)), np.linspace(0.5, 1.0, len(QUANTILES))
-    kept = np.array([at_zero + slope * ratio for ratio in BULK_RATIOS])
-    for ratio in (-7e6, -3000.0, -200.0, -1.0, 0.0, 120.0, 500.0, 750.0, 6e4):
-        found = combine_bulks(at_zero, kept, ratio)
-        assert found == pytest.approx(at_zero + slope * ratio, rel=1e-12)
-    assert combine_bulks(at_zero, kept, 0.0) is at_zero
-    bend = kept + 30.0 * (np.array(BULK_RATIOS) == 500.0)[:, None]  # at a single tabulated ratio
-    for ratio, share in ((200.0, 0.0), (350.0, 0.5), (500.0, 1.0), (800.0, 0.4), (1000.0, 0.0)):
-        found = combine_bulks(at_zero, bend, ratio) - at_zero - slope * ratio
-        assert found == pytest.approx(np.full(len(QUANTILES), 30.0 * share), abs=1e-11)
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-def test_beyond_the_kept_bulk_ratios_the_line_of_the_last_two_goes_on(side):
-    at_zero, curved = np.zeros(len(QUANTILES)), np.square(BULK_RATIOS)[:, None]
-    kept = np.broadcast_to(curved, (len(BULK_RATIOS), len(QUANTILES)))
-    outer, inner = sorted(BULK_RATIOS, key=abs, reverse=True)[0:4:2]
-    outer, inner = side * abs(outer), side * abs(inner)
-    ratio = 1.5 * outer
-    expected = outer**2 + (outer + inner) * (ratio - outer)  # the chord of a parabola
-    assert combine_bulks(at_zero, kept, ratio) == pytest.approx(expected)
