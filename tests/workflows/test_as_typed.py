@@ -40,33 +40,46 @@ def script_of(text):
     lines = ["set -ev"]
     for match in BLOCK.finditer(text):
         language, block, row = match.groups()
+        saved = re.search(r"Save this as `(\S+)`[^`]*\Z", text[: match.start()])
         if row:
             lines += re.findall(r"`(irg \w+ [^`]+)`", row)
+        elif saved or language == "toml":
+            name = re.findall(r"`(\w+\.(?:toml|csv|py))`", text[: match.start()])[-1]
+            lines += [f"cat > {name} <<'EOF'", block, "EOF"]
         elif language == "python":
             lines += ["python - <<'EOF'", block, "EOF"]
-        elif language == "" and re.match(r"irg |make |\. ", block):
+        elif language == "":
+            assert re.match(r"irg |make |\. |python ", block), block
             lines += [line for line in block.splitlines() if not line.startswith(LEFT_OUT)]
-        else:
-            name = re.findall(r"`(\w+\.(?:toml|csv))`", text[: match.start()])[-1]
-            lines += [f"cat > {name} <<'EOF'", block, "EOF"]
     return "\n".join(lines)
 
 
 def run(script, folder):
-    """Run a script in bash, in the environment of the copy."""
-    command = ["bash", "-c", f"export PATH={folder}/.venv/bin:$PATH\n{script}"]
+    """Run a script in bash, in the environment of the copy; return the lines that it prints."""
+    command = ["bash", "-c", f"export PATH={Path(sys.executable).parent}:$PATH\n{script}"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-3000:]
+    return [" ".join(line.split()) for line in done.stdout.splitlines()]
 
 
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(
-    "page", ["README.md", "workflows/FIRST_HOUR.md", "workflows/YOUR_SYSTEM.md"]
+    ("page", "commands"),
+    [
+        ("README.md", 6),
+        ("workflows/FIRST_HOUR.md", 6),
+        ("workflows/YOUR_SYSTEM.md", 6),
+        ("workflows/OWN_LAWS.md", 1),
+    ],
 )
-def test_what_a_page_shows_runs_as_typed(page, copy):
-    script = script_of((ROOT / page).read_text(encoding="utf-8"))
-    assert script.count("\nirg ") >= 6
-    run(script, copy)
+def test_what_a_page_shows_runs_as_typed_and_prints_what_it_shows(page, commands, copy):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    script = script_of(text)
+    assert len(re.findall(r"^(?:irg|python) \w", script, re.MULTILINE)) >= commands
+    printed = run(script, copy)
+    for shown in re.findall(r"^```text\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        for line in filter(None, shown.splitlines()):
+            assert " ".join(line.split()) in printed
 
 
 @pytest.mark.slow
