@@ -153,22 +153,13 @@ ROWS = {
         last_line,
     ),
     "laboratories": Row(
-        "synthetic laboratories: 90 % intervals hold the common shift; places called mild at 2 to "
+        "synthetic laboratories: 90 % intervals hold the bias; places called mild at 2 to "
         "5 % are severe; places called severe at 95 to 98 % are mild",
         ("pipeline/answers",),
         "python -m tests.promises.laboratories",
         "100",
         "",
         shares,
-    ),
-    "linear": Row(
-        "change of the rise of `first_try` by a doubled input, at most, and how far half the input "
-        "is off the straight line in logarithms",
-        ("tribo",),
-        "python -m tests.promises.linear",
-        "",
-        None,
-        last_line,
     ),
     "past heat": Row(
         "the heat model `elapsed` makes Θ₁₀ of `first_try` at 400 N and 1 m/s too high",

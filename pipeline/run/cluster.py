@@ -97,7 +97,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
     routes = {"distributed.scheduler.http.routes": _STATICS if dashboard else []}
     with dask.config.set(CONFIGURATION | routes):
         with _no_interrupts():
-            _start_forkserver()
+            start_forkserver()
             try:
                 cluster = LocalCluster(
                     n_workers=workers,
@@ -127,7 +127,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                         process.kill()  # or Python would wait for them when it ends
 
 
-def _start_forkserver() -> None:
+def start_forkserver() -> None:
     """Start the process from which workers are forked, which imports their packages once."""
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():

@@ -17,8 +17,9 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
+from pipeline.run import work
+from pipeline.run.cluster import start_forkserver
 from pipeline.sweep.sweep import Point
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
@@ -33,16 +34,16 @@ def scene():
 
 
 class CountedPoints:
-    """Replacement of `run_points` in a worker, which adds up the CPU time of points [s]."""
+    """Replacement of `run_point` in a worker, which adds up the CPU time of points [s]."""
 
     def __init__(self):
         self.seconds = 0.0
-        self._run_points, work.run_point = work.run_point, self
+        self._run_point, work.run_point = work.run_point, self
 
     def __call__(self, *arguments, **options):
         began = time.thread_time()
         try:
-            return self._run_points(*arguments, **options)
+            return self._run_point(*arguments, **options)
         finally:
             self.seconds += time.thread_time() - began
 
@@ -78,9 +79,9 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
     @contextmanager
     def counted(*arguments):
         with connected(*arguments) as link:
-            link.client.run(CountedPoints)
+            link.run(CountedPoints)
             for sign in -1, 1:
-                there = list(link.client.run(used).values())
+                there = list(link.run(used).values())
                 seconds.append(sign * (time.process_time() + sum(took for took, _ in there)))
                 points.append(sign * sum(of_points for _, of_points in there))
                 if sign < 0:
@@ -114,7 +115,7 @@ def simulate(sweep, velocities, core):
 
 def time_of_bare(processes, sweep):
     """Wall time [s] of processes that share the velocities, without a store or messages."""
-    forkserver.start()
+    start_forkserver()
     cores = sorted(os.sched_getaffinity(0))[:processes]
     with multiprocessing.get_context("forkserver").Pool(processes) as pool:
         work = [(sweep, sweep.velocities[i::processes], core) for i, core in enumerate(cores)]

@@ -12,26 +12,24 @@ elements. Prints a JSON document.
 """
 
 import argparse
+import itertools
 import json
 import tempfile
-import threading
 import time
-from collections import deque
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 import dask
 import numpy as np
-from distributed import Client
+from distributed import Client, as_completed
 
 import pipeline
-from pipeline.run import schedule
 from pipeline.run.cluster import CONFIGURATION, processes
-from pipeline.run.work import Work
+from pipeline.run.work import Case
 from pipeline.sweep.plan import choose_stations
 
-_LOADS, _WORKERS = 10, 2
+_LOADS, _WORKERS, _AT_ONCE = 10, 2, 16
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
 
 
@@ -74,7 +72,7 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
 def carried(sweep):
     """What a task carries of its case."""
     case = sweep.base
-    return Work(case.scene, "", choose_stations(sweep), False, case.has_film).pickled()
+    return Case(case.scene, choose_stations(sweep), False, case.has_film).pickled()
 
 
 class EnoughError(Exception):
@@ -105,24 +103,14 @@ def swept(client, sweep, out, duration):
 
 
 def empty_tasks(client, points):
-    """Compute empty tasks on Dask, handed out as in a sweep; return their number."""
-    left, done, running, news = deque(range(points)), deque(), 0, threading.Event()
-
-    def ended(future):
-        done.append(future)
-        news.set()
-
-    while left or running:
-        while left and running <= schedule._GROUP * _WORKERS:
-            keys = [f"empty-{left.popleft()}" for _ in range(min(schedule._GROUP, len(left)))]
-            for future in client.map(bool, [0] * len(keys), key=keys):
-                future.add_done_callback(ended)
-            running += len(keys)
-        news.wait()
-        news.clear()
-        while done:
-            done.popleft()
-            running -= 1
+    """Compute empty tasks on Dask, some at once for each worker; return their number."""
+    left, ended = iter(range(points)), as_completed(loop=client.loop)
+    for number in itertools.islice(left, _AT_ONCE * _WORKERS):
+        ended.add(client.submit(bool, 0, key=f"empty-{number}"))
+    for future in ended:
+        future.release()
+        for number in itertools.islice(left, 1):
+            ended.add(client.submit(bool, 0, key=f"empty-{number}"))
     return points
 
 

@@ -22,8 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
-from distributed import LocalCluster, Worker
-from pipeline.run.jobs import Jobs
+from distributed import Client, LocalCluster, Worker
 
 import pipeline
 from pipeline.run import work
@@ -63,12 +62,12 @@ async def host(address, number):
 def driven(out, address, options):
     """Drive the workers for a while; return what the start, points and commits cost."""
     marks, tasks, commits = [], [], []
-    start, commit = Jobs.submit, Store.commit
+    submit, commit = Client.map, Store.commit
     began = time.monotonic(), time.process_time()
 
-    def counted(self, jobs):
-        tasks.extend(jobs)
-        start(self, jobs)
+    def counted(self, function, cases, *more, **options):
+        tasks.extend(cases)
+        return submit(self, function, cases, *more, **options)
 
     def timed(self, records):
         before = time.monotonic(), time.thread_time()
@@ -85,7 +84,7 @@ def driven(out, address, options):
             raise EnoughError
 
     with (
-        mock.patch.object(Jobs, "submit", counted),
+        mock.patch.object(Client, "map", counted),
         mock.patch.object(Store, "commit", timed),
         suppress(EnoughError),
     ):

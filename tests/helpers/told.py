@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from pipeline.answers.specimen import merged
+from pipeline.answers.specimen import SWEPT, merged
 from pipeline.run.search import Search
 from pipeline.sweep.conditions import rise_limit
 
@@ -15,9 +15,10 @@ class Told:
     `conditions` judge rises per unit friction coefficient, `promised` is the error of the preset.
     """
 
-    def __init__(self, loads, velocities, conditions, promised, goal):
+    def __init__(self, loads, velocities, conditions, promised, goal, alone=SWEPT):
         self.loads, self.velocities = loads, velocities
         self.conditions, self.promised, self.goal = conditions, promised, goal
+        self._alone = alone
         shape = goal.patches, len(loads), len(velocities)
         self.asked = np.zeros(shape, bool)
         self._rises, self._sampling = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -45,6 +46,7 @@ class Told:
             self._durations,
             self.conditions.friction_factor if self.conditions.has_friction_curve else np.ones_like,
             is_highest,
+            self._alone,
         )
         limit = np.log(rise_limit(self.conditions))
         first = y[0] + specimen.offset - limit

@@ -14,14 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
-from pipeline.analysis.rises import Rises
-from pipeline.analysis.warned_points import exponents
 from scipy.stats import binom
 
 import pipeline
-from pipeline import Conditions
+from pipeline.answers.error import INTERPOLATION, rise_errors, total
 from pipeline.answers.preset_error import preset_bound
+from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.sweep import Point
@@ -37,11 +35,7 @@ from tribo.simulation.severity import worst_rises
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")
-CRITERIA = {
-    "highest": Criterion("highest"),
-    **{f"share {share:g}": Criterion(share=share) for share in (0.01, 0.1, 0.5)},
-    "mean": Criterion("mean"),
-}
+CRITERIA = {f"share {share:g}": Criterion(share=share) for share in (0.0, 0.01, 0.1, 0.5)}
 USUAL = "share 0.1"
 
 
@@ -165,33 +159,32 @@ def wanted(done, scenes):
 
 
 def plane_of(row, preset, name):
-    """`Rises` of a scene by a preset, as answers have it; of `fine` only its own points."""
+    """`Specimen` of a scene by a preset, as answers have it; of `fine` only its own points."""
     here = np.ix_(*(np.isin(row[f"all_{axis}"], row[axis]) for axis in ("loads", "velocities")))
     parts = (np.array(row[preset][one]) for one in (name, "flags", "durations"))
     rises, flags, durations = (x[here] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
-    slow = [exponents(velocities, line) < SLOWEST for line in rises]
-    return Rises(
-        loads=np.array(row["loads"]),
-        velocities=velocities,
-        plane=rises,
-        surface=np.zeros(rises.shape),  # all presets have the same surface
-        # `fine` has present heat only, too; its error is judged against all the heat so far.
-        flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
-        | np.array(slow) * int(WarningKind.SLOW_RISE),
-        durations=durations,
-        patches=np.ones(len(rises), int),
-        is_left_out=np.zeros(rises.shape, bool),
-        conditions=Conditions(1.0, 300.0, criterion=CRITERIA[name]),
-        promised=preset_bound(preset, CRITERIA[name]),
-        ends={},
-        source=None,
-    )
+    slopes = np.gradient(np.log(rises), np.log(velocities), axis=1)
+    # `fine` has present heat only, too; its error is judged against all the heat so far.
+    flags = flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
+    flags |= (slopes < SLOWEST) * int(WarningKind.SLOW_RISE)
+    same = np.zeros(len(rises))  # all presets have the same surface
+    return merged(np.array(row["loads"]), velocities, np.log(rises)[None], same, flags, durations)
 
 
 def half(row):
     """0 for scenes that constants are found by, 1 for those that judge them."""
     return row["number"] // len(SHIPPED) % 2
+
+
+def flags_around(plane, loads, velocities):
+    """Warnings of the points between which k places lie (k,)."""
+    after = np.searchsorted(plane.field.velocities, velocities).clip(1, None)
+    ends = after - 1, np.minimum(after, len(plane.field.velocities) - 1)
+    own = np.isin(velocities, plane.field.velocities)
+    columns = [np.where(own, np.searchsorted(plane.field.velocities, velocities), k) for k in ends]
+    rows = plane.field.beside(loads)
+    return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 
 def places(row, preset, name):
@@ -200,18 +193,17 @@ def places(row, preset, name):
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
     )
-    stated = rise_errors(plane, loads, velocities)
-    rows, columns = plane.rests_on(loads, velocities)
+    stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), loads, velocities)
     found = pd.DataFrame(
         {
             "preset": preset,
             "criterion": name,
-            "at_load": np.isin(loads, plane.loads),
-            "at_velocity": np.isin(velocities, plane.velocities),
-            "flags": np.bitwise_or.reduce(plane.flags[rows[..., None], columns], axis=(1, 2)),
-            "error": plane.rise(loads, velocities) / true.ravel() - 1,
+            "at_load": np.isin(loads, plane.field.loads),
+            "at_velocity": np.isin(velocities, plane.field.velocities),
+            "flags": flags_around(plane, loads, velocities),
+            "error": np.exp(plane.field(loads, velocities)) / true.ravel() - 1,
             "between": stated[INTERPOLATION],
-            "stated": totals(stated),
+            "stated": total(stated),
             "scene": row["name"],
             "family": row["family"],
             "half": half(row),
@@ -223,18 +215,17 @@ def places(row, preset, name):
 def beyond(row):
     """Yield true over stated errors of extrapolation from the two points beside the boundary."""
     whole = plane_of(row, "fine", USUAL)
-    if whole.plane.min() <= 0:
-        return
-    above = np.sum(whole.plane < np.median(whole.plane), axis=1)[:, None]
-    columns = np.arange(len(whole.velocities))
+    field, own = whole.field, whole.field.plane
+    above = np.sum(own < np.median(own), axis=1)[:, None]
+    columns = np.arange(len(field.velocities))
     is_kept = (columns == above) | (columns == above - 1)
-    plane = replace(whole, plane=np.where(is_kept, whole.plane, np.nan))
-    for load, known, rises in zip(whole.loads, is_kept, whole.plane, strict=True):
+    plane = whole._replace(field=replace(field, plane=np.where(is_kept, own, np.nan)))
+    for load, known, values in zip(field.loads, is_kept, own, strict=True):
         if known.sum() < 2:
             continue
-        places = whole.velocities[~known]
-        found = plane.rise(load, places) / rises[~known] - 1
-        yield from found / rise_errors(plane, np.full(len(places), load), places)[INTERPOLATION]
+        at = np.full((~known).sum(), load), field.velocities[~known]
+        found = np.exp(plane.field(*at) - values[~known]) - 1
+        yield from found / rise_errors(plane, 0.0, *at)[INTERPOLATION]
 
 
 def rms(values):

@@ -23,7 +23,6 @@ import numpy as np
 from pipeline.answers.preset_error import preset_of, velocity_error
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, compute, conclude, read, table
-from tests.helpers.entries import changed
 from tests.promises.families import case_of, cases
 from tests.promises.truth import deciding_rises, known
 from tribo import PRESETS, TriboError, simulate, warnings
@@ -76,7 +75,7 @@ def errors(case, fidelity):
     if any(f"{one:g}" not in true for one in velocities):
         return None
     true = np.array([true[f"{one:g}"] for one in velocities])
-    sweep = changed(sweep, fidelity=dividing(sweep.scene, fidelity))
+    sweep = sweep.with_fidelity(dividing(sweep.scene, fidelity), None)
     forget_kernels()
     began = time.process_time()
     ramps = [(one, Trunks()) for one in velocities]

@@ -22,10 +22,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from pipeline.analysis.rise_error import SURFACE, totals
-from pipeline.analysis.specimen import Alone
 
+from pipeline.answers.error import SURFACE, total
 from pipeline.answers.preset_error import presets_for, velocity_error
+from pipeline.answers.specimen import Alone
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_PATCHES, Goal, Place
 from pipeline.sweep.plan import choose_stations, run_point
@@ -104,8 +104,9 @@ class Planes:
     def search(self, accuracy, preset):
         """A search that has ended."""
         patches, alone = 1 if self.fixed else MOST_PATCHES, Alone.of(self._patches[preset][0])
-        goal = Goal(accuracy, patches, not self.fixed, alone)
-        search = Told(self.loads, self.velocities, self.conditions, self.promised[preset], goal)
+        goal = Goal(accuracy, patches, not self.fixed)
+        plane = self.loads, self.velocities, self.conditions
+        search = Told(*plane, self.promised[preset], goal, alone)
         while batch := search.ask():
             self.tell(search, batch, preset)
         return search
@@ -130,20 +131,19 @@ class Planes:
             apart = np.log(np.array(rises) / rises[0])
             apart = apart.max() if self.conditions.criterion.is_highest else apart.mean()
         rise = self.point("reference", 0, load, at)[0] * np.exp(apart)
-        rises = self._plane.rises
         factor = self.conditions.friction_factor(np.array([at])).item()
-        here, there = rises.y(load, np.array([velocity, at]))
-        return np.log(rise * factor / rises.limit) + here - there
+        here, there = _y(self._plane, load, np.array([velocity, at]))
+        return np.log(rise * factor) - self._plane.limit + here - there
 
     def errors(self, accuracy):
         """What a search for an accuracy takes, and its true error at each load."""
         preset = next(name for name, one in self.promised.items() if (one or 0.0) < accuracy)
         search = self.search(accuracy, preset)
         parts = search.errors if not self.fixed else np.delete(search.errors, SURFACE, axis=0)
-        best, found = float(np.nanmax(totals(parts), initial=0.0)), []
+        best, found = float(np.nanmax(total(parts), initial=0.0)), []
         for load, velocity in zip(self.loads, search.critical, strict=True):
             if np.isfinite(velocity) and best <= accuracy:
-                beside = search.rises.y(load, velocity * np.array([1 / _BESIDE, _BESIDE]))
+                beside = _y(search, load, velocity * np.array([1 / _BESIDE, _BESIDE]))
                 slope = np.diff(beside).item() / (2 * np.log(_BESIDE))
                 y = self.true_y(load, velocity)
                 found.append([load, velocity, float(np.expm1(y / slope))])
@@ -165,12 +165,11 @@ class Planes:
             search = Told(self.loads, self.velocities, judged, 0.0, _FIRST_PATCH)
             while batch := search.ask():
                 self.tell(search, batch)
-            counts = [
-                np.isfinite(one.rises.turns("velocity", self.loads).places).sum(axis=1)
-                for one in (every, search)
-            ]
+            level = self.loads, np.full(len(self.loads), search.limit)
+            lines = [one.specimen.field.along_velocity(*level) for one in (every, search)]
+            counts = [np.isfinite(one.places).sum(axis=1) for one in lines]
             for number in np.flatnonzero(search.asked[0].any(axis=1)):
-                if not _touches(every.rises, self.loads[number]):
+                if not _touches(every, self.loads[number]):
                     found.append([int(count[number]) for count in counts])
         return found
 
@@ -190,9 +189,14 @@ def _law(rng, velocities, bends):
     return tuple(zip(np.exp(nodes).tolist(), factors.tolist(), strict=True))
 
 
-def _touches(rises, load):
+def _y(search, load, velocities):
+    """ln(rise/limit) at velocities of a load, by what a search was told."""
+    return search.specimen.field(np.full(velocities.shape, load), velocities) - search.limit
+
+
+def _touches(search, load):
     """True if ln(rise/limit) turns so near to 0 that roughness decides about two crossings."""
-    y = rises.y(load, np.geomspace(rises.velocities[0], rises.velocities[-1], 1000))
+    y = _y(search, load, np.geomspace(search.velocities[0], search.velocities[-1], 1000))
     is_turn = np.diff(np.sign(np.diff(y))) != 0
     return bool(np.any(np.abs(y[1:-1][is_turn]) < _TOUCHES))
 

@@ -1,63 +1,49 @@
-"""What verdicts promise where inputs are uncertain: synthetic laboratories with a known truth.
+"""What verdicts promise: synthetic laboratories with a known truth.
 
-Each has four inputs, a bias and a scatter drawn from their priors. Its tests are drawn, and places
-judged that it has not tested.
+Each has a bias and a scatter drawn from their priors. Its tests are drawn, and points judged that
+it has not tested.
 """
 
 import sys
 
 import numpy as np
-from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
-from scipy.special import ndtr
 
+from pipeline.answers.likelihood import Outcome, Prior, update
 from tests.helpers.campaigns import conclude, table
 
 KINDS = "transitions", "stages", "outcomes"
 HEADS = (
-    "tests", "kind", "shift in 90 %", "mild at 2 to 5 %, severe", "severe at 95 to 98 %, mild",
+    "tests", "kind", "bias in 90 %", "mild at 2 to 5 %, severe", "severe at 95 to 98 %, mild",
 )  # fmt: skip
-_STAGE, _INPUTS, _PLACES = 0.15, 4, 40
+_STAGE, _PLACES = 0.15, 40
 _HELD, _MOST_WRONG = (0.85, 0.95), 0.07
 
 
-def tests(kind, rng, shift, scatter, effects):
-    """Results of tests on specimens whose latent values are moved by `shift` and `scatter`."""
-    n = len(shift)
-    at = -(shift + scatter * rng.normal(size=n))  # y of each specimen's transition
-    y = {
-        "transitions": at,
-        "stages": at + rng.uniform(0, _STAGE, n),
-        "outcomes": rng.uniform(-0.4, 0.4, n),
-    }[kind]
-    width = {"transitions": 0.0, "stages": _STAGE, "outcomes": np.inf}[kind]
-    signs = np.where(y > at, 1, -1) if kind == "outcomes" else np.ones(n, int)
-    rows = zip(y.tolist(), signs.tolist(), effects.tolist(), strict=True)
-    return tuple(SpecimenResult(one, sign, width, a=tuple(a)) for one, sign, a in rows)
-
-
-def cumulated(belief, a, shift):
-    """Probability that the places' common shift is below `shift`."""
-    size = np.column_stack([np.broadcast_to(a, (len(belief.bias), len(a))), belief.bias])
-    mean = np.einsum("gk,gk->g", size, belief.means)
-    variance = np.einsum("gk,gkl,gl->g", size, belief.covariances, size)
-    return float(belief.weights @ ndtr((shift - mean) / np.sqrt(variance)))
+def tests(kind, count, rng, bias, scatter):
+    """Results of tests on specimens whose rises are off by `bias` and `scatter`."""
+    at = -(bias + scatter * rng.normal(size=count))  # y of each specimen's transition
+    if kind == "transitions":
+        return tuple(Outcome(y, y) for y in at.tolist())
+    if kind == "stages":
+        severe = at + rng.uniform(0, _STAGE, count)
+        return tuple(Outcome(y, y - _STAGE) for y in severe.tolist())
+    pairs = zip(rng.uniform(-0.4, 0.4, count).tolist(), at.tolist(), strict=True)
+    return tuple(Outcome(severe=y) if y > own else Outcome(mild=y) for y, own in pairs)
 
 
 def laboratory(kind, count, rng):
-    """Position of the true shift in its distribution; stated probabilities, and outcomes."""
-    a = rng.normal(-0.05, 0.08, _INPUTS)
-    effects = a * rng.uniform(0.7, 1.3, (count, _INPUTS))
-    z, bias = rng.normal(size=_INPUTS), 0.05 * rng.standard_t(4)
-    scatter = 0.055 * np.sqrt(4 / rng.chisquare(4))
-    seen = tests(kind, rng, effects @ z + bias, scatter, effects)
-    belief, true = condition(seen, Prior(), _INPUTS), float(a @ z) + bias
+    """Position of the true bias in its distribution; stated probabilities, and outcomes."""
+    prior = Prior()
+    bias = prior.bias * rng.standard_t(4)
+    scatter = prior.scatter * np.sqrt(4 / rng.chisquare(4))
+    belief = update(tests(kind, count, rng, bias, scatter), prior)
     y = rng.uniform(-0.5, 0.3, _PLACES)
-    severe = y + true + scatter * rng.normal(size=_PLACES) > 0
-    return cumulated(belief, a, true), belief.probability(y, tuple(a)), severe
+    severe = y + bias + scatter * rng.normal(size=_PLACES) > 0
+    return belief.weights[belief.bias < bias].sum(), belief.probability(y), severe
 
 
 def judged(kind, count, number, seed=0):
-    """Shares: intervals that hold the shift, and wrong verdicts that are barely mild and severe."""
+    """Shares: intervals that hold the bias, and wrong verdicts that are barely mild and severe."""
     rng = np.random.default_rng(seed)
     parts = [laboratory(kind, count, rng) for _ in range(number)]
     places = np.array([place for place, _, _ in parts])

@@ -13,9 +13,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from pipeline.analysis import specimen
 
 import pipeline
+from pipeline.answers.error import SURFACE
+from pipeline.answers.judge import JudgedCase
+from pipeline.answers.results import cases_of
 from tests.helpers.campaigns import conclude, table
 
 SCENES = {
@@ -55,18 +57,18 @@ def places(name, patches=16, **changes):
         half = patches // 2
         halves = (here.isel(realization=part) for part in (slice(half), slice(half, None)))
         rises, errors = zip(*(stated(one, load, velocity) for one in halves), strict=True)
-        held = pipeline.results(here)
-        levels = np.log(held.rises(held.conditions)).ravel()
-        own = specimen._sampling(held, held.conditions).ravel()
+        (case,) = cases_of(here)
+        conditions = case.sweep.conditions
+        levels, own = case.log_rises(conditions).ravel(), case.sampling(conditions).ravel()
         yield load, velocity, rises, errors, levels.std(ddof=1), own
 
 
 def stated(ds, load, velocity):
     """Rise of a specimen [K], and the relative error that it states for the surface."""
-    held = pipeline.margin(ds, load, velocity, without_tests=True)
-    conditions = pipeline.results(ds).conditions
-    rise = held.deciding_temperature - conditions.bulk_temperature
-    return rise, held.error.surface / rise
+    (case,) = cases_of(ds)
+    judge = JudgedCase(case).under(case.sweep.conditions)
+    at = np.array([load]), np.array([velocity])
+    return np.exp(judge.field(*at)).item(), judge.errors(*at)[SURFACE].item()
 
 
 def scene_is_local(name):

@@ -63,7 +63,7 @@ def random_sweep(seed):
         fidelity=ROUGHLY,
     )
     lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # correlation lengths in pixels
-    return _with_boundary(window_guess(sweep, lengths, velocity), velocity)
+    return with_boundary(window_guess(sweep, lengths, velocity), sweep.loads[2], velocity)
 
 
 def window_guess(sweep, lengths, velocity):
@@ -91,12 +91,12 @@ def window_guess(sweep, lengths, velocity):
     return sweep
 
 
-def _with_boundary(sweep, velocity):
-    """Copy of a sweep with a critical temperature that puts the boundary in its middle."""
-    state = state_at(sweep.scene, sweep.loads[2], velocity)
-    rises = state_rises(sweep.scene, state, sweep.conditions.corrections)
-    own = replace(sweep.conditions, corrections=None)
-    rise = float(own.criterion.rise(rises))
+def with_boundary(sweep, load, velocity):
+    """Copy of a sweep with a critical temperature at which wear turns severe at this point."""
+    scene = sweep.cases[0].scene
+    rise = float(
+        sweep.conditions.criterion.rise(state_rises(scene, state_at(scene, load, velocity), None))
+    )
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

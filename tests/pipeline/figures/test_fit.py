@@ -20,7 +20,7 @@ def sweep():
     return synthetic.sweep(loads=(200.0, 400.0, 750.0), velocities=(1.0, 2.0, 4.0), fields=True)
 
 
-@pytest.mark.parametrize("kind", {*KINDS} - {"rows"})
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "rows"])
 def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
     figure = plot(
         with_fields(sweep, title=r"worn by $\frac$" + chr(27) + 100 * "words "),

@@ -1,5 +1,9 @@
 """A run with a goal: it computes until the whole error of the boundary is below an accuracy."""
 
+import re
+import shlex
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -169,3 +173,23 @@ def test_a_plane_that_was_computed_first_keeps_no_goal_from_being_reached(tmp_pa
 def test_the_whole_history_needs_no_second_entry(irg):
     said = irg("check", "first_try", "--set", "heat_model=history")
     assert "points   24" in said
+
+
+RECIPE = re.findall(r"^\t\$\(BIN\)/irg (run .*)$", Path("Makefile").read_text(), re.MULTILINE)
+FEWER = {"sweep.loads": '["400 N", "750 N"]', "sweep.velocities": '["1 m/s", "2 m/s", "4 m/s"]'}
+
+
+def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path, irg):
+    out = tmp_path / "diagram.zarr"
+    small = [word for name, value in FEWER.items() for word in ("--set", f"{name}={value}")]
+    plane, goal = ([*shlex.split(step), *small, "-o", out, "--workers", "1"] for step in RECIPE)
+    accuracy = float(goal[goal.index("--accuracy") + 1].removesuffix("%"))
+    assert f"{out}: 6 of 6 points done" in irg(*plane)
+    said = irg(*goal)
+    reached = re.search(r"accuracy 3 % reached: at most ± ([\d.]+) %, at (\d+) N", said)
+    rows = irg("boundary", out, "--json")
+    stated = {row["load [N]"]: row["velocity error [%]"] for row in rows}
+    assert float(reached[1]) == pytest.approx(max(stated.values()), abs=0.01)
+    assert stated[float(reached[2])] == max(stated.values()) < accuracy
+    for step in plane, goal:  # the same commands once more compute nothing
+        assert ", 0 of them now," in irg(*step)

@@ -216,7 +216,6 @@ SCRIPT = """
 import sys
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
-from tests.helpers.stores import opened
 if __name__ == "__main__":
     endless = tiny.EndlessRamp(150.0, 750.0, faulty_load=max(tiny.LOADS))
     sweep = tiny.full(loading=endless)
@@ -281,7 +280,6 @@ UNGUARDED = """
 import sys
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
-from tests.helpers.stores import opened
 run_sweep(tiny.sweep(), sys.argv[1], workers=2)
 """
 
