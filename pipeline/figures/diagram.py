@@ -27,8 +27,9 @@ from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.units import value_words
 from pipeline.constants import DECIDED
 from pipeline.figures import style
+from pipeline.figures.fields import LIKE, Wanted, wanted_values
 from pipeline.figures.markers import mark_places, mark_tests
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import Place
 from pipeline.units import in_si
@@ -42,12 +43,16 @@ _LIGHTEST = 0.85  # end of the colour map used for several cases
 _NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
 _STEEPEST = 50.0  # largest |y| of a figure
 _BESIDE = 1e-6  # of a probability, beside the end of a region
+_DOT = 3.0  # size of the mark of a simulated point
 _ERROR: dict[str, Any] = {"color": "#C8C8C8"}
 _NAMES = (
     (MILD, "mild wear\n(I and II)", BLUE),
     (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
 )
 """Name of each region and its colour, by verdict."""
+COMPUTED = "computed boundary, numerical error"
+UNDECIDED = "undecided: severe wear 5 to 95 % probable"
+"""Labels in legends."""
 _WIDE = 3.0  # width of a name over its height
 _LEAST_ROOM = 0.1  # around a name, over the width of a usual figure
 
@@ -61,23 +66,19 @@ def diagram(
     conditions: Mapping[str, Any],
     realization: int | None = None,
     log: bool = False,
-    load: float | str | None = None,
-    velocity: float | str | None = None,
-    places: Sequence[Place] = (),
+    load: Wanted = None,
+    velocity: Wanted = None,
 ) -> Figure:
     """Draw the transition diagram.
 
-    The load–velocity plane is shaded by the verdict of `pipeline.margin`. The computed boundary is
-    drawn with its numerical error, and that with tests, if there are any. Several surfaces are
-    patches of one specimen; `realization`, the seed of a surface, chooses a single one. Of several
-    cases only the boundaries are drawn, each in its own colour. `log` makes both axes logarithmic,
-    without velocity 0. The operating point at `load` and `velocity` is marked, in SI or as text
-    with a unit; `places` are several, as pairs in SI.
+    The load–velocity plane is shaded by the verdict of `pipeline.margin`. The heavy line is the
+    boundary with tests, if there are any; the computed boundary has a band of numerical error. Dots
+    are simulated points. `realization`, the seed of a surface, chooses one of several surface
+    realizations. Of several cases only the boundaries are drawn, each in its own colour. `log`
+    makes both axes logarithmic, without velocity 0. `load` and `velocity` of an operating point are
+    marked, in SI or as text with a unit; lists of equal length are pairs.
     """
-    if (load is None) != (velocity is None):
-        raise InputError("load and velocity go together; give both, or neither")
-    if load is not None and velocity is not None:
-        places = [(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))]
+    places = _places(load, velocity)
     if not {*PLANE} <= {*ds["status"].dims}:
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no plane of them; "
@@ -88,33 +89,64 @@ def diagram(
     is_plane = min(len(case.loads), len(case.velocities)) > 1
     figure, axes = style.canvas(_SIZE)
     found = pipeline.boundary(ds, **conditions)
+    several = [str(dim) for dim in found["critical_velocity"].dims if dim not in PLANE]
+    if several and not is_plane:
+        raise InputError(
+            "the diagram of several cases needs at least two loads and two velocities; irg "
+            "boundary prints their transitions"
+        )
     bulk = float(found["bulk_temperature"].values.flat[0])
     tests, entry, caption = mark_tests(axes, case, bulk)
-    mark_places(axes, places)
     marked = [*tests, *places]
-    several = [str(dim) for dim in found["critical_velocity"].dims if dim not in PLANE]
+    each = [f"judged at {one}" for one in words.told(found, "conditions")]
+    legend = Legend()
     if several:
-        if not is_plane:
-            raise InputError(
-                "the diagram of several cases needs at least two loads and two velocities; irg "
-                "boundary prints their transitions"
-            )
         x, y, plane = _plane(ds, case, conditions)
         legend = _draw_cases(axes, plane, x, y, several)
-        each = words.told(found, "conditions")
-        alike = f"; judged at {each[0]}" * (len(each) == 1)
-        caption.insert(0, f"transition by {' and '.join(several).replace('_', ' ')}{alike}")
+        by = " and ".join(several).replace("_", " ")
+        each = ["; ".join([f"boundary by {by}", *each * (len(each) == 1)])]
+    elif is_plane:
+        x, y, plane = _plane(ds, case, conditions)
+        legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
+        _name_regions(axes, x, y, plane["verdict"].values, marked)
+        each += _captions(case, found, x, y, bulk)
+        caption[:0] = _mark_simulated(axes, ds, conditions)
     else:
-        told = [f"judged at {words.told(found, 'conditions')[0]}"]
-        legend = Legend()
-        if is_plane:
-            x, y, plane = _plane(ds, case, conditions)
-            legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
-            _name_regions(axes, x, y, plane["verdict"].values, marked)
-            told += _captions(case, found, x, y, bulk)
-        else:
-            legend = _mark_points(axes, ds, case, conditions)
-        caption = [*told, *_mark_lacking(axes, ds, conditions), *caption]
+        legend = _mark_points(axes, ds, case, conditions)
+        caption[:0] = _mark_simulated(axes, ds, conditions)
+    _set_axes(axes, case, marked, log)
+    mark_places(axes, places)
+    surface = f", surface {realization}" * (realization is not None)
+    style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
+    legend |= entry
+    notes = split_notes(words.told(found, "notes"))[:1]
+    style.legend_below(
+        figure,
+        2 if len(legend) == 4 else 3,
+        handles=[*legend.values()],
+        labels=[*legend] or None,
+        caption="\n".join([*each, "; ".join(caption), *notes]),
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+    )
+    return figure
+
+
+def _places(load: Wanted, velocity: Wanted) -> list[Place]:
+    """Operating points in SI, from loads and velocities that are pairs."""
+    loads, velocities = (
+        [in_si(axis, one, LIKE[axis]) for one in wanted_values(values)]
+        for axis, values in (("load", load), ("velocity", velocity))
+    )
+    if len(loads) != len(velocities):
+        raise InputError(
+            "load and velocity go together; give both, or neither: "
+            f"{len(loads)} loads and {len(velocities)} velocities are no pairs"
+        )
+    return [*zip(loads, velocities, strict=True)]
+
+
+def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[Place], log: bool) -> None:
+    """Scale the axes to the sweep and to what is marked, and label them."""
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
@@ -125,20 +157,7 @@ def diagram(
     ):
         if ends[0] < ends[1]:
             limit(min([ends[0], *at]), max([ends[1], *at]))
-    surface = f", surface {realization}" * (realization is not None)
-    style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    legend |= entry
-    notes = split_notes(words.told(found, "notes"))
-    style.legend_below(
-        figure,
-        2 if len(legend) == 4 else 3,
-        handles=[*legend.values()],
-        labels=[*legend] or None,
-        caption="\n".join([*caption, *notes[:1]]),
-        handler_map={tuple: HandlerTuple(ndivide=None)},
-    )
-    return figure
 
 
 def _plane(
@@ -192,35 +211,41 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
         hatched.set(gid=OUTSIDE, edgecolor=GREY, linewidth=[0.0])
         legend["outside the model: oil film"] = Patch(fc="none", ec=GREY, hatch="///")
     if (verdict == NOT_DECIDED).any():
-        legend["next run not decided (5 to 95 %)"] = Patch(**style.BAND)
+        legend[UNDECIDED] = Patch(**style.BAND)
     return legend
 
 
 def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: Array) -> Legend:
-    """Draw the boundary as computed, with its numerical error, with tests, and by friction."""
+    """Draw the boundary with tests, as computed with its numerical error, and by friction.
+
+    The heavy line is the answer: with tests, if there are any.
+    """
     legend, inside = Legend(), plane["verdict"] != OUTSIDE
+    has_tests = False
+    if plane.attrs["tests"]:
+        above = plane["probability"].where(inside).values - DECIDED[1]
+        has_tests = zero_line(axes, x, y, above, "boundary with tests", **style.BOUNDARY)
+    if has_tests:
+        legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
     severity = plane["log_severity"].clip(-_STEEPEST, _STEEPEST).where(inside).values
-    if zero_line(axes, x, y, severity, "boundary", **style.BOUNDARY):
+    look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
+    if zero_line(axes, x, y, severity, "boundary", **look):
         apart = abs(plane["distance"]) - plane["temperature_error"].fillna(0.0)
         beside = apart.where(inside).values
         if (beside < 0).any():
             low = np.nanmin(beside) - 1.0
             axes.contourf(x, y, beside, [low, 0.0], colors=[_ERROR["color"]]).set_gid("error")
         band = [Stroke(linewidth=9, foreground=_ERROR["color"]), Normal()]
-        line = Line2D([], [], path_effects=band, **style.BOUNDARY)
-        legend["computed transition, numerical error"] = line
-    look: dict[str, Any] = {"color": GREEN, "lw": style.THICK}
-    if plane.attrs["tests"]:
-        above = plane["probability"].where(inside).values - DECIDED[1]
-        if zero_line(axes, x, y, above, "boundary with tests", **look):
-            legend["transition with tests (50 %)"] = Line2D([], [], **look)
+        legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
     frictions = case.sweep.friction_band or (0.0, 0.0)
     look = {"color": GREY, "lw": style.THIN, "ls": "--"}
     critical = plane["critical_friction"].where(inside).values
     ends = frictions if frictions[0] < frictions[1] else ()
     drawn = [zero_line(axes, x, y, critical - one, "friction", **look) for one in ends]
     if any(drawn):
-        legend[f"at friction {frictions[0]:g} and {frictions[1]:g}"] = Line2D([], [], **look)
+        legend[f"computed at friction {frictions[0]:g} and {frictions[1]:g}"] = Line2D(
+            [], [], **look
+        )
     return legend
 
 
@@ -271,15 +296,22 @@ def _mark_points(
     return legend
 
 
-def _mark_lacking(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterable[str]:
-    """Mark points that are pending or failed; yield a line of the caption on them."""
-    found = pipeline.points(ds, **conditions)
-    lacking = found["state"].isin(["failed", "pending"]).any("realization").values
+def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterable[str]:
+    """Mark simulated points, and those that are pending or failed; yield lines of the caption."""
+    state = pipeline.points(ds, **conditions)["state"]
+    lacking = state.isin(["failed", "pending"]).any("realization").transpose(*PLANE).values
+    looks: dict[str, tuple[Array, dict[str, Any]]] = {
+        "simulated": (~lacking, {"marker": ".", "ms": _DOT, "zorder": 2.5}),
+        "lacking": (lacking, {"marker": "x", "clip_on": False}),
+    }
+    for gid, (where, look) in looks.items():
+        rows, columns = np.nonzero(where)
+        if rows.size:
+            at = state["velocity"].values[columns], state["load"].values[rows]
+            axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, **look)
+    yield from ["dots: simulated points"] * bool((~lacking).any())
     if lacking.any():
-        rows, columns = np.nonzero(lacking)
-        places = found["velocity"].values[columns], found["load"].values[rows]
-        axes.plot(*places, "x", color=BLACK, clip_on=False, gid="lacking")
-        yield f"×: {len(rows)} points are pending or failed"
+        yield f"×: {lacking.sum()} points are pending or failed"
 
 
 def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:

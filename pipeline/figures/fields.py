@@ -25,7 +25,7 @@ Wanted = float | str | Iterable[float | str] | None
 """Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
 Spot = tuple[int, int]
 """Indices of a point along load and velocity."""
-_LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
+LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 class Shown(NamedTuple):
@@ -111,15 +111,26 @@ def require_done_at(load: float, is_done: Mask) -> None:
         raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
 
 
+def wanted_values(values: Wanted) -> list[float | str]:
+    """The values that a user gives: none, one, or several."""
+    return [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
+
+
+def require_single(kind: str, **given: Wanted) -> None:
+    """Raise an `InputError` if a figure of this `kind` is given several loads or velocities."""
+    for name, values in given.items():
+        if len(several := wanted_values(values)) > 1:
+            raise InputError(f"{kind} shows one {name}, not {len(several)}; give one")
+
+
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
     """Indices, in `places`, of the loads or velocities nearest to `values`; empty for None.
 
     `axis` is load or velocity, and `places` has the sweep's values along it.
     """
     found = list[int]()
-    several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
-    for value in several:
-        wanted = in_si(axis, value, _LIKE[axis])
+    for value in wanted_values(values):
+        wanted = in_si(axis, value, LIKE[axis])
         if not places[0] <= wanted <= places[-1]:
             raise InputError(
                 f"{axis} is {wanted:g} {UNITS[axis]}; the sweep has {places[0]:g} to "
@@ -149,6 +160,7 @@ def fields(
     to the transition. `realization` is the seed of the surface; by default the first one. In a
     figure as narrow as a journal's column the panels are stacked.
     """
+    require_single("fields", load=load, velocity=velocity)
     if "pressure" not in ds:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "

@@ -18,6 +18,7 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 """Marker and face colour of a test, by its outcome."""
 _REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
 _SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
+_OF_WORDS = 0.25  # of the width of a figure, for the numbers of an operating point
 _FEW = 6  # operating points up to which each has its numbers beside
 
 
@@ -74,13 +75,19 @@ def mark_tests(
 
 
 def mark_places(axes: Axes, places: Sequence[Place]) -> None:
-    """Mark operating points, with their load and velocity if there are few."""
+    """Mark operating points; few have their numbers beside, on the side away from the boundary."""
     look: dict[str, Any] = {"mfc": ASKED, "mec": "white", "zorder": 5, "clip_on": False}
     for load, velocity in places:
         size = 2.4 * rcParams["lines.markersize"]
         axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
-        if len(places) <= _FEW:
-            axes.annotate(
-                f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load), (8, 6), color=ASKED,
-                textcoords="offset points", fontweight="bold", path_effects=style.HALO, zorder=5,
-            )  # fmt: skip
+        if len(places) > _FEW:
+            continue
+        across, up = axes.transAxes.inverted().transform(axes.transData.transform((velocity, load)))
+        is_low = across + up < 1  # boundaries fall from the upper left to the lower right
+        to_left = across > _OF_WORDS if is_low else across > 1 - _OF_WORDS
+        axes.annotate(
+            f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
+            (-8 if to_left else 8, -6 if is_low else 6), textcoords="offset points", color=ASKED,
+            ha="right" if to_left else "left", va="top" if is_low else "bottom",
+            fontweight="bold", path_effects=style.HALO, zorder=5,
+        )  # fmt: skip

@@ -46,6 +46,8 @@ def plot(
     out: str | Path | None = None,
     width: float | str | None = None,
     plain: bool = False,
+    title: str | None = None,
+    dpi: float | None = None,
     **options: Any,
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
@@ -65,17 +67,21 @@ def plot(
         than the figure.
     plain : bool
         Draw no title and no caption.
+    title : str, optional
+        Title of the figure, by default that of the scene.
+    dpi : float, optional
+        Resolution in dots per inch; by default 150.
     **options
         Options of the kind:
 
         - all but tests and rows: ``realization``, seed of the surface to draw. By default the
           first; a diagram shows the specimen of all.
         - diagram: ``log``, True for logarithmic axes, without velocity 0; ``load`` and
-          ``velocity`` of an operating point to mark.
+          ``velocity`` of an operating point to mark, or lists of equal length for several.
         - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
           nearest load of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
-          the velocity nearest to the transition at that load.
+          the velocity nearest to the boundary at that load.
         - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
 
         Of a sweep also conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
@@ -113,6 +119,6 @@ def plot(
             raise InputError(f"{named} has no option {name!r}; it has {others}")
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
-    with style.fitted(metres, plain):
+    with style.fitted(metres, plain, title, dpi):
         drawn: Figure = kinds[named](ds, *[judged] * (not study), **asked)
-    return drawn if path is None else style.save_figure(drawn, path)
+        return drawn if path is None else style.save_figure(drawn, path)

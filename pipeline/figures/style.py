@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from matplotlib import rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
@@ -46,6 +46,7 @@ _USUAL = 8.0  # width of a figure for which the style's sizes are meant [in]
 _SMALLEST = 0.66  # least factor on these sizes that is readable
 _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # limits of the width of a figure [m]
+_COARSEST, _FINEST = 30, 1200  # limits of the resolution of a figure [dpi]
 _LETTER = 0.55  # mean width of a letter over the font size
 _CAPTION = 5  # most lines of a caption in a figure of usual width
 _MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
@@ -63,32 +64,47 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-_WIDTH = ContextVar[float | None]("width", default=None)
-"""Width of all figures drawn in this context [in]; None for the usual width of each."""
-_PLAIN = ContextVar("plain", default=False)
-"""True if figures in this context have no titles and captions."""
+class Look(NamedTuple):
+    """What a user asks of a figure, whatever it shows."""
+
+    width: float | None = None  # [in]; None for the usual width of each
+    plain: bool = False  # without title and caption
+    title: str | None = None  # instead of the figure's own
+    dpi: float | None = None  # dots per inch
+
+
+_USUAL_LOOK = Look()
+_LOOK = ContextVar("look", default=_USUAL_LOOK)
 
 
 @contextmanager
-def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
-    """Context manager: draw figures with a width [m] and, if `plain`, without titles and captions.
+def fitted(
+    width: float | None = None,
+    plain: bool = False,
+    title: str | None = None,
+    dpi: float | None = None,
+) -> Iterator[None]:
+    """Context manager: draw figures with a width [m], a title and a resolution.
 
-    Text and marks shrink less than the figure, at most to two thirds. So narrow figures are taller
-    in proportion.
+    If `plain`, they have neither titles nor captions. Text and marks shrink less than the figure,
+    at most to two thirds. So narrow figures are taller in proportion.
     """
     if width is not None and not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
-    tokens = _WIDTH.set(width and width / _INCH), _PLAIN.set(plain)
+    if dpi is not None and not _COARSEST <= dpi <= _FINEST:
+        raise InputError(f"dpi is {dpi:g}; it must be from {_COARSEST} to {_FINEST}")
+    if plain and title is not None:
+        raise InputError("a plain figure has no title; leave out one of plain and title")
+    token = _LOOK.set(Look(width and width / _INCH, plain, title, dpi))
     try:
         yield
     finally:
-        _WIDTH.reset(tokens[0])
-        _PLAIN.reset(tokens[1])
+        _LOOK.reset(token)
 
 
 def wanted_width(usual: float) -> float:
     """Width to draw a figure at [in]: the width set by `fitted`, else `usual`."""
-    return _WIDTH.get() or usual
+    return _LOOK.get().width or usual
 
 
 class Picture(Figure):
@@ -132,7 +148,9 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
         look = dict(_HOUSE) | {name: share * _HOUSE[name] for name in _SIZES}
         with _one_style:
             unset = [name for name in look if rcParams[name] == rcParamsDefault[name]]
-            with rc_context({name: look[name] for name in unset} | _COLOURS):
+            dpi = _LOOK.get().dpi
+            dots: dict[Any, Any] = {} if dpi is None else {"figure.dpi": dpi, "savefig.dpi": dpi}
+            with rc_context({name: look[name] for name in unset} | _COLOURS | dots):
                 return draw(*args, **kwargs)
 
     return styled
@@ -148,7 +166,7 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
     lines = [line for part in caption.splitlines() for line in textwrap.wrap(part, letters)]
     title = "\n".join(lines[:most]) + " …" * (len(lines) > most)
-    title = "" if _PLAIN.get() else title
+    title = "" if _LOOK.get().plain else title
     named = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
     options = {"handles": [*itertools.chain(*named)]} | options  # no warning if there are none
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
@@ -191,9 +209,10 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def write_title(owner: Axes | Figure, words: str) -> None:
-    """Write a title over axes or a figure (`owner`), wrapped to its width."""
-    write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
-    write("" if _PLAIN.get() else words, wrap=True)
+    """Write a title over axes or a figure (`owner`), wrapped: `words`, or the user's title."""
+    write, look = owner.set_title if isinstance(owner, Axes) else owner.suptitle, _LOOK.get()
+    words = words if look.title is None else as_text(look.title)
+    write("" if look.plain else words, wrap=True)
 
 
 def as_text(words: str) -> str:

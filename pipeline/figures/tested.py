@@ -1,4 +1,4 @@
-"""Figure of the laboratory's tests: rise over limit at each, beside what all of them say."""
+"""Figure of the laboratory's tests: rise ratio of each, beside what all of them say."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.figures import style
+from pipeline.figures.diagram import UNDECIDED
 from pipeline.figures.markers import legend_of_tests, mark_test
-from pipeline.figures.style import BLACK, GREEN, GREY
+from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
 _ROOM = 0.3  # above and below the rows of tests
@@ -25,7 +26,7 @@ _BESIDE = 1.15  # factor between the outermost values and the axis' ends
 
 @style.house_style
 def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
-    """Draw rise over limit of each test, at its own conditions, and the band that they leave.
+    """Draw rise ratio of each test, at its own conditions, and the band that they leave.
 
     A bar joins the mild and the severe end of a transition with a step. The caption counts tests
     without a result.
@@ -43,9 +44,9 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     low, middle, high = map(math.exp, found.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * known.sizes["test"]))
     legend: dict[str, Any] = {
-        "next run not decided (5 to 95 %)": axes.axvspan(low, high, **style.BAND),
-        "50 % severe, with tests": axes.axvline(middle, color=GREEN),
-        "as computed: mild below, severe above": axes.axvline(1.0, color=BLACK),
+        UNDECIDED: axes.axvspan(low, high, **style.BAND),
+        "boundary with tests (50 %)": axes.axvline(middle, **style.BOUNDARY),
+        "computed boundary": axes.axvline(1.0, color=BLACK, lw=style.THIN),
     }
     pairs = np.exp(np.stack([known["mild"].values, known["severe"].values], axis=1))
     outcomes = known["outcome"].values.tolist()
@@ -60,7 +61,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     places = zip(known["load"].values, known["velocity"].values, strict=True)
     axes.set_yticks(range(len(pairs)), [f"{load:g} N, {speed:g} m/s" for load, speed in places])
     style.plain_numbers(axes)
-    axes.set(xlabel="rise of the deciding temperature over its limit, computed for the test")
+    axes.set(xlabel="computed rise ratio of the test")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests at their own conditions")
     caption = f"the model's own error: {words.told(found, 'model_error')[0]}"

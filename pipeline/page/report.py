@@ -283,7 +283,10 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         f"normal load. Computed velocity at which wear turns severe, by load: {'; '.join(told)}"
     )
     caption = _sentence(words.judged_at(found)[0])
-    picture = _picture(lambda: diagram(ds, conditions, places=within), caption, f"{alt}.")
+    loads, velocities = ([place[axis] for place in within] for axis in (0, 1))
+    picture = _picture(
+        lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
+    )
     title = "Where wear turns severe, by load; tested: where a further run is severe by 5, 50, 95 %"
     grid = _grid(short(boundary_frame(found)), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline import boundary
-from pipeline.figures.diagram import diagram
+from pipeline.figures.diagram import COMPUTED, diagram
 from pipeline.figures.style import GREEN, HALO
 
 from .report import Report, texts
@@ -80,9 +80,8 @@ def fig10(study: Study) -> Report:
 
 def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
     """Add to a diagram the boundary with wear by local pressure, the paper's Eq. (26)."""
-    computed = "computed transition, numerical error"
-    (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == computed)
-    line.set_text("computed transition, swept wear")
+    (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == COMPUTED)
+    line.set_text("computed boundary, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)

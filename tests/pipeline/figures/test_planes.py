@@ -7,6 +7,7 @@ import xarray as xr
 import pipeline
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
 from tribo import InputError
 
@@ -46,7 +47,7 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     places = vertices(axes, "boundary")
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
-    assert "computed transition, numerical error" in words
+    assert "computed boundary, numerical error" in words
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert axes.get_title() == "White oil on ground steel"
     assert "the model's own error: " in legend.get_title().get_text()
@@ -56,7 +57,7 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
 
 def test_the_frictions_measured_have_a_line_each():
     axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
-    assert "at friction 0.08 and 0.12" in words
+    assert "computed at friction 0.08 and 0.12" in words
     edges = [one for one in axes.collections if one.get_gid() == "friction"]
     for edge, friction in zip(edges, (0.08, 0.12), strict=True):
         places = np.concatenate([path.vertices for path in edge.get_paths()])
@@ -82,8 +83,33 @@ def test_points_that_are_not_done_are_marked():
     ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
     axes, words, legend = drawn(ds)
     assert marks(axes, "lacking") == {(4.0, 200.0), (1.0, 300.0)}
+    whole = {(velocity, load) for velocity in VELOCITIES for load in LOADS}
+    assert marks(axes, "simulated") == whole - marks(axes, "lacking")
+    assert "dots: simulated points" in legend.get_title().get_text()
     assert "×: 2 points are pending or failed" in legend.get_title().get_text()
     assert len(words) <= 5
+
+
+def test_operating_points_are_marked_as_pairs_with_their_numbers():
+    axes = drawn(sweep(), load=["300 N", 500.0], velocity=[1.5, "3 m/s"])[0]
+    assert marks(axes, "operating point") == {(1.5, 300.0), (3.0, 500.0)}
+    sides = {one.get_text(): (one.get_ha(), one.get_va()) for one in axes.texts}
+    assert sides["300 N, 1.5 m/s"] == ("left", "top")  # too near to the edge for words at its left
+    assert sides["500 N, 3 m/s"] == ("left", "bottom")
+
+
+def test_the_heavy_line_is_the_boundary_with_tests_if_there_are_any():
+    def widths(ds):
+        axes, words, _ = drawn(ds)
+        named = ("boundary", "boundary with tests")
+        found = [one for one in axes.collections if one.get_gid() in named]
+        return {one.get_gid(): one.get_linewidth()[0] for one in found}, words
+
+    alone, words = widths(sweep())
+    assert not any("with tests" in one for one in words)
+    both, words = widths(sweep(measured=(bare_test(400.0, 2.25),)))
+    assert words[1:3] == ["boundary with tests (50 %)", "computed boundary, numerical error"]
+    assert both["boundary with tests"] == alone["boundary"] > 2 * both["boundary"]
 
 
 # One line, or several scenes
@@ -94,7 +120,7 @@ def test_a_single_load_or_velocity_has_its_points_alone():
         axes, words, _ = drawn(sweep(**one))
         assert marks(axes, "mild")
         assert marks(axes, "severe")
-        assert not any("computed transition" in one for one in words)
+        assert not any("computed boundary" in one for one in words)
 
 
 def two_pins(factors=(1.0, 0.1), **told):
@@ -120,7 +146,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
-    assert title.startswith("transition by pin radius; judged at ")
+    assert title.startswith("boundary by pin radius; judged at ")
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))

@@ -68,7 +68,7 @@ def contour(axes, gid):
 
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
-    judged, numerical, error, lacking, _ = legend.get_title().get_text().split("\n")
+    judged, numerical, error, marks, _ = legend.get_title().get_text().split("\n")
     assert judged == (
         "judged at friction 0.1 (tests 0.091 to 0.103), bulk 25 °C, critical temperature 145 °C"
     )
@@ -76,12 +76,12 @@ def test_diagram_says_its_conditions(drawn):
     assert re.fullmatch(
         "the model's own error: .* % of the rise .90 %., by 4 tests and the prior", error
     )
-    assert lacking == "×: 3 points are pending or failed"
+    assert marks == "dots: simulated points; ×: 3 points are pending or failed"
     assert labels(legend) == [
-        "next run not decided (5 to 95 %)",
-        "computed transition, numerical error",
-        "transition with tests (50 %)",
-        "at friction 0.09 and 0.103",
+        "undecided: severe wear 5 to 95 % probable",
+        "boundary with tests (50 %)",
+        "computed boundary, numerical error",
+        "computed at friction 0.09 and 0.103",
         "test: transition",
     ]
 
@@ -178,7 +178,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         expected = [ratio(test, velocity) for velocity in places]
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
-    assert {"next run not decided (5 to 95 %)", "50 % severe, with tests"} < {*said}
+    assert {"undecided: severe wear 5 to 95 % probable", "boundary with tests (50 %)"} < {*said}
 
 
 def test_a_diagram_names_a_test_without_a_result():

@@ -105,3 +105,13 @@ def test_a_full_disk_leaves_the_figure_that_was_there(ending, tmp_path, monkeypa
         style.save_figure(Figure(figsize=(2, 1)), link)
     assert out.read_bytes() == before
     assert {*tmp_path.iterdir()} == {out, link}
+
+
+def test_a_figure_has_the_title_and_the_resolution_that_a_user_gives(tmp_path):
+    out = tmp_path / "a.png"
+    pipeline.plot(synthetic.sweep(), out=out, dpi=60, title="Pump, 2 $")
+    with out.open("rb") as file:
+        head = file.read(24)
+    assert int.from_bytes(head[16:20]) == 8 * 60  # a diagram is 8 inches wide
+    drawn = pipeline.plot(synthetic.sweep(), title="Pump, 2 $")
+    assert drawn.axes[0].get_title() == r"Pump, 2 \$"

@@ -226,7 +226,7 @@ def test_the_legend_of_the_diagram_names_the_kind_of_wear_at_its_line(small):
     (legend,) = small("fig10").figure.legends
     names = [text.get_text() for text in legend.get_texts()]
     (named,) = [name for name in names if "swept" in name]
-    assert named == "computed transition, swept wear"
+    assert named == "computed boundary, swept wear"
     assert isinstance(legend.legend_handles[names.index(named)], Line2D)
 
 
