@@ -21,19 +21,19 @@ Critical velocities then err by 3.6 % at 99 % of 811 points, where a tenth decid
 Judged by `python -m tests.promises.errors`.
 """
 HIGHEST_SHARE = 0.05
-"""Failing share below which the criterion's temperature counts as the highest.
+"""Failing share below which the governing temperature counts as the highest.
 
 Judged by `python -m tests.promises.errors`.
 """
 BOUNDS_OF_MOST = {"standard": 0.03}
-"""Error bounds that presets have where most of the contact or its mean decides, if larger.
+"""Error bounds that presets have where most of the contact decides, if larger.
 
-Critical velocities then err by 2.4 and 1.8 % at 99 % of 811 points, where a tenth decides by 1.3 %.
+Critical velocities then err by 2.4 % at 99 % of 811 points, where a tenth decides by 1.3 %.
 
 Judged by `python -m tests.promises.errors`.
 """
 MOST_SHARE = 0.3
-"""Failing share from which on the criterion's temperature counts as that of most of the contact.
+"""Failing share from which on the governing temperature counts as that of most of the contact.
 
 Judged by `python -m tests.promises.errors`.
 """

@@ -56,7 +56,6 @@ ds = pipeline.open_sweep("a.zarr")
 pipeline.margin(ds, "400 N", 1.5)[0]
 pipeline.margin(ds, "400 N", 1.5, frction=0.12)
 pipeline.margin(ds, "400 N", 1.5).verdct
-pipeline.boundary(ds, criterion="hottest")
 pipeline.plot(ds, "diagramm")
 pipeline.plot(ds, "ramp", lod="400 N")
 pipeline.load_scene("first_try", preset="drat")

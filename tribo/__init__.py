@@ -22,7 +22,7 @@ The public names, in the order of work:
 - load, motion and wear: `Ramp`, `Stages`, `MeasuredLoad`, `Motion`, `Wear`, `WearLaw`
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
   `WarningKind`
-- verdict: `Conditions`, `judge`, `Verdict`, `Criterion`, `Rule`, `CRITERIA`, `QUANTILES`
+- verdict: `Conditions`, `judge`, `Verdict`, `QUANTILES`
 - effects that act after the simulation: `Corrections`, `Friction`, `Track`, `Disc`
 - oil film: `Oil`, `lubrication_regime`
 - closed forms: `analytic`
@@ -65,10 +65,7 @@ from .simulation import warnings as warnings
 from .surface import MeasuredRoughness as MeasuredRoughness
 from .surface import SelfAffineRoughness as SelfAffineRoughness
 from .surface import Surface as Surface
-from .thermal import CRITERIA as CRITERIA
 from .thermal import QUANTILES as QUANTILES
-from .thermal import Criterion as Criterion
 from .thermal import Disc as Disc
-from .thermal import Rule as Rule
 from .wear import Wear as Wear
 from .wear import WearLaw as WearLaw

@@ -81,7 +81,7 @@ class ConvergenceError(TriboError, RuntimeError):
 class InvariantError(TriboError):
     """A result that breaks a law it must obey, for example a law of physics.
 
-    It shows a defect of the program, or of a user's own wear law, surface or criterion.
+    It shows a defect of the program, or of a user's own wear law or surface.
 
     Examples
     --------

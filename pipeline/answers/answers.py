@@ -89,7 +89,7 @@ def margin(
         coordinates.
     **conditions
         Conditions to judge by in place of the scene's: ``friction``, ``bulk_temperature``,
-        ``critical_temperature``, ``share`` and ``criterion``. A list makes a dimension.
+        ``critical_temperature`` and ``share``. A list makes a dimension.
 
     Returns
     -------

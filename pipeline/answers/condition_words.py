@@ -51,10 +51,14 @@ def verdict_conditions(
     """
     critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
     said = f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
-    name, share = conditions.criterion.name, conditions.criterion.share
-    is_usual = name != "share" or share == USUAL_SHARE
-    said += "" if is_usual else f", failing share {100 * share:.4g} %"
+    share = conditions.critical_area_fraction
+    said += "" if share == USUAL_SHARE else f", failing share {100 * share:.4g} %"
     return f"{said}; {conditions.corrections.text}" if conditions.corrections else said
+
+
+def governing_words(share: float) -> str:
+    """Words that name the temperature which a share of the contact exceeds."""
+    return f"exceeded on {100 * share:g} % of the contact" if share else "maximum"
 
 
 def unmodelled_rise_words(conditions: Conditions) -> str:

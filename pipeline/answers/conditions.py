@@ -31,7 +31,7 @@ class ConditionValues(TypedDict, total=False):
     """Conditions to judge by in place of the scene's, as keywords of answers."""
 
     friction: Values | None
-    bulk_temperature: Values | Mapping[str, float | str] | None
+    bulk_temperature: Values | None
     critical_temperature: Values | None
     share: Values | None
     unmodelled_rise: Values | None
@@ -74,8 +74,6 @@ def _si(name: str, value: Any) -> Any:
             return _oil_temperature(name, value)
         case "share" | "unmodelled_rise":
             return share_of(value)
-        case "criterion":
-            return value
     try:
         return float(value)
     except ValueError:

@@ -1,6 +1,6 @@
 """ln(rise) of a specimen over load and velocity, from which every answer is read.
 
-The rise is that of the contact temperature which the criterion compares with the critical
+The rise is that of the contact temperature that is compared with the critical
 temperature, per unit friction coefficient [K]. Wear is severe where it is above a limit, (critical
 − bulk temperature)/friction. Answers speak of y = ln(rise/limit), which is severe above 0.
 

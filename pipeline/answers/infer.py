@@ -44,11 +44,10 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     """
     case = cases_of(ds)[0]
     stored = case.sweep.conditions
-    given = {"criterion": stored.criterion.name, **conditions}
-    own = judged(stored, given)
+    own = judged(stored, conditions)
     bulk = own.bulk_temperature
     if own.critical_temperature is None:
-        own = judged(stored, {**given, "critical_temperature": own.bulk_temperature + _USUAL})
+        own = judged(stored, {**conditions, "critical_temperature": own.bulk_temperature + _USUAL})
     judge = JudgedCase(case).under(own)
     specimens = [outcome_of(rows) for rows in judge.evidence.specimens]
     if not specimens:

@@ -67,10 +67,10 @@ class JudgedCase:
         known_critical_temperature(conditions)
         c = conditions
         specimen = self._once(
-            ("specimen", c.criterion, c.corrections),
+            ("specimen", c.critical_area_fraction, c.corrections),
             lambda: specimen_of(self.case, c, self._flags),
         )
-        oil = (c.critical_temperature, c.unmodelled_rise, c.criterion)
+        oil = (c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction)
         evidence = self._once(
             ("evidence", *oil, c.corrections),
             lambda: evidence_of(self.case, specimen, c),

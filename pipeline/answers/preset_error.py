@@ -14,7 +14,7 @@ from pipeline.constants import (
     PRESET_BOUNDS,
 )
 from pipeline.sweep.sweep import Sweep
-from tribo import PRESETS, Criterion, Fidelity, Scene
+from tribo import PRESETS, Fidelity, Scene
 
 KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
@@ -54,16 +54,18 @@ def velocity_error(sweep: Sweep) -> float | None:
 
     It is known for presets of numerical choices alone, adapted to the scene.
     """
-    return preset_bound(str(_preset(sweep)), sweep.conditions.criterion)
+    return preset_bound(str(_preset(sweep)), sweep.conditions.critical_area_fraction)
 
 
-def preset_bound(preset: str, criterion: Criterion) -> float | None:
-    """Bound of the relative error of critical velocities by a preset; None if it is none."""
-    shares = {"highest": 0.0, "share": criterion.share, "mean": 1.0}
-    larger, share = dict[str, float](), shares.get(criterion.name)
-    if share is not None and share < HIGHEST_SHARE:
+def preset_bound(preset: str, share: float) -> float | None:
+    """Bound of the relative error of critical velocities by a preset; None if it is none.
+
+    `share` is the critical area fraction.
+    """
+    larger = dict[str, float]()
+    if share < HIGHEST_SHARE:
         larger = BOUNDS_OF_HIGHEST
-    elif share is not None and share >= MOST_SHARE:
+    elif share >= MOST_SHARE:
         larger = BOUNDS_OF_MOST
     return larger.get(preset, PRESET_BOUNDS.get(preset))
 

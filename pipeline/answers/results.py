@@ -239,7 +239,7 @@ class CaseResults:
     def log_rises(self, conditions: Conditions) -> Array:
         """ln(rise) at the worst step of each point, NaN if it is not done.
 
-        The rise [K] is that which the criterion compares with its limit, per unit friction
+        The rise [K] is that which is compared with its limit, per unit friction
         coefficient, without the effect of velocity on friction.
         """
         if conditions.friction and not self.sweep.scene.friction_heat:
@@ -247,7 +247,7 @@ class CaseResults:
                 f"friction is {conditions.friction:g}, but the sweep was computed without friction "
                 "and heat: run it again with friction, into another store"
             )
-        names = {"normal_load", conditions.criterion.column, *columns_needed(conditions)}
+        names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
         columns: dict[str, Any] = {name: self.array(name) for name in names}
         columns["quantile"] = self.ds["cooler_share"].values
         least = [load_that_counts(self.sweep.scene, load) for load in self.loads.tolist()]
@@ -257,7 +257,7 @@ class CaseResults:
 
     def sampling(self, conditions: Conditions) -> Array:
         """Relative deviation of the rise from patch to patch, as each point states it."""
-        names = ("rise_quantile", "mean_rise", *SAMPLING)
+        names = ("rise_quantile", *SAMPLING)
         columns = {name: self.array(name) for name in names}
         found = relative_sampling(columns, conditions, self.ds["cooler_share"].values)
         return np.where(self.done, found, np.nan)

@@ -38,7 +38,7 @@ class ComparedTest:
     conditions: Conditions | None
     severe: float = math.nan
     mild: float = math.nan
-    temperature: float = math.nan  # that the criterion compares, at the test's place [K]
+    temperature: float = math.nan  # compared with the critical one, at the test's place [K]
     is_outside: bool = False  #: True if an oil film carries too much, so that y does not count.
     reason: str = ""  #: Why the test has no y; empty if it has one.
 

@@ -22,7 +22,7 @@ from pipeline.quantities import display
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.words import remarks
-from tribo import CRITERIA, Criterion, WarningKind
+from tribo import WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation.point_warnings import SLOW
 from tribo.types import Array, Indices
@@ -66,7 +66,7 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     points, kinds, example = 0, dict[str, int](), ""
     for case in cases_of(ds):
         flags = warning_flags(case)
-        plain = judged(case.sweep.conditions, {**conditions, "criterion": "share"})
+        plain = judged(case.sweep.conditions, conditions)
         molten = case.done & (case.log_rises(plain) > math.log(max(plain.limit(MELTS), 1e-9)))
         flags = flags | molten * int(WarningKind.MOLTEN)
         points += int(np.count_nonzero(flags))
@@ -89,9 +89,8 @@ def warning_flags(case: CaseResults) -> Indices:
     flags = np.where(case.done, case.array("warning_flags"), 0).astype(int)
     if not case.sweep.scene.friction_heat:
         return flags
-    stored = case.sweep.conditions.criterion
-    kind = stored.name if stored.name in CRITERIA else "share"
-    rises = case.log_rises(Conditions(1.0, 300.0, criterion=Criterion(kind, stored.share)))
+    share = case.sweep.conditions.critical_area_fraction
+    rises = case.log_rises(Conditions(1.0, 300.0, critical_area_fraction=share))
     slow = np.apply_along_axis(
         lambda y: _exponents(np.log(case.velocities), y) < SLOWEST, -1, rises
     )

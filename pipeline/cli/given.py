@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _FILES = ("disk.roughness.file", "loading.file", "sweep.along")
-CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
 _NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
 """Numerical choices, which an accuracy replaces."""
@@ -80,9 +80,6 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
             if _OF_CONDITIONS[path] in conditions:
                 raise InputError(f"{path} is given twice; give it once")
             conditions[_OF_CONDITIONS[path]] = value
-    criterion = conditions.get("criterion", "share")
-    if "share" in conditions and criterion != "share":
-        raise InputError(f"criterion {criterion} has no share; leave out --share")
     return conditions
 
 
@@ -106,8 +103,6 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{several[0]} takes one value at a time here; give one")
-    if "share" in conditions_in(options):
-        conditions[PATHS["criterion"]] = "share"
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
     if getattr(options, "accuracy", None) is not None:
         named = ["--preset"] if options.preset else []

@@ -183,10 +183,6 @@ FRICTION = several("--friction MU", "coefficient of friction, at least 0", float
 BULK = several(
     "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"', str
 )
-CRITERION = several(
-    "--criterion NAME", 'temperature that decides: "share" (the one that --share of the contact '
-    'exceeds), "highest" or "mean"', str,
-)  # fmt: skip
 CONDITIONS = OptionGroup("conditions, instead of the scene's", (
     FRICTION,
     BULK,
@@ -198,13 +194,12 @@ CONDITIONS = OptionGroup("conditions, instead of the scene's", (
         "--share SHARE", "share of the contact above the critical temperature beyond which wear is "
         "severe, such as 10%%; 0 for the highest temperature", str,
     ),
-    CRITERION,
 ))  # fmt: skip
 
 JUDGED = (AT, CONDITIONS, WITHOUT_TESTS)
 
 OF_INFER = (
-    *OF_SCENE, CRITERION, *KEPT,
+    *OF_SCENE, *KEPT,
     quantity(
         "--contact-width", "W", "348 um",
         "width measured at --load and --velocity, to find the specific wear rate instead",

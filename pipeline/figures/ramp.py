@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.answers.condition_words import heating_words
+from pipeline.answers.condition_words import governing_words, heating_words
 from pipeline.answers.field import Field
 from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
@@ -29,7 +30,7 @@ from pipeline.figures.fields import (
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import COLUMNS, MADE, VARIABLES
-from pipeline.sweep.conditions import Conditions, changed_conditions, rise_limit
+from pipeline.sweep.conditions import Conditions, rise_limit
 from pipeline.sweep.left_out import doubt_lines
 from tribo import InputError
 from tribo.types import Array
@@ -120,14 +121,15 @@ def _draw(
 
 
 def _temperatures(axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[Spot]) -> None:
-    """Draw the highest, the criterion's and the critical temperature of points over time."""
+    """Draw the highest, the governing and the critical temperature of points over time."""
     handles, conditions = [], shown.conditions
     shares = shown.case.ds["cooler_share"].values
     for judged, look in _line_styles(conditions):
-        rise = judged.criterion.rise({**columns, "quantile": shares})
+        rise = judged.governing_rise({**columns, "quantile": shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
         _draw(axes, columns, temperature, points, look)
-        handles.append(Line2D([], [], color=BLACK, label=judged.criterion.temperature, **look))
+        words = governing_words(judged.critical_area_fraction)
+        handles.append(Line2D([], [], color=BLACK, label=words, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
@@ -136,10 +138,9 @@ def _temperatures(axes: Axes, shown: Shown, columns: Mapping[str, Any], points: 
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Pairs (conditions, line style): the highest temperature, then the criterion's if another."""
-    highest = changed_conditions(conditions, {"criterion": "highest"})
-    is_other = conditions.criterion.temperature != highest.criterion.temperature
-    return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]
+    """Conditions and line style of the highest temperature and, if another, the governing one."""
+    highest = replace(conditions, critical_area_fraction=0.0)
+    return [(highest, _DASHED), *[(conditions, _SOLID)] * (conditions != highest)]
 
 
 def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
@@ -168,9 +169,9 @@ def temperature(
     load: float | str | None = None,
     realization: int | None = None,
 ) -> Figure:
-    """Draw the highest and the criterion's temperature over velocity, at one load and surface.
+    """Draw the highest and the governing temperature over velocity, at one load and surface.
 
-    The criterion's temperature is the one that is compared with the critical temperature. `load` is
+    The governing temperature is the one that is compared with the critical temperature. `load` is
     a number in N or text with a unit. The sweep's load nearest to it is drawn; by default the
     highest. `realization` is the seed of the surface; by default the first one.
     """
@@ -188,7 +189,8 @@ def temperature(
         for (at, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
             curve = shown_in(own.contact_temperature(rise), "°C")
             axes.plot(at, curve, color=BLUE, **look | part)
-        axes.plot([], [], color=BLUE, label=judged.criterion.temperature, **look)
+        words = governing_words(judged.critical_area_fraction)
+        axes.plot([], [], color=BLUE, label=words, **look)
     if _critical_line(axes, own) and (limit := rise_limit(own)) > 0:
         line = np.array([load_here]), np.array([math.log(limit)])
         turns = _field(shown, own).along_velocity(*line).places

@@ -34,7 +34,7 @@ from pipeline.scene.tracks import disc_of, track_length
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
-from pipeline.sweep.conditions import PATHS, Conditions, criterion_of
+from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.remarks import FromLibrary
 from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
@@ -237,7 +237,7 @@ def _pair(value: Any) -> tuple[float, float]:
 def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
     values = {name: entry_at(tables, path) for name, path in PATHS.items()}
-    values["criterion"] = criterion_of(values["criterion"], values.pop("share"))
+    values["critical_area_fraction"] = values.pop("share")
     values["corrections"] = corrections_of(tables, scene)
     # Of a scene without [model], the rise beside it has its default.
     known = {name: one for name, one in values.items() if one is not None}

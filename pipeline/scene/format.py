@@ -243,9 +243,6 @@ class Temperature(Declared):
     failing_share: A[float, Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides."] = 0.1
-    criterion: A[str, OneOf(tuple(tribo.CRITERIA)),
-        "Deciding temperature: the one exceeded on the failing share of the contact, the highest, "
-        "or the mean."] = "share"
 
 class Model(Declared):
     bias: A[float, Spread(at_least=0, below=1),

@@ -59,7 +59,7 @@ class TestTable(Declared):
     with_: A[dict[str, Any] | None, Changes(),
         "Other entries of the scene that differ in this test, by their paths, such as "
         '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
-        "Critical temperature, criterion, `[oil]` and `[model]` are those of the scene."] = None
+        "Critical temperature, failing share, `[oil]` and `[model]` are those of the scene."] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default its place in the file or log."] = None
 

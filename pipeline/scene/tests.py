@@ -34,7 +34,7 @@ _OWN = {
 """Entries of the scene that entries of a test replace, by name of the entry of the test."""
 _OF_ALL = (
     "extends", "without", "title", "caveat", "sweep", "measured", "tested", "oil", "model",
-    "temperature.critical", "temperature.failing_share", "temperature.criterion",
+    "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""
 
@@ -103,7 +103,7 @@ def _listed(tables: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _case_of(built: Built, base: Case) -> Case:
-    """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
+    """Case of changed entries, with critical temperature, failing share and `[model]` of `base`."""
     own = built.case
     if own is base:
         return base

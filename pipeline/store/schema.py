@@ -86,7 +86,6 @@ SAMPLING = {
     "rise_sampling": Variable(
         (*PLANE, "cooler_share"), "1", "relative deviation of the rise from patch to patch"
     ),
-    "mean_rise_sampling": Variable(PLANE, "1", "relative deviation of the mean rise, likewise"),
 }
 """Variables of the contact at the end, estimated from this contact alone."""
 FILM = {

@@ -29,7 +29,7 @@ class Case:
     scene : Scene
         The scene to simulate, with its numerical choices.
     conditions : Conditions
-        Friction, temperatures and criterion.
+        Friction and temperatures.
     friction_band : pair of float or None
         Lowest and highest friction that the diagram shows.
     model_bias, model_scatter : float

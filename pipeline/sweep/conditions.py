@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
-from tribo import Criterion, InputError
+from tribo import InputError
 from tribo.simulation import verdict
 
 OIL_WORKS = "-53 degC", "627 degC"
@@ -19,7 +18,6 @@ PATHS = {
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
     "share": "temperature.failing_share",
-    "criterion": "temperature.criterion",
     "unmodelled_rise": "model.rise",
 }
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
@@ -42,7 +40,7 @@ OF_TESTS = "friction", "bulk_temperature", "corrections"
 
 
 def plain_values(conditions: Conditions) -> dict[str, Any]:
-    """Values of conditions by name, as plain data; of a criterion its name and share.
+    """Values of conditions by name, as plain data.
 
     Corrections that are None are left out.
     """
@@ -53,8 +51,7 @@ def plain_values(conditions: Conditions) -> dict[str, Any]:
         "critical_temperature": conditions.critical_temperature,
         "unmodelled_rise": conditions.unmodelled_rise,
         "corrections": corrections and corrections.as_dict(),
-        "failing_share": conditions.criterion.share,
-        "criterion": conditions.criterion.name,
+        "failing_share": conditions.critical_area_fraction,
     }
     return {k: v for k, v in values.items() if v is not None or k != "corrections"}
 
@@ -80,22 +77,9 @@ def rise_limit(conditions: Conditions) -> float:
     return verdict.rise_limit(conditions)
 
 
-def criterion_of(kind: str, share: float) -> Criterion:
-    """Criterion of a kind, one of `tribo.CRITERIA`, for a share of the contact area."""
-    if isinstance(share, Iterable) or not math.isfinite(share):
-        raise InputError(f"failing_share is {share!r}; it must be one finite number here")
-    return Criterion(kind, share)
-
-
 def changes_of(**given: Any) -> dict[str, Any]:
-    """Changes for `changed_conditions`, from values by the names in `PATHS` that are not None.
-
-    If a share is given without a criterion, the criterion becomes "share".
-    """
-    changes = {name: value for name, value in given.items() if value is not None}
-    if "share" in changes:
-        changes.setdefault("criterion", "share")
-    return changes
+    """Changes for `changed_conditions`, from values by the names in `PATHS` that are not None."""
+    return {name: value for name, value in given.items() if value is not None}
 
 
 def with_own(conditions: Conditions, own: Conditions) -> Conditions:
@@ -105,6 +89,7 @@ def with_own(conditions: Conditions, own: Conditions) -> Conditions:
 
 def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Conditions:
     """Conditions with some values replaced; `changes` has them by name, as `changes_of` does."""
-    values, present = dict(changes), conditions.criterion
-    share, kind = values.pop("share", present.share), values.pop("criterion", present.name)
-    return replace(conditions, **values, criterion=criterion_of(kind, share))
+    values = dict(changes)
+    if "share" in values:
+        values["critical_area_fraction"] = values.pop("share")
+    return replace(conditions, **values)

@@ -42,7 +42,7 @@ Moment = Mapping[str, float | Array]
 
 _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
-_NO_SAMPLING = {"rise_sampling": _NO_QUANTILES, "mean_rise_sampling": math.nan}
+_NO_SAMPLING = {"rise_sampling": _NO_QUANTILES}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 
 

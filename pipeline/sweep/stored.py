@@ -49,7 +49,7 @@ _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
         Sweep, Case, Test, Variants, Column, Stations, Remark, FromLibrary, MissingSurface,
-        Conditions, tribo.Corrections, tribo.Criterion, tribo.Friction, tribo.Track, tribo.Disc,
+        Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),

@@ -126,7 +126,7 @@ class Sweep:
 
     @property
     def conditions(self) -> Conditions:
-        """Friction, temperatures and criterion of the scene itself."""
+        """Friction and temperatures of the scene itself."""
         return self.base.conditions
 
     @property

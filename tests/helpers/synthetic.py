@@ -57,7 +57,7 @@ def limit(friction=0.1, bulk=298.15, critical=418.15):
 
 
 def conditions(share=0.1):
-    return Conditions(**CONDITIONS, criterion=tribo.Criterion(share=share))
+    return Conditions(**CONDITIONS, critical_area_fraction=share)
 
 
 def critical_velocity(load, limit_rise, share=0.1):
@@ -116,7 +116,6 @@ def sweep(
         ("load", "velocity", "cooler_share"),
         np.zeros((*flags.shape, len(QUANTILES))),
     )
-    data["mean_rise_sampling"] = ("load", "velocity"), np.zeros(flags.shape)
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
     data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))

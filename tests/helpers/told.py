@@ -36,7 +36,7 @@ class Told:
     def now(self):
         """The search in its present state."""
         count = max(int(self.asked.any(axis=(1, 2)).sum()), 1)
-        y, is_highest = np.log(self._rises[:count]), self.conditions.criterion.is_highest
+        y, is_highest = np.log(self._rises[:count]), self.conditions.critical_area_fraction == 0
         specimen = merged(
             self.loads,
             self.velocities,

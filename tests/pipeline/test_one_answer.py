@@ -92,7 +92,7 @@ OTHERS = (
     {"friction": 0.05},
     {"friction": 0.07, "bulk_temperature": 330.0, "critical_temperature": 400.0},
     {"share": 0.4, "friction": 0.12},
-    {"criterion": "mean", "friction": 0.13},
+    {"share": 0.0, "friction": 0.08},
 )
 ASKED = [
     pytest.param(name, changes, id=f"{name}, {changes}")

@@ -25,13 +25,10 @@ class Flat:
     def heights(self, pixels):
         return 0.0
 
-
-rule = tribo.Rule("mean_rise", lambda rises, *_: rises, "mean", "the mean above")
 """
 NAMING = {
     "wear": 'without = ["wear"]\nwear = { law = "payload:Law" }\n',
     "surface": 'without = ["disk.roughness"]\ndisk.surface = { law = "payload:Flat" }\n',
-    "criterion": 'temperature.criterion = "payload:rule"\n',
 }
 AT = ["--load", "400 N", "--velocity", "2 m/s"]
 
@@ -89,7 +86,7 @@ COMMANDS = [
 @pytest.mark.parametrize(
     ("command", "scene"),
     [(command, "wear") for command in COMMANDS]
-    + [(COMMANDS[0], scene) for scene in ("surface", "criterion", "extends")],
+    + [(COMMANDS[0], scene) for scene in ("surface", "extends")],
 )
 def test_a_scene_that_names_code_is_refused_and_runs_nothing(strangers, ran, irg, command, scene):
     said = irg(command[0], f"{scene}.toml", *command[1:], code=2)

@@ -28,14 +28,15 @@ from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
-from tribo import PRESETS, Criterion, TriboError, WarningKind
+from tribo import PRESETS, TriboError, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation import Trunks
 from tribo.simulation.severity import worst_rises
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")
-CRITERIA = {f"share {share:g}": Criterion(share=share) for share in (0.0, 0.01, 0.1, 0.5)}
+CRITERIA = {f"share {share:g}": share for share in (0.0, 0.01, 0.1, 0.5)}
+"""Critical area fractions by name; 0 is the highest temperature."""
 USUAL = "share 0.1"
 
 
@@ -97,7 +98,10 @@ def axis(rng, low, high, count, gaps, spaced=np.geomspace):
 def rises(sweep, fidelity, loads, velocities):
     """Deciding rises [K] by criterion, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
-    kinds = {name: replace(sweep.conditions, criterion=one) for name, one in CRITERIA.items()}
+    kinds = {
+        name: replace(sweep.conditions, critical_area_fraction=one)
+        for name, one in CRITERIA.items()
+    }
     shape, stations = (len(loads), len(velocities)), choose_stations(sweep)
     found = {name: np.full(shape, np.nan) for name in CRITERIA}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}

@@ -129,7 +129,7 @@ class Planes:
         if not self.fixed:
             rises = [self.point("standard", n, load, at)[0] for n in range(PATCHES)]
             apart = np.log(np.array(rises) / rises[0])
-            apart = apart.max() if self.conditions.criterion.is_highest else apart.mean()
+            apart = apart.max() if self.conditions.critical_area_fraction == 0 else apart.mean()
         rise = self.point("reference", 0, load, at)[0] * np.exp(apart)
         factor = self.conditions.friction_factor(np.array([at])).item()
         here, there = _y(self._plane, load, np.array([velocity, at]))

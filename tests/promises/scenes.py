@@ -94,9 +94,8 @@ def window_guess(sweep, lengths, velocity):
 def with_boundary(sweep, load, velocity):
     """Copy of a sweep with a critical temperature at which wear turns severe at this point."""
     scene = sweep.cases[0].scene
-    rise = float(
-        sweep.conditions.criterion.rise(state_rises(scene, state_at(scene, load, velocity), None))
-    )
+    state = state_at(scene, load, velocity)
+    rise = float(sweep.conditions.governing_rise(state_rises(scene, state, None)))
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

@@ -11,7 +11,6 @@ from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     Ball,
     Corrections,
-    Criterion,
     Crowned,
     Cylinder,
     Disc,
@@ -38,7 +37,6 @@ from tribo.surface import self_affine
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
-    Rule,
     contact_quantiles,
     partition_heat,
     rise_exceeded,
@@ -73,11 +71,6 @@ def divided(flux=ZERO + 1.0, on=ON, grid=GRID, time=1.0, **options):
 
 def conducting(velocity=1.0, time=1.0, nodes=10, length=INFINITE, grid=FREE):
     return ConductingHalfSpace(grid, STEEL, velocity, time, nodes, length)
-
-
-def judged(rise):
-    rule = Rule("rise_quantile", rise, "own", "own")
-    return Criterion("own", rule=rule).rise({"rise_quantile": np.linspace(0, 1, 30)})
 
 
 class Flat:
@@ -193,10 +186,8 @@ REFUSALS = {
     "nodes": (lambda: conducting(nodes=0), "quadrature_nodes is 0"),
     "image": (lambda: conducting(length="nearest-image"), "periodic along y"),
     "length": (lambda: conducting(length=0.0), "length is 0.0; it must be positive"),
-    "criterion": (lambda: Criterion("blok"), "allowed are share, highest, mean"),
-    "no share": (lambda: Criterion(share=1.0), "share is 1.0; it must be at least 0"),
-    "own rises": (lambda: judged(lambda *_: np.zeros(2)), "one for each row of quantiles"),
-    "own beyond": (lambda: judged(lambda *_: np.float64(2.0)), "beyond the lowest and highest"),
+    "no share": (lambda: tribo.Conditions(0.1, 298.0, critical_area_fraction=1.0),
+                 "share is 1.0; it must be at least 0"),
     "no contact": (lambda: contact_quantiles(ZERO, ~ON), "no element is in contact"),
     "stored": (lambda: rise_exceeded(np.ones(2), 0.1, (0.0, 0.5)), "quantiles allow from 0.5"),
     "bodies": (lambda: divided(grid=FREE), "they must be the same"),

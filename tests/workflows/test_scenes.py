@@ -14,7 +14,7 @@ MEASURED = {400.0: 2.25, 200.0: 3.75}  # Table 4: N, m/s
 
 def deciding_temperature(sweep, load, velocity):
     heat = pipeline.run_point(sweep, load, velocity).state.heat
-    rise = heat.rise_quantile[QUANTILES.index(1 - sweep.conditions.criterion.share)]
+    rise = heat.rise_quantile[QUANTILES.index(1 - sweep.conditions.critical_area_fraction)]
     return sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
 
 

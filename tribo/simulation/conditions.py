@@ -1,9 +1,9 @@
-"""The conditions by which wear is judged: friction, temperatures, corrections and a criterion."""
+"""The conditions by which wear is judged: friction, temperatures and corrections."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,10 +11,13 @@ from tribo.errors import InputError
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.simulation.corrections import Corrections
 from tribo.simulation.friction import Friction
-from tribo.thermal import Criterion
+from tribo.thermal import QUANTILES, require_share, rise_exceeded
 from tribo.types import Array
 
-_NUMBERS = "friction", "bulk_temperature", "critical_temperature", "unmodelled_rise"
+_NUMBERS = (
+    "friction", "bulk_temperature", "critical_temperature", "unmodelled_rise",
+    "critical_area_fraction",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +38,9 @@ class Conditions:
     corrections : Corrections or None
         Tracks that earlier turns have warmed, and friction that depends on velocity; None without
         corrections.
-    criterion : Criterion
-        Criterion of severe wear. By default wear is severe if more than a tenth of the contact is
-        above the critical temperature.
+    critical_area_fraction : float
+        Wear is severe if a larger share of the contact area than this one is above the critical
+        temperature. It is at least 0 (the highest temperature decides) and below 1.
 
     Raises
     ------
@@ -47,7 +50,7 @@ class Conditions:
     Examples
     --------
     >>> oil = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
-    >>> replace(oil, friction=0.12, criterion=Criterion("mean")).rise_factor
+    >>> replace(oil, friction=0.12).rise_factor
     0.12
     """
 
@@ -56,7 +59,7 @@ class Conditions:
     critical_temperature: float | None = None
     unmodelled_rise: float = field(default=0.0, kw_only=True)
     corrections: Corrections | None = field(default=None, kw_only=True)
-    criterion: Criterion = field(default_factory=Criterion, kw_only=True)
+    critical_area_fraction: float = field(default=0.1, kw_only=True)
 
     def __post_init__(self) -> None:
         for name in _NUMBERS:
@@ -65,6 +68,7 @@ class Conditions:
                 raise InputError(f"{name} is {value!r}; it must be one finite number here")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction!r}; it must be finite and ≥ 0")
+        require_share(self.critical_area_fraction)
         bulk, critical = self.bulk_temperature, self.critical_temperature
         if bulk <= 0:
             raise InputError(f"bulk_temperature is {bulk!r} K; it must be above 0")
@@ -104,6 +108,15 @@ class Conditions:
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""
         return self.friction * float(self.friction_factor(velocity))
+
+    def governing_rise(self, columns: Mapping[str, Any]) -> Any:
+        """Rise that is compared with its limit [K], (...): the critical area fraction exceeds it.
+
+        `columns` has ``rise_quantile`` (..., n_quantile) [K], and ``quantile``, their
+        probabilities; `tribo.QUANTILES` if left out.
+        """
+        probabilities = columns.get("quantile", QUANTILES)
+        return rise_exceeded(columns["rise_quantile"], self.critical_area_fraction, probabilities)
 
     def contact_temperature(self, rise: Any) -> Any:
         """Temperature of the contact [K], from one or more rises per unit friction [K]."""

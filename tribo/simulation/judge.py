@@ -33,7 +33,7 @@ def judge(
     load, velocity : float
         Load on the whole pin [N] and sliding velocity [m/s].
     conditions : Conditions
-        Friction, temperatures and criterion. The motion and the loading in their `corrections` are
+        Friction and temperatures. The motion and the loading in their `corrections` are
         replaced by those of the scene.
     trunks : Trunks, optional
         Cached ramps of other points. Their steps are not repeated, and new ones are added.

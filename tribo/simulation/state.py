@@ -32,9 +32,9 @@ class Heat:
         Share of the friction heat that goes into the pin; NaN without friction heat.
     iterations : int
         Iterations of the heat partition, each one convolution.
-    quantile_without, mean_without : ndarray, shapes (8, len(QUANTILES)) and (8,)
-        `rise_quantile` and `mean_rise` without each of eight groups of elements in turn [K], see
-        `tribo.thermal.sampling`; None for a smooth disk, or if they were not asked for.
+    quantile_without : ndarray, shape (8, len(QUANTILES)), or None
+        `rise_quantile` without each of eight groups of elements in turn [K], see
+        `tribo.thermal.sampling`; None for a smooth disk, or if it was not asked for.
 
     Examples
     --------
@@ -51,25 +51,21 @@ class Heat:
     pin_heat_share: float
     iterations: int = 0
     quantile_without: Array | None = None
-    mean_without: Array | None = None
 
     @property
     def sampling(self) -> dict[str, Any]:
         """Relative standard deviations of the rises from patch to patch, by variable of a sweep.
 
         They are estimated from this contact alone: ``rise_sampling``, one for each of
-        `tribo.QUANTILES`, and ``mean_rise_sampling``. On a smooth disk they are 0.
+        `tribo.QUANTILES`. On a smooth disk they are 0.
         """
-        if self.quantile_without is None or self.mean_without is None:
-            return {"rise_sampling": np.zeros(len(self.rise_quantile)), "mean_rise_sampling": 0.0}
-        return {
-            "rise_sampling": jackknife_error(self.quantile_without),
-            "mean_rise_sampling": float(jackknife_error(self.mean_without)),
-        }
+        if self.quantile_without is None:
+            return {"rise_sampling": np.zeros(len(self.rise_quantile))}
+        return {"rise_sampling": jackknife_error(self.quantile_without)}
 
     @property
     def columns(self) -> dict[str, Any]:
-        """Temperature rises that a criterion uses, by the names of a sweep's variables."""
+        """Temperature rises, by the names of a sweep's variables."""
         return {"rise_quantile": self.rise_quantile, "mean_rise": self.mean_rise}
 
 

@@ -71,7 +71,6 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
         rise_quantile=mean("rise_quantile"),
         iterations=sum(one.iterations for one in heats),
         quantile_without=None if first.quantile_without is None else mean("quantile_without"),
-        mean_without=None if first.mean_without is None else mean("mean_without"),
     )
 
 
@@ -118,7 +117,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool
     on_contact = split.rise[contact]
     # Quantiles interpolate between nodes, so each row that a plane's element stands for counts.
     rows = scene.rows_per_element
-    without: tuple[Array | None, Array | None] = None, None
+    without = None
     if is_sampled and scene.roughness is not None:
         without = rises_without_groups(split.rise, contact, surface_groups(scene))
     return Heat(
@@ -128,8 +127,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool
         mean_rise=float(on_contact.mean()),
         pin_heat_share=split.pin_share,
         iterations=split.iterations,
-        quantile_without=without[0],
-        mean_without=without[1],
+        quantile_without=without,
     )
 
 

@@ -1,8 +1,8 @@
 """The verdict on one point: wear is severe if the contact is too hot, bulk + µ r > critical.
 
-r is the temperature rise of the contact that the criterion compares with its limit
-(`tribo.Criterion`), such as the rise exceeded on a tenth of the contact. It is per unit friction
-coefficient, at the time at which it is highest; µ is the friction coefficient.
+r is the temperature rise that the critical area fraction of the contact exceeds, such as a tenth.
+It is per unit friction coefficient, at the time at which it is highest; µ is the friction
+coefficient.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from tribo.errors import InputError
 from tribo.simulation.conditions import Conditions
-from tribo.thermal import Criterion, failed_share
+from tribo.thermal import failed_share
 from tribo.types import Array, Indices
 
 
@@ -31,8 +31,8 @@ class Verdict:
     time : float
         Worst time, from the start of the loading [s].
     deciding_temperature : float
-        Temperature of the contact that the criterion compares with the critical temperature, such
-        as the temperature exceeded on a tenth of the contact [K].
+        Temperature of the contact that is compared with the critical temperature, such as the
+        temperature exceeded on a tenth of the contact [K].
     max_temperature : float
         Highest temperature of the contact [K].
     failed_fraction : float or None
@@ -91,14 +91,14 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     """
     parts = conditions.corrections
     together = parts.applied(columns) if parts else columns
-    rises = conditions.criterion.rise(together)
+    rises = conditions.governing_rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
     rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
-    of_contact = float(conditions.contact_temperature(conditions.criterion.rise(columns)[worst]))
+    of_contact = float(conditions.contact_temperature(conditions.governing_rise(columns)[worst]))
     known = conditions.critical_temperature is not None
     deciding = float(conditions.contact_temperature(rise))
     return Verdict(
-        is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if known else None,
+        is_severe=rise > rise_limit(conditions) if known else None,
         time=float(together["time"][worst]),
         deciding_temperature=deciding,
         max_temperature=float(conditions.contact_temperature(quantiles[-1])),

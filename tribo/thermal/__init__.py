@@ -4,9 +4,6 @@ from tribo.thermal.circuit import circuit_rise as circuit_rise
 from tribo.thermal.conduction import ConductingHalfSpace as ConductingHalfSpace
 from tribo.thermal.conduction import HeatedLength as HeatedLength
 from tribo.thermal.conduction import settling_time as settling_time
-from tribo.thermal.criterion import CRITERIA as CRITERIA
-from tribo.thermal.criterion import Criterion as Criterion
-from tribo.thermal.criterion import Rule as Rule
 from tribo.thermal.disc import Disc as Disc
 from tribo.thermal.duhamel import Conductor as Conductor
 from tribo.thermal.duhamel import HeatHistory as HeatHistory

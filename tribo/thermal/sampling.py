@@ -17,19 +17,16 @@ GROUPS = 8
 """Number of groups of elements."""
 
 
-def rises_without_groups(rise: Array, contact: Mask, groups: Indices) -> tuple[Array, Array]:
-    """Quantiles and mean of the rise over the contact without each group of elements in turn [K].
+def rises_without_groups(rise: Array, contact: Mask, groups: Indices) -> Array:
+    """Quantiles of the rise over the contact without each group of elements in turn [K].
 
-    They have the shapes (GROUPS, len(QUANTILES)) and (GROUPS,), and are NaN if a group has all of
-    the contact. `groups`, of shape (nx, ny), has the number of each element's group, from 0.
+    They have the shape (GROUPS, len(QUANTILES)), and are NaN if a group has all of the contact.
+    `groups`, of shape (nx, ny), has the number of each element's group, from 0.
     """
     on_contact = rise[contact]
     order = np.argsort(on_contact)
     ordered, group = on_contact[order], groups[contact][order]
-    rests = [ordered[group != number] for number in range(GROUPS)]
-    quantiles = [sorted_quantiles(rest) for rest in rests]
-    means = [rest.mean() if rest.size else np.nan for rest in rests]
-    return np.array(quantiles), np.array(means)
+    return np.array([sorted_quantiles(ordered[group != number]) for number in range(GROUPS)])
 
 
 def jackknife_error(without: Array) -> Array:

@@ -101,7 +101,7 @@ def inverse(study: Study) -> Report:
 def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
     """Critical temperature [°C] from each transition on each surface, (transition, surface)."""
     ends = ensemble(study, ("swept",), transitions)["swept"]
-    return celsius_of(ends, transitions[0][0].conditions.criterion)
+    return celsius_of(ends, transitions[0][0].conditions.critical_area_fraction)
 
 
 def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:

@@ -44,7 +44,7 @@ def fig8(study: Study) -> Report:
     curves, runs = {}, {}
     for name in study.stages(loadings):
         scene = loadings[name]
-        *curve, end = history(scene, load, velocity, scene.conditions.criterion)
+        *curve, end = history(scene, load, velocity, scene.conditions.critical_area_fraction)
         curves[name] = (curve[0], curve[1])
         runs[name] = {
             "duration": end.time,
@@ -83,7 +83,7 @@ def fig8(study: Study) -> Report:
 
 
 def _share(sweep: Sweep) -> str:
-    return f"{100 * sweep.conditions.criterion.share:g} %"
+    return f"{100 * sweep.conditions.critical_area_fraction:g} %"
 
 
 @house_style

@@ -47,7 +47,7 @@ def fig6(study: Study) -> Report:
     sweep = study.scene("table4")
     if study.preset is None:
         sweep = sweep.with_fidelity(_PAPER)
-    seeds, deciding = study.seeds(1), sweep.conditions.criterion
+    seeds, deciding = study.seeds(1), sweep.conditions.critical_area_fraction
     blocks = [
         n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
     ]

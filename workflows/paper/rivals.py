@@ -13,6 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
+from pipeline.answers.condition_words import governing_words
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime
@@ -132,8 +133,9 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Rival]
         scaled = (bulk if unit == "°C" else 0.0) + scale * (mu * values)
         return _Rival(name, unit, mu * values, conditions.friction * values, exponents, scaled)
 
+    ours = governing_words(conditions.critical_area_fraction)
     criteria = {
-        "ours": by_friction(conditions.criterion.temperature, "°C", rises, exponents),
+        "ours": by_friction(ours, "°C", rises, exponents),
         "power": by_friction("friction power", "W", F * V, 1.0),
     }
     unworn = np.array([contact.width(load) for load in F])

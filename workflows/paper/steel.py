@@ -82,7 +82,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
             end = end_at(other, heated(other.scene, contact, row.velocity), row.friction)
-            found.append(float(celsius_of(end, sweep.conditions.criterion)))
+            found.append(float(celsius_of(end, sweep.conditions.critical_area_fraction)))
     study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
     return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
 

@@ -10,10 +10,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
+from pipeline.answers.condition_words import governing_words
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import known_critical_temperature, rise_limit
-from tribo.thermal import Criterion
+from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4
 from .report import Report, agree, line, mean, texts
@@ -75,14 +76,14 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
         "failed_percent_at_scene_friction": failed_percent(swept, critical, conditions.friction),
         "friction_for_printed_share": np.stack(
             [
-                limit / Criterion(share=row.failed_share).rise(swept)[number]
+                limit / rise_exceeded(swept["rise_quantile"], row.failed_share)[number]
                 for number, row in enumerate(TABLE_4)
             ]
         ),
         "max_celsius_on_longer_patch": celsius_of(on_longer, HIGHEST)[0],
         "max_celsius": {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()},
         "exceeded_celsius": {
-            wear: celsius_of(its, conditions.criterion) for wear, its in ends.items()
+            wear: celsius_of(its, conditions.critical_area_fraction) for wear, its in ends.items()
         },
         "worn_width_um": 1e6 * swept["contact_width"],
     }
@@ -141,7 +142,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
             ("highest temperature [°C]",),
             line("  printed", TABLE_4.max_celsius),
             *by_wear("max_celsius"),
-            (f"temperature {conditions.criterion.temperature} [°C]",),
+            (f"temperature {governing_words(conditions.critical_area_fraction)} [°C]",),
             *by_wear("exceeded_celsius"),
             ("contact width at the end of the ramp [µm]",),
             line("  printed, measured later", 1e6 * TABLE_4.measured_width),

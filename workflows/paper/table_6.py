@@ -27,9 +27,9 @@ def table6(study: Study) -> Report:
     """Report on temperatures at the transitions of oil A, at two bulk temperatures."""
     transitions = oil_a(study)
     ends = ensemble(study, ("swept", "local"), transitions)
-    conditions, swept = transitions[0][0].conditions, ends["swept"]
+    fraction, swept = transitions[0][0].conditions.critical_area_fraction, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
-    exceeded = {wear: celsius_of(its, conditions.criterion) for wear, its in ends.items()}
+    exceeded = {wear: celsius_of(its, fraction) for wear, its in ends.items()}
     at_room = highest["swept"] - shown_in(swept["bulk"], "°C") + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
@@ -57,7 +57,7 @@ def table6(study: Study) -> Report:
         "mean": mean(tenths),
     }
     names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
-    share = f"{100 * conditions.criterion.share:g} %"
+    share = f"{100 * fraction:g} %"
     return Report.of(
         "table6",
         values,

@@ -16,7 +16,7 @@ from pipeline.sweep.conditions import rise_limit
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
 from tribo.simulation.lubrication import find_lubrication
-from tribo.thermal import Criterion, failed_share
+from tribo.thermal import failed_share, rise_exceeded
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
 
@@ -24,8 +24,8 @@ from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from .report import mean, spread
 from .study import Study
 
-HIGHEST = Criterion("highest")
-"""The highest temperature of the contact."""
+HIGHEST = 0.0
+"""Share of the contact that exceeds the highest temperature."""
 
 WearPattern = Literal["swept", "local"]
 Wear = WearPattern | Literal["unworn"]
@@ -91,10 +91,11 @@ def around_transition(sweep: Sweep, test: Any, step: float) -> Ends:
     ``exponent`` over the velocity, and ``velocity_off``, the relative error of the critical
     velocity at the scene's friction.
     """
-    governing, end = sweep.conditions.criterion, end_of(sweep, test)
-    rise = float(governing.rise(end))
-    exponent = math.log(float(governing.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
-    off = math.expm1(-math.log(rise / rise_limit(sweep.conditions)) / exponent)
+    conditions, end = sweep.conditions, end_of(sweep, test)
+    rise = float(conditions.governing_rise(end))
+    above = float(conditions.governing_rise(end_of(sweep, test, math.exp(step))))
+    exponent = math.log(above / rise) / step
+    off = math.expm1(-math.log(rise / rise_limit(conditions)) / exponent)
     return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 
 
@@ -124,9 +125,10 @@ def _stacked(ends: Sequence[Ends], axis: int = 0) -> Ends:
     return {name: np.stack([end[name] for end in ends], axis) for name in ends[0]}
 
 
-def celsius_of(ends: Ends, criterion: Criterion) -> Array:
-    """Temperature [°C] that decides by a criterion, from quantities of `end_at`."""
-    return np.asarray(shown_in(ends["bulk"] + ends["friction"] * criterion.rise(ends), "°C"))
+def celsius_of(ends: Ends, share: float) -> Array:
+    """Temperature [°C] that a share of the contact exceeds, from quantities of `end_at`."""
+    rise = rise_exceeded(ends["rise_quantile"], share)
+    return np.asarray(shown_in(ends["bulk"] + ends["friction"] * rise, "°C"))
 
 
 def failed_percent(ends: Ends, critical: float, friction: float | None = None) -> Array:
@@ -136,14 +138,12 @@ def failed_percent(ends: Ends, critical: float, friction: float | None = None) -
     return np.asarray(100 * share(ends["rise_quantile"], limit))
 
 
-def history(
-    sweep: Sweep, load: float, velocity: float, criterion: Criterion
-) -> tuple[Array, Array, State]:
-    """Simulate a point: times [s], deciding temperatures at them [°C], and the last state."""
+def history(sweep: Sweep, load: float, velocity: float, share: float) -> tuple[Array, Array, State]:
+    """Simulate a point: times [s], temperatures that a share exceeds then [°C], the last state."""
     result = run_point(sweep.changed("sweep.steps", "course"), load, velocity)
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
-    rise = np.append(0.0, criterion.rise(columns)[warm])
+    rise = np.append(0.0, rise_exceeded(columns["rise_quantile"][warm], share))
     temperature: Array = shown_in(conditions.contact_temperature(rise), "°C")
     return np.append(0.0, columns["time"][warm]), temperature, result.state
 

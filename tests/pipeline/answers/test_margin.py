@@ -64,12 +64,12 @@ def lifted(*, status=None):
     return xr.concat(parts, xr.Variable("realization", range(4)), combine_attrs="override")
 
 
-@pytest.mark.parametrize("criterion", [None, "mean", "highest"])
-def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their_highest(criterion):
+@pytest.mark.parametrize("share", [None, 0.5, 0.0])
+def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their_highest(share):
     alone = synthetic.sweep(measured=())
-    found = asked(lifted(), 400.0, 2.0, criterion=criterion)
-    factor = FACTORS.max() if criterion == "highest" else np.exp(np.log(FACTORS).mean())
-    rise = asked(alone, 400.0, 2.0, criterion=criterion).temperature - 298.15
+    found = asked(lifted(), 400.0, 2.0, share=share)
+    factor = FACTORS.max() if share == 0 else np.exp(np.log(FACTORS).mean())
+    rise = asked(alone, 400.0, 2.0, share=share).temperature - 298.15
     assert found.temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
     assert found.patches == 4
 

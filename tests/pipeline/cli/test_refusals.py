@@ -53,8 +53,6 @@ REFUSALS = {
                    "velocity is -1 m/s; the sweep has"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
     "failing share": (irg("boundary", "tiny.zarr", "--share", "0,1"), '"0,1": give a share'),
-    "criterion": (irg("boundary", "tiny.zarr", "--criterion", "coldest"),
-                  "criterion is 'coldest'; allowed"),
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
     # files that are read and would be written
@@ -66,8 +64,6 @@ REFUSALS = {
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            'critical_temperature: "150" has no unit'),
     "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius does not vary"),
-    "share of another": (irg("boundary", "tiny.zarr", "--criterion=highest", "--share=10%"),
-                         "criterion highest has no share; leave out --share"),
     "twice": (irg("margin", "tiny.zarr", *PLACE, "--friction=0.1", "--at=friction.coefficient=0.2"),
               "friction.coefficient is given twice"),
     "no scan": (irg("surface"), "give a SCAN, or --ra and --rsm"),

@@ -8,7 +8,6 @@ import pytest
 from pipeline.run.search import Goal
 from tests.helpers.told import Told
 from tribo import Conditions, Corrections, Friction
-from tribo.thermal import Criterion
 
 VELOCITIES = np.linspace(0.25, 6.0, 40)
 X = np.log(VELOCITIES)
@@ -33,9 +32,9 @@ def friction(generator, turns):
     return tuple(zip(np.exp(nodes).tolist(), np.exp(values - values.mean()).tolist(), strict=True))
 
 
-def conditions(by_velocity=(), criterion="share"):
+def conditions(by_velocity=(), share=0.1):
     law = Corrections(friction=Friction(by_velocity=by_velocity)) if by_velocity else None
-    return Conditions(0.1, 298.15, 418.15, corrections=law, criterion=Criterion(criterion))
+    return Conditions(0.1, 298.15, 418.15, corrections=law, critical_area_fraction=share)
 
 
 class Specimen:
@@ -54,7 +53,7 @@ class Specimen:
         return own + (0.0 if patch is None else self.offsets[patch])
 
     def search(self, accuracy, promised=0.0, patches=256, **more):
-        judged = conditions(self.law, more.pop("criterion", "share"))
+        judged = conditions(self.law, more.pop("share", 0.1))
         goal = Goal(accuracy, patches, **more)
         return Told(self.loads, VELOCITIES, judged, promised, goal)
 

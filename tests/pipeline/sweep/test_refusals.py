@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.conditions import criterion_of, known_critical_temperature
+from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
 from pipeline.sweep.variants import Column, Variants, surfaces
 from tests.helpers import tiny
@@ -43,9 +43,8 @@ REFUSALS = {
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
     "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
-    "share": (lambda: criterion_of("share", 1.0), "share is 1.0"),
-    "share nan": (lambda: criterion_of("share", math.nan), "failing_share is nan; it must be one"),
-    "criterion": (lambda: criterion_of("laws:median", 0.1), "allowed are share, highest, mean"),
+    "share": (conditions(critical_area_fraction=1.0), "share is 1.0"),
+    "share nan": (conditions(critical_area_fraction=math.nan), "fraction is nan; it must be one"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
     # the sweep and its variants

@@ -10,7 +10,7 @@ import tribo
 from pipeline import Conditions, run_point
 from pipeline.sweep.conditions import rise_limit
 from tests.helpers import tiny
-from tribo import QUANTILES, Criterion
+from tribo import QUANTILES
 from tribo.simulation.severity import (
     corrected_columns,
     worst_rises,
@@ -33,11 +33,11 @@ def columns(*rises, loads):
 
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.5])
 def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(share):
-    conditions = replace(OWN, friction=0.05, criterion=Criterion(share=share))
+    conditions = replace(OWN, friction=0.05, critical_area_fraction=share)
     at_limit = rise_limit(conditions)
-    rises = EVEN * at_limit / conditions.criterion.rise({"rise_quantile": EVEN})
+    rises = EVEN * at_limit / conditions.governing_rise({"rise_quantile": EVEN})
     assert failed_share(rises, rise_limit(conditions)) == pytest.approx(share, abs=1e-12)
-    deciding = conditions.criterion.rise({"rise_quantile": rises})
+    deciding = conditions.governing_rise({"rise_quantile": rises})
     assert conditions.contact_temperature(deciding) == pytest.approx(
         conditions.critical_temperature
     )
@@ -47,21 +47,17 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(s
         assert (judged.failed_fraction > share) is is_severe
 
 
-@pytest.mark.parametrize("criterion", ["share", "highest", "mean"])
-def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
+@pytest.mark.parametrize("share", [0.1, 0.0])
+def test_each_critical_area_fraction_decides_by_its_own_temperature_everywhere(share):
     sweep = tiny.sweep(steps="course")
     result = run_point(sweep, 600.0, 1.5)
     heat, contact = result.state.heat, result.state.pressure > 0
-    expected = {
-        "share": np.quantile(heat.rise[contact], 0.9),
-        "highest": heat.rise[contact].max(),
-        "mean": heat.rise[contact].mean(),
-    }[criterion]
-    conditions = replace(sweep.conditions, criterion=Criterion(criterion))
+    expected = np.quantile(heat.rise[contact], 1 - share)
+    conditions = replace(sweep.conditions, critical_area_fraction=share)
     assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
     assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
-    oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, criterion=conditions.criterion)
+    oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, critical_area_fraction=share)
     alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
     assert alone.deciding_temperature == pytest.approx(judged.deciding_temperature, rel=1e-9)
 

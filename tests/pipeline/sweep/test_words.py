@@ -32,20 +32,19 @@ def test_only_a_preset_has_a_known_error(preset, changes, error):
 
 
 @pytest.mark.parametrize(
-    ("criterion", "error"),
+    ("share", "error"),
     [
-        (tribo.Criterion(share=0.05), 0.015),
-        (tribo.Criterion(share=0.2), 0.015),
-        (tribo.Criterion(share=0.01), 0.05),
-        (tribo.Criterion("highest"), 0.05),
-        (tribo.Criterion(share=0.3), 0.03),
-        (tribo.Criterion("mean"), 0.03),
+        (0.05, 0.015),
+        (0.2, 0.015),
+        (0.01, 0.05),
+        (0.0, 0.05),
+        (0.3, 0.03),
     ],
 )
-def test_a_preset_promises_less_where_the_highest_or_most_of_the_contact_decides(criterion, error):
-    assert preset_bound("standard", criterion) == error
-    assert preset_bound("fine", criterion) == 0.008
-    assert preset_bound("own", criterion) is None
+def test_a_preset_promises_less_where_the_highest_or_most_of_the_contact_decides(share, error):
+    assert preset_bound("standard", share) == error
+    assert preset_bound("fine", share) == 0.008
+    assert preset_bound("own", share) is None
 
 
 def test_a_preset_whose_elements_do_not_tile_the_window_keeps_its_error():
