@@ -40,6 +40,13 @@ def test_free_kernel_equals_love(place, dy):
         assert influence[i, j] == pytest.approx(expected, rel=1e-10)
 
 
+@pytest.mark.parametrize("periodic", [(False, False), (False, True), (True, True)])
+def test_the_self_influence_is_that_of_one_element_without_its_images(periodic):
+    # Contacts hide it: it is the unit of their gaps, and scales the first step of the iteration.
+    solid = ElasticHalfSpace(Grid((8, 6), (1.0, 1.25), periodic), UNIT)
+    assert solid.self_influence == pytest.approx(float(love(0, 0, 1.0, 1.25)), rel=1e-14)
+
+
 def by_images(x, y, dy, ny):
     """Influence of an element and all its images along y, minus that on itself.
 

@@ -90,3 +90,16 @@ def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly()
     effusivity = np.sqrt(45.0 * CAPACITY)
     plane = 2 / 3 * 2 * flux * np.sqrt(600.0 / np.pi) / effusivity
     assert disk == pytest.approx((1 - SHARE) * plane, rel=0.02)
+
+
+@pytest.mark.parametrize("steps", [4, 5])
+def test_a_recorded_load_warms_a_track_as_its_own_loads_do(steps):
+    """The point ends at the record's last load, or before it, at half of it."""
+    times, loads = [0.0, 4.0, 8.0, 10.0, 20.0], [0.0, 2400.0, 600.0, 1500.0, 3000.0]
+    course = tuple((time, load / 3000.0) for time, load in zip(times, loads, strict=True))
+    by_loads, recorded = (tribo.Corrections(track=TRACK, course=one) for one in ((), course))
+    whole = added(by_loads, record(times[:steps], loads[:steps], 4.1))
+    # Of a recorded load few steps are stored; what came before follows from the record.
+    last = record(times[steps - 1 : steps], loads[steps - 1 : steps], 4.1)
+    assert added(recorded, last) == pytest.approx(whole, rel=1e-12)
+    assert added(by_loads, last) != pytest.approx(whole, rel=0.01)
