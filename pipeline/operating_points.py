@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 from pipeline.limits import MOST_PLACES
 from pipeline.sweep.case import Place
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
-from pipeline.table import Sheet, read_table, rows_of
+from pipeline.table import read_table, rows_of
 from pipeline.units import share_of, to_si
 from pipeline.words import quoted
 from tribo import InputError
@@ -22,7 +21,6 @@ _LIKE = {
     "load": "200 N", "velocity": "1.25 m/s",
     "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
 }  # fmt: skip
-_ENTRY = re.compile(r"[a-z_]+(\.[a-z_0-9]+)+")
 _PLACE = "load", "velocity"
 
 
@@ -45,36 +43,28 @@ class OperatingPoints:
 
     @classmethod
     def read(
-        cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]], decimal: str = "."
+        cls,
+        source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
+        decimal: str | None = None,
+        ignore: Collection[str] = (),
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        `decimal` is the decimal mark of the file. Columns of quantities that are no condition are
-        passed on. Raises an `InputError` if the table is unreadable, lacks a column, or has a
-        faulty row.
+        `decimal` is the decimal mark of the file, and `ignore` has headings of columns to leave
+        out. Columns of words, and of quantities such as angles, are labels, which are passed on.
+        Raises an `InputError` with all faults of the table.
         """
         given = Path(source) if isinstance(source, str | os.PathLike) else source
-        sheet = _with_entries(read_table(given, MOST_PLACES, decimal))
+        entries = {path: name for name, path in CONDITION_ENTRIES.items()}
+        sheet = read_table(given, MOST_PLACES, decimal, ignore).renamed(entries)
         names = *_PLACE, *CONDITION_ENTRIES
-        written = rows_of(sheet, names, _faults_in, _PLACE)
+        written = rows_of(sheet, names, _faults_in, _PLACE, labels=True)
         read = [{name: _value(name, cell) for name, cell in row.items()} for row in written]
         others = {one.head: one.cells for one in sheet.columns if one.name not in names}
         conditions = tuple(
             {name: row[name] for name in CONDITION_ENTRIES if name in row} for row in read
         )
         return cls(tuple((row["load"], row["velocity"]) for row in read), others, conditions)
-
-
-def _with_entries(sheet: Sheet) -> Sheet:
-    """The table with conditions that are headed by their entry, such as friction.coefficient."""
-    names = {path: name for name, path in CONDITION_ENTRIES.items()}
-    columns = [one._replace(name=names.get(one.name, one.name)) for one in sheet.columns]
-    if others := [one.head for one in columns if _ENTRY.fullmatch(one.name)]:
-        raise InputError(
-            f"the column {quoted(others[0])} cannot act after the simulation; leave it out, or run "
-            "the rows as sweep.along"
-        )
-    return sheet._replace(columns=columns)
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -1,7 +1,8 @@
-"""Tables of tests, operating points and loads: CSV or Excel, with headings such as "load [N]".
+"""Tables of tests, operating points, rows and loads: CSV or Excel, with headings like "load [N]".
 
-All cells are text here, and nothing is guessed: a row that has not as many cells as there are
-headings, a heading that stands twice, and one that is nearly that of a quantity are refused.
+Cells are text here, and nothing is guessed. A row that has not as many cells as there are headings,
+a heading that stands twice, a column that nobody knows, and a cell that may mean two numbers are
+refused: all faults at once, each with its row and column.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import io
 import re
 import zipfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,26 +22,38 @@ import pandas as pd
 
 from pipeline.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from pipeline.paths import kind_of, read_file, reason_of, user_path
-from pipeline.units import as_entry, to_si
+from pipeline.units import UnitError, as_entry, si_unit, to_si
 from pipeline.words import fault_lines, quoted
 from tribo import InputError
 from tribo.types import Array
 
+Source = str | Path | Mapping[str, Sequence[Any]]
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
 _SAME = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
-_GROUPED = re.compile(r"[-+]?\d{1,3}([.,]\d{3})+")  # thousands, or three decimals
+_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
 """Units of columns of numbers that are given in Python without one."""
+_MANY = 12  # names that a message lists
+_QUANTITIES = {"N", "m/s", "K"}
+"""SI units of columns that are hardly labels."""
 _OTHER_WORDS = {
     **dict.fromkeys(("cof", "mu", "µ", "friction_coefficient", "coefficient_of_friction"),
                     "friction"),
     **dict.fromkeys(("speed", "sliding_speed"), "velocity"),
     **dict.fromkeys(("force", "normal_force"), "load"),
-    **dict.fromkeys(("temperature", "oil_temperature"), "bulk_temperature"),
+    **dict.fromkeys(("temperature", "oil_temperature", "t_oil"), "bulk_temperature"),
     "result": "outcome",
 }  # fmt: skip
 """Headings that are not read, and what may be meant by them."""
+
+
+class TableError(InputError):
+    """A table cannot be read; `faults` has all of its faults, a line each."""
+
+    def __init__(self, name: str, faults: list[str]) -> None:
+        super().__init__(fault_lines(name, faults))
+        self.faults = faults
 
 
 class Column(NamedTuple):
@@ -63,71 +77,163 @@ class Column(NamedTuple):
         cell = self.cells[row]
         return as_entry(cell, self.unit if _NUMBER.fullmatch(cell) else "")
 
+    @property
+    def is_label(self) -> bool:
+        """True if the cells are words, or quantities that no condition has, such as angles."""
+        return not any(self._is_condition(k) for k, cell in enumerate(self.cells) if cell)
 
-class Sheet(NamedTuple):
-    """Columns of a table, and the numbers of its rows in the file."""
+    def _is_condition(self, row: int) -> bool:
+        entry = self.entry(row)
+        if not isinstance(entry, str):
+            return True
+        try:
+            return si_unit(entry) in _QUANTITIES
+        except (UnitError, InputError):
+            return False
 
+
+@dataclass(frozen=True)
+class Sheet:
+    """Columns of a table, the numbers of its rows in the file, and its faults.
+
+    Whoever reads the cells raises these faults together with those that it finds.
+    """
+
+    name: str
     columns: list[Column]
     lines: list[int]
+    faults: list[str]
+    decimal: str | None = None  # the mark that was given
+    is_local: bool = False  # True if points of numbers may divide thousands
 
-    def named(self, needed: Collection[str], known: Collection[str]) -> dict[str, Column]:
-        """Columns by name; `InputError` if one is missing, or nearly has the name of one known."""
-        found = {one.name: one for one in self.columns}
+    def renamed(self, names: Mapping[str, str]) -> Sheet:
+        """The sheet with columns by other names, which stand once each."""
+        columns, faults = list[Column](), [*self.faults]
+        for one in self.columns:
+            column = one._replace(name=names.get(one.name, one.name))
+            if column.name in {other.name for other in columns}:
+                faults.append(f"the heading {quoted(one.head)} stands twice; leave one out")
+            else:
+                columns.append(column)
+        return Sheet(self.name, columns, self.lines, faults, self.decimal, self.is_local)
+
+    def select(
+        self, known: Collection[str], needed: Collection[str] = (), labels: bool = False
+    ) -> tuple[list[Column], list[str]]:
+        """Columns of the names in `known`, in which numbers have decimal points; and all faults.
+
+        A column of another name is a fault, unless `labels` are allowed and it is one; these are
+        among the columns, too.
+        """
+        faults, taken = [*self.faults], list[Column]()
+        names = {one.name for one in self.columns}
+        for one in self.columns:
+            near = "" if one.name in known else nearest(one.name, {*known} - names)
+            if one.name in known or (labels and one.is_label and not near):
+                taken.append(one)
+                continue
+            advice = "the path of an entry" if len(known) > _MANY else f"one of {', '.join(known)}"
+            advice = "another heading" if near else advice
+            meant = f" (did you mean {quoted(near)}?)" * bool(near)
+            faults.append(
+                f"the column {quoted(one.head)} is not known{meant}; give it {advice}, or leave it "
+                "out by ignore"
+            )
         heads = ", ".join(quoted(one.head) for one in self.columns)
-        for name in found.keys() - set(known):
-            near = difflib.get_close_matches(name, known, 1, 0.8)
-            near += [other for other in known if len(name) > 3 and other.startswith(name)]
-            near += [other for word, other in _OTHER_WORDS.items() if word == name]
-            if near and near[0] in known and near[0] not in found:
-                raise InputError(
-                    f"the column {quoted(found[name].head)} is not known (did you mean "
-                    f"{quoted(near[0])}?); change its heading, or leave it out"
-                )
-        if missing := [name for name in needed if name not in found]:
-            raise InputError(f"no column {', '.join(missing)} in {heads}; give it, with its unit")
-        return found
+        missing = [name for name in needed if name not in names]
+        faults += [f"no column {name} in {heads}; give it, with its unit" for name in missing]
+        made = [
+            one if one.name not in known else one._replace(cells=[*self._points(one, faults)])
+            for one in taken
+        ]
+        return made, faults
+
+    def _points(self, column: Column, faults: list[str]) -> Iterator[str]:
+        """Yield the cells of a column with decimal points; those with two meanings are faults."""
+        for line, cell in zip(self.lines, column.cells, strict=True):
+            where, (number, unit) = f"row {line}, {column.head}: {cell}", _split(cell)
+            if self.decimal == "," and "." in number:
+                faults.append(f"{where} has a point, though decimals have commas")
+            elif self.decimal is None and self.is_local and _GROUPED.fullmatch(number):
+                faults.append(f'{where} may be a thousand times as much; give decimal "." or ","')
+            elif self.decimal != "," and "," in number:
+                hint = 'give decimal "," if decimals have commas'
+                if _GROUPED.fullmatch(number):
+                    hint = "write thousands without a mark, and decimals with a point"
+                faults.append(f"{where} has a comma; {hint}")
+            yield number.replace(",", ".") + unit
+
+
+def _split(cell: str) -> tuple[str, str]:
+    """A cell as its number, with all of its marks, and what follows; no number is empty."""
+    found = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
+    return (found[1], found[2] or "") if found else ("", cell)
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Which of the names in `known` may be meant by a name that is none of them; else empty."""
+    known, plain = [*known], name.lower().replace(" ", "_")
+    parts = {part: one for one in known for part in (one.rpartition(".")[2], one.replace(".", "_"))}
+    near = difflib.get_close_matches(plain, parts, 1, 0.8)
+    near += [part for part in parts if len(plain) > 3 and part.startswith(plain)]
+    near += [other for word, other in _OTHER_WORDS.items() if word == plain and other in parts]
+    return parts[near[0]] if near else ""
 
 
 def read_table(
-    source: str | Path | Mapping[str, Sequence[Any]], most: int, decimal: str = "."
+    source: Source, most: int, decimal: str | None = None, ignore: Collection[str] = ()
 ) -> Sheet:
     """Read a .csv or .xlsx file, or columns by heading such as a data frame.
 
     In CSV cells are divided by the first of tab, semicolon and comma in the headings. `decimal` is
-    the decimal mark of its numbers. Raises an `InputError` with all rows that are faulty.
+    the decimal mark of its numbers. Columns whose headings are in `ignore` are left out.
     """
     if isinstance(source, str | Path):
         path = user_path(source)
         try:
-            rows = _rows(path)
+            rows, is_local = _rows(path)
+        except InputError:
+            raise
         except OSError as error:
             raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
-        except (
-            ValueError,
-            ImportError,
-            KeyError,
-            SyntaxError,
-            csv.Error,
-            zipfile.BadZipFile,
-        ) as error:
+        except _UNREADABLE as error:
             raise InputError(f"{path} is no table with a row of headings: {error}") from error
     else:
-        path, frame = Path("the table"), pd.DataFrame({str(k): [*x] for k, x in source.items()})
-        numeric = frame.select_dtypes("number")
-        frame = frame.rename(columns={x: f"{x} [{_SI[x]}]" for x in numeric if x in _SI})
-        cells = ["" if pd.isna(cell) else str(cell) for cell in frame.to_numpy(object).ravel()]
-        width = len(frame.columns)
-        body = [cells[k : k + width] for k in range(0, len(cells), width or 1)]
-        rows = [*enumerate([[*frame], *body], start=1)]
+        path, rows, is_local = Path("the table"), _rows_of_frame(source), False
     if len(rows) < 2:
         raise InputError(f"{path} has no rows below its headings; give one at least")
     if len(rows) - 1 > most:
         raise InputError(f"{path} has {len(rows) - 1} rows; at most {most} are read")
-    return _sheet(str(path), rows, decimal)
+    sheet = _sheet(str(path), rows, ignore)
+    cells = [cell for one in sheet.columns for cell in one.cells]
+    # One number with a point and other than three decimals shows what all points are.
+    points = [number for number, _ in map(_split, cells) if "." in number]
+    is_local = is_local and all(map(_GROUPED.fullmatch, points))
+    return Sheet(sheet.name, sheet.columns, sheet.lines, sheet.faults, decimal, is_local)
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Rows of a file with their numbers, headings first; without empty rows and comments."""
+_UNREADABLE = ValueError, ImportError, KeyError, SyntaxError, csv.Error, zipfile.BadZipFile
+
+
+def _rows_of_frame(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[str]]]:
+    """Rows of columns by heading, numbered from 1; headings first."""
+    columns = {str(head): [*cells] for head, cells in source.items()}
+    if len({len(cells) for cells in columns.values()}) > 1:
+        sizes = ", ".join(f"{quoted(head)} {len(cells)}" for head, cells in columns.items())
+        raise InputError(f"columns differ in their numbers of rows: {sizes}; give each as many")
+    frame = pd.DataFrame(columns)
+    numeric = frame.select_dtypes("number")
+    heads = [f"{one} [{_SI[one]}]" if one in numeric and one in _SI else one for one in frame]
+    cells = ["" if pd.isna(cell) else str(cell) for cell in frame.to_numpy(object).ravel()]
+    width = len(heads)
+    return [*enumerate([heads, *(cells[k : k + width] for k in range(0, len(cells), width or 1))])]
+
+
+def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
+    """Rows of a file with their numbers, headings first, without empty ones and comments above.
+
+    Also true if points of numbers may divide thousands: where cells are not divided by commas.
+    """
     content = read_file(path)
     if content.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(content)) as book:
@@ -137,28 +243,45 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
                     f"{path} is no workbook, or unpacks to {size / 1e6:.3g} MB, of which "
                     f"{MOST_BYTES_OF_BOOK / 1e6:g} can be read; save the table as .csv"
                 )
-        filled = [sheet for sheet in _sheets(path, content) if sheet]
+        filled = {title: rows for title, rows in _sheets(path, content) if rows}
         if len(filled) != 1:
-            raise InputError(f"{path} has {len(filled)} sheets with cells; keep one")
-        rows = [*enumerate(filled[0], start=1)]
+            named = f": {', '.join(map(quoted, filled))}" * bool(filled)
+            raise InputError(f"{path} has {len(filled)} sheets with cells{named}; keep one")
+        rows, mark = [*enumerate(next(iter(filled.values())), start=1)], ","
     elif kind := kind_of(content):
         raise InputError(f"{path} is {kind}; save the table as .csv")
     else:
-        wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-        try:
-            text = content.decode("utf-16" if wide else "utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("cp1252", errors="replace")  # as Excel writes in the west
-        lines = ["" if one.startswith("#") else one for one in text.splitlines()]
-        head = next((one for one in lines if one.strip()), "")
-        mark = next((one for one in "\t;," if one in head), ",")
-        reader = csv.reader(lines, delimiter=mark, strict=True)
-        rows = [(reader.line_num, row) for row in reader]
-    return [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
+        rows, mark = _rows_of_text(path, _decoded(content))
+    return [(line, row) for line, row in rows if any(cell.strip() for cell in row)], mark != ","
 
 
-def _sheets(path: Path, content: bytes) -> Iterator[list[list[str]]]:
-    """Yield the rows of each sheet of a workbook, all of one length."""
+def _decoded(content: bytes) -> str:
+    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        return content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")  # as Excel writes in the west
+
+
+def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
+    """Rows of CSV with their numbers, and what divides their cells."""
+    if "\0" in text:
+        raise InputError(f"{path} is binary; save the table as .csv")
+    lines = text.splitlines()
+    above = next((k for k, one in enumerate(lines) if one.strip() and one[0] != "#"), len(lines))
+    head = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
+    mark = next((one for one in "\t;," if one in head), ",")
+    reader = csv.reader(lines[above:], delimiter=mark, strict=True)
+    try:
+        return [(above + reader.line_num, row) for row in reader], mark
+    except csv.Error as error:
+        if "unexpected end of data" in str(error):
+            raise InputError(f"{path}: a quote is not closed; close or remove it") from error
+        raise InputError(f"{path}: row {above + reader.line_num}: {error}") from error
+
+
+def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:
+    """Yield the title and the rows of each sheet of a workbook, all of one length."""
     import openpyxl  # here, as few tables are workbooks
 
     for sheet in openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True):
@@ -171,44 +294,55 @@ def _sheets(path: Path, content: bytes) -> Iterator[list[list[str]]]:
                     f"{path} has more than {MOST_CELLS_OF_SHEET} cells up to its last one, empty "
                     "ones included; delete what lies far from the table"
                 )
+            for cell in cells:
+                if isinstance(cell, str) and "." in cell and _GROUPED.fullmatch(cell.strip()):
+                    raise InputError(
+                        f"{path}: row {number}: {quoted(cell)} is text, which may be a thousand "
+                        "times as much; make it a number"
+                    )
             rows.append(["" if cell is None else str(cell) for cell in cells])
-        yield [row + [""] * (widest - len(row)) for row in rows]
+        filled = any(cell.strip() for row in rows for cell in row)
+        yield sheet.title, [row + [""] * (widest - len(row)) for row in rows] if filled else []
 
 
-def _sheet(name: str, rows: list[tuple[int, list[str]]], decimal: str) -> Sheet:
-    """Columns of rows; `InputError` with all rows whose cells do not fit the headings."""
-    (_, heads), *body = rows
-    width, said = len(heads), list[str]()
+def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
+    """Columns of rows; those of rows whose cells do not fit the headings are left out."""
+    (first, heads), *body = rows
+    width = max((k + 1 for k, head in enumerate(heads) if head.strip()), default=0)
+    faults, fit = list[str](), list[tuple[int, list[str]]]()
     for line, row in body:
-        extra = row[width:]
-        if len(row) < width or any(cell.strip() for cell in extra):
-            said.append(f"row {line} has {len(row)} cells below {width} headings; give as many")
-    columns = [
-        Column.of(head, [row[k] if k < len(row) else "" for _, row in body])
-        for k, head in enumerate(heads)
+        if len(row) < width or any(cell.strip() for cell in row[width:]):
+            count = len(row) if len(row) < width else len(_stripped(row))
+            faults.append(f"row {line} has {count} cells below {width} headings; give as many")
+        else:
+            fit.append((line, row))
+    if len(faults) == len(body) and width == 1:
+        faults = [f"row {first} has one cell, and rows below have more; leave out the title"]
+    columns, names = list[Column](), set[str]()
+    left, skipped = {one.strip().lower(): one for one in ignore}, set[str]()
+    for k in range(width):
+        column = Column.of(heads[k], [row[k] for _, row in fit])
+        keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & left.keys()
+        if keys:
+            skipped |= keys
+        elif not column.head:
+            faults += ["a column has no heading; give one"] * any(column.cells)
+        elif column.name in names:
+            faults.append(f"the heading {quoted(column.head)} stands twice; leave one out")
+        else:
+            columns.append(column)
+            names.add(column.name)
+    shown = ", ".join(quoted(one.head) for one in columns)
+    faults += [
+        f"there is no column {quoted(left[key])} to ignore in {shown}; give a heading of the table"
+        for key in left.keys() - skipped
     ]
-    columns = [one for one in columns if one.head or any(one.cells)]
-    names = [one.name for one in columns]
-    said += [
-        f"the heading {quoted(one.head)} stands twice; leave one out" if one.head
-        else "a column has no heading; give one" for k, one in enumerate(columns)
-        if not one.head or one.name in names[:k]
-    ]  # fmt: skip
-    for one in columns if not said else ():
-        for k, cell in enumerate(one.cells):
-            where = f"row {body[k][0]}, {one.head}"
-            if decimal == "," and _GROUPED.fullmatch(cell) and "." in cell:
-                said.append(f"{where}: {cell} has a point, though decimals have commas")
-            elif decimal == "," and _NUMBER.fullmatch(cell.replace(",", ".")):
-                one.cells[k] = cell.replace(",", ".")
-            elif decimal == "." and one.unit and re.fullmatch(r"[-+]?\d+,\d+", cell):
-                hint = 'give decimal "," if decimals have commas'
-                if _GROUPED.fullmatch(cell):
-                    hint = "write thousands without a mark, and decimals with a point"
-                said.append(f"{where}: {cell} has a comma; {hint}")
-    if said:
-        raise InputError(fault_lines(name, [*dict.fromkeys(said)]))
-    return Sheet(columns, [line for line, _ in body])
+    return Sheet(name, columns, [line for line, _ in fit], faults)
+
+
+def _stripped(row: list[str]) -> list[str]:
+    """A row without empty cells at its end."""
+    return row[: max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)]
 
 
 def rows_of(
@@ -216,41 +350,41 @@ def rows_of(
     names: Collection[str],
     faults_in: Callable[[dict[str, Any]], Iterable[Sequence[Any]]],
     needed: Collection[str] = (),
-    strict: bool = False,
+    labels: bool = False,
 ) -> list[dict[str, Any]]:
     """Entries in each row, as a scene file has them, of the columns in `names`.
 
-    Empty cells are left out. Other columns are left out, too, or refused if `strict`. Raises an
-    `InputError` with all faults: pairs (name, reason) that `faults_in` finds in a row, each with
-    its row and column.
+    Empty cells are left out. Other columns are refused, but for `labels` if these are allowed.
+    Raises an `InputError` with all faults: of the sheet, and pairs (name, reason) that `faults_in`
+    finds in a row, each with its row and column.
     """
-    known, said, rows = sheet.named(needed, names), list[str](), list[dict[str, Any]]()
-    if strict and (other := [one.head for one in known.values() if one.name not in names]):
-        raise InputError(
-            f"{', '.join(map(quoted, other))} is no entry of a test; leave out the column, or give "
-            f"it one of the headings {', '.join(names)}"
-        )
+    columns, said = sheet.select(names, needed, labels)
+    rows, heads = list[dict[str, Any]](), {one.name: one.head for one in columns}
+    faulty = {one.partition(": ")[0] for one in said}  # cells among them
     for number, line in enumerate(sheet.lines):
-        own = [one for one in known.values() if one.name in names and one.cells[number]]
-        row = {one.name: one.entry(number) for one in own}
-        heads = {one.name: one.head for one in own}
-        said += [f"row {line}, {heads.get(name, name)}: {why}" for name, why, *_ in faults_in(row)]
-        rows.append(row)
+        own = [one for one in columns if one.cells[number] and one.name in names]
+        rows.append({one.name: one.entry(number) for one in own})
+        for name, why, *_ in faults_in(rows[-1]):
+            place = f"row {line}, {heads.get(name, name)}"
+            if place not in faulty and (name in heads or name not in needed):
+                said.append(f"{place}: {why}")
     if said:
-        raise InputError(fault_lines("the table", said))
+        raise TableError(sheet.name, said)
     return rows
 
 
 def numbers_of(sheet: Sheet, units: Mapping[str, str]) -> dict[str, Array]:
     """Values in SI of the columns named in `units`, whose headings or cells have units."""
-    known, said = sheet.named(units, units), list[str]()
-    values: dict[str, list[float]] = {name: [] for name in units}
-    for name, unit in units.items():
-        for line, number in zip(sheet.lines, range(len(sheet.lines)), strict=True):
+
+    def faults_in(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        for name, unit in units.items():
             try:
-                values[name].append(to_si(str(known[name].entry(number)), f"1 {unit}"))
+                to_si(str(row.get(name, "")), f"1 {unit}")
             except ValueError as error:
-                said.append(f"row {line}, {known[name].head}: {error}")
-    if said:
-        raise InputError(fault_lines("the table", said))
-    return {name: np.array(one) for name, one in values.items()}
+                yield name, str(error) if name in row else f"missing; give one in {unit}"
+
+    rows = rows_of(sheet, units, faults_in, needed=units)
+    return {
+        name: np.array([to_si(str(row[name]), f"1 {unit}") for row in rows])
+        for name, unit in units.items()
+    }

@@ -89,7 +89,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     if options.points is not None:
         if place:
             raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
-        return OperatingPoints.read(options.points, options.decimal)
+        return OperatingPoints.read(options.points, options.decimal, options.ignore)
     if len(place) == 1:
         (given,) = place
         lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")

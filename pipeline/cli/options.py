@@ -164,9 +164,10 @@ POINTS = (
     value(
         "--points DUTY.csv",
         'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
-        ".csv, .txt or .xlsx; further columns are passed on", user_path,
+        ".csv, .txt or .xlsx; columns of words are passed on as labels", user_path,
     ),
-    Option("--decimal", choices=(".", ","), default=".", help="decimal mark of --points"),
+    Option("--decimal", choices=(".", ","), help="decimal mark of --points"),
+    several("--ignore HEADING", "column of --points to leave out", str),
 )  # fmt: skip
 REALIZATION = value(
     "--realization SEED", "seed of the random surface in place of the sweep's own",

@@ -176,7 +176,7 @@ def loading_of(
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
-    times, forces = files.once(path, partial(_record, path, table.decimal))
+    times, forces = files.once(path, partial(_record, path, table))
     record = tribo.MeasuredLoad(times, forces, table.reference_load)
     if not table.fit:
         return record
@@ -186,9 +186,9 @@ def loading_of(
     return record.ramp()
 
 
-def _record(path: Path, decimal: str) -> tuple[Array, Array]:
+def _record(path: Path, table: Record) -> tuple[Array, Array]:
     """Times [s] and loads [N] of a recorded load."""
-    sheet = read_table(path, MOST_ROWS, decimal)
+    sheet = read_table(path, MOST_ROWS, table.decimal, table.ignore)
     times, forces = numbers_of(sheet, _RECORD).values()
     if reason := record_fault(times, forces):
         raise tribo.InputError(f"row {sheet.lines[reason[0]]}: {reason[1]}")

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from pipeline.shipped import name_of
 from pipeline.sweep.remarks import Grade, Remark
+from pipeline.table import TableError
 from pipeline.units import UnitError
 from pipeline.words import fault_lines
 from tribo import InputError, TriboError
@@ -47,6 +48,9 @@ class Faults(list[Fault]):
         """Context manager: turn an `InputError` or `UnitError` into a fault of the entry `key`."""
         try:
             yield
+        except TableError as error:
+            for one in error.faults if len(error.faults) > 1 else [str(error)]:
+                self.refuse(key, one)
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 

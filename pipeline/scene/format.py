@@ -9,7 +9,13 @@ from typing import Any, ClassVar, get_type_hints
 import tribo
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.scene.faults import Faults
-from pipeline.scene.format_of_tests import StagedRunTable, Test, TransitionTable, list_of_tests
+from pipeline.scene.format_of_tests import (
+    StagedRunTable,
+    TableFile,
+    Test,
+    TransitionTable,
+    list_of_tests,
+)
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
     BULK,
@@ -187,13 +193,13 @@ class StagesTable(Declared):
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
     reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
 
-class Record(Declared):
+class Record(TableFile):
+    form_name = "record"
     file: A[str,
-        "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
+        "Recorded load, CSV or Excel with the columns `time [s]` and `load [N]`; relative to the "
         "folder of the scene."]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
-    decimal: A[str, OneOf((".", ",")), "Decimal mark of the file."] = "."
 
 class MotionTable(Declared):
     slide_roll_ratio: A[float, Share(usual=(-2, 2)),
@@ -267,8 +273,10 @@ class SweepTable(Declared):
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
         "plane is computed for each combination of values."] = None
-    along: A[Any, Either(Text(), List(ByPath(Scalar(), "paths of other entries"))),
-        "Rows, each with its own load and velocity: a CSV file, or a list of tables, such as "
+    along: A[Any, Either(
+            Text(), table_of(TableFile), List(ByPath(Scalar(), "paths of other entries"))),
+        "Rows, each with its own load and velocity, which replace those of the sweep: a table as "
+        "CSV or Excel, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or labels."] = None
     fields: A[bool,
@@ -317,6 +325,6 @@ class SceneFile(Declared):
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
     tested: A[tuple[Any, ...], list_of_tests(Test, StagedRunTable),
-        "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
+        "Tests that stayed mild or turned severe: each a table, a run by its stages, or a file of these, "
         "for `irg infer`, and for the model's own error."] = ()
 # fmt: on

@@ -27,19 +27,20 @@ NAME = Either(Text(), Whole(at_least=0))
 
 
 def list_of_tests(*own: type) -> List:
-    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`.
-
-    Classes of tests that optional parts of the program add are allowed, too.
-    """
-    return List(Either(*map(table_of, (own[0], LogTable, *own[1:]))))
+    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`."""
+    return List(Either(*map(table_of, (own[0], TableFile, *own[1:]))))
 
 
 # fmt: off
-class LogTable(Declared):
-    form_name = "log"
-    file: A[str, "Table with a row for each test, CSV or Excel; its headings are the entries of a "
-        "test with their units, such as `load [N]`; relative to the folder of the scene."]
-    decimal: A[str, OneOf((".", ",")), "Decimal mark of the file."] = "."
+class TableFile(Declared):
+    form_name = "table of rows"
+    file: A[str,
+        "Table as CSV or Excel, relative to the folder of the scene; its headings are entries with "
+        "their units, such as `load [N]`."]
+    decimal: A[str | None, OneOf((".", ",")), "Decimal mark of the file."] = None
+    ignore: A[tuple[str, ...], List(Text(), distinct=True),
+        'Headings of columns without a meaning here, such as ["date", "remark"].'] = ()
+
 class EvenLevels(Declared):
     form_name = "even stages"
     first: A[str, LEVEL, "Load or velocity of the first stage."]

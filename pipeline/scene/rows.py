@@ -15,8 +15,9 @@ from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import SceneFile
+from pipeline.scene.format_of_tests import TableFile
 from pipeline.scene.kinds import LOAD, SPEED
-from pipeline.scene.tables import Entry, Table, number_at
+from pipeline.scene.tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.sweep.case import Case
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import CONDITION_ENTRIES
@@ -30,7 +31,8 @@ from pipeline.sweep.variants import (
     numbered_rows,
     surfaces,
 )
-from pipeline.table import read_table
+from pipeline.table import Column as TableColumn
+from pipeline.table import Sheet, TableError, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
@@ -74,20 +76,46 @@ def with_first_rows(entries: Entries, files: Files, faults: Faults) -> tuple[Ent
         for name, head, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
     }
     own = {path: value for path, value in rows[0].items() if "." in path}  # no labels
-    return merged(replace_values({}, axes | own), entries), rows
+    return merged(replace_values({}, own), replace_values(entries, axes)), rows
 
 
 def _listed_rows(written: Any, files: Files, faults: Faults) -> list[Row]:
-    """Rows of ``along``, in the scene or in a file, as entries by heading."""
-    rows = list[Row]()
-    if isinstance(written, str) and written:
-        with faults.at("sweep.along"):
-            sheet = read_table(files.path("sweep.along", written), MOST_SCENES)
-            named = sheet.named(_PLACE.keys, (*_PLACE.keys, *CONDITION_ENTRIES)).values()
-            rows = [{one.name: one.entry(k) for one in named} for k in range(len(sheet.lines))]
-    elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
+    """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
+    if isinstance(written, list) and len(written) > MOST_SCENES:
+        return []  # refused by the format
+    if isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
-    return [{CONDITION_ENTRIES.get(head, head): cell for head, cell in row.items()} for row in rows]
+        heads = list(dict.fromkeys(head for row in rows for head in row))
+        columns = [
+            TableColumn(head, head, "", [str(row.get(head, "")) for row in rows]) for head in heads
+        ]
+        sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], [])
+        with faults.at("sweep.along"):
+            _read_columns(sheet, ())
+            return [{CONDITION_ENTRIES.get(k, k): one for k, one in row.items()} for row in rows]
+        return []
+    table = {"file": written} if isinstance(written, str) else written
+    before = len(faults)
+    own = table and table_of(TableFile).read(table, "sweep.along", faults)
+    if not own or len(faults) > before:
+        return []
+    with faults.at("sweep.along"):
+        path = files.path("sweep.along", own.file)
+        sheet = read_table(path, MOST_SCENES, own.decimal, own.ignore)
+        columns = _read_columns(sheet, tuple(_PLACE.keys))
+        return [{one.name: one.entry(k) for one in columns} for k in range(len(columns[0].cells))]
+    return []
+
+
+def _read_columns(sheet: Sheet, needed: tuple[str, ...]) -> list[TableColumn]:
+    """Columns of rows: place, entries by their paths, and labels; an `InputError` for others."""
+    sheet = sheet.renamed(CONDITION_ENTRIES)
+    entries = [path for path in keys_of(SceneFile) if path.partition(".")[0] not in _FIXED]
+    own = [one.name for one in sheet.columns if "." in one.name]
+    columns, faults = sheet.select([*_PLACE.keys, *own, *entries], needed, labels=True)
+    if faults:
+        raise TableError(sheet.name, faults)
+    return columns
 
 
 def _place_of(number: int, row: Row, first: Row, faults: Faults) -> Row:

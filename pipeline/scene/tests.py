@@ -13,7 +13,7 @@ from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import StagedRunTable, TransitionTable
+from pipeline.scene.format_of_tests import StagedRunTable, TableFile, TransitionTable
 from pipeline.scene.format_of_tests import Test as TestEntry
 from pipeline.scene.stages import axis_of, levels_of, stages_of
 from pipeline.scene.tables import Table, table_of
@@ -49,15 +49,18 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
             if not (isinstance(entry, dict) and "file" in entry):
                 rows.append(entry)
                 continue
-            with faults.at(f"{key}[{number}].file"):
-                mark = str(entry.get("decimal", "."))
-                sheet = read_table(files.path(key, entry["file"]), MOST_ROWS, mark)
+            before, place = len(faults), f"{key}[{number}]"
+            own = table_of(TableFile).read(entry, place, faults)
+            if len(faults) > before:
+                continue
+            with faults.at(f"{place}.file"):
+                sheet = read_table(files.path(key, own.file), MOST_ROWS, own.decimal, own.ignore)
                 names = {one.name for one in sheet.columns}
                 staged = key == "tested" and names & {"mild_up_to", "severe_at"}
                 table = table_of(StagedRunTable if staged else declared)
                 needed = ("load", "velocity", "outcome")[: 3 if key == "tested" else 2]
                 faults_in = partial(_faults_in, table)
-                rows += rows_of(sheet, table.keys, faults_in, () if staged else needed, strict=True)
+                rows += rows_of(sheet, table.keys, faults_in, () if staged else needed)
         if isinstance(listed, list):
             entries[key] = rows
             if not rows:

@@ -44,12 +44,12 @@ def test_each_row_has_its_place_and_its_entries(tmp_path, along):
 
 def test_a_label_in_numbers_is_in_si(tmp_path):
     heads = "cycle time [min],angle [deg],flank,load [N],velocity [m/s]"
-    rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
+    rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3b,600,2\n"
     table = pipeline.load_scene(scene(tmp_path, rows=rows)).variants
     held = {column.name: (table.labels(column.name), column.unit) for column in table.columns}
     assert held["cycle_time"] == ((30.0, 60.0), "s")
     assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
-    assert held["flank"] == (("2a", "3"), None)
+    assert held["flank"] == (("2a", "3b"), None)
 
 
 def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_store(

@@ -99,9 +99,9 @@ def over(path, values, **others):
 
 
 FILES = {
-    "load header": (load(b"0,0\n1,5\n"), 'the heading "0" stands twice'),
+    "load header": (load(b"time [s],load [N],load [kN]\n0,0,0\n1,5,1\n"), "stands twice"),
     "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"), "row 4: 1 s, inf N; both must be"),
-    "load back": (load(b"time [s],load [N]\n0,0\n2,5\n# pause\n1,6\n"),
+    "load back": (load(b"time [s],load [N]\n0,0\n\n2,5\n1,6\n"),
                   "row 5: time 1 s after 2 s"),
     "load large": (long_load, "load.csv is binary; save the table"),
     "load falls": (load(b"time [s],load [N]\n0,7\n1,5\n"), "begins at 7 N"),
