@@ -22,6 +22,6 @@ from .store.store import verify_store as verify_store
 from .surface.statistics import surface_statistics as surface_statistics
 from .sweep.conditions import Conditions as Conditions
 from .sweep.sweep import Sweep as Sweep
-from .tradeoff.forecast import estimate as estimate
+from .tradeoff.estimate import estimate as estimate
 from .tradeoff.trade import trade as trade
 from .units import to_si as to_si

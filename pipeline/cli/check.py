@@ -26,7 +26,7 @@ from pipeline.sweep.left_out import UNKNOWN_FILM
 from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import VARIANT
-from pipeline.tradeoff.forecast import Estimate, worker_bytes
+from pipeline.tradeoff.estimate import Estimate, worker_bytes
 from tribo import InputError, Scene, lubrication_regime
 from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
 

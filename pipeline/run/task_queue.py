@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import heapq
-from collections import defaultdict, deque
-from collections.abc import Callable, Hashable, Iterable
+from collections import deque
+from collections.abc import Hashable, Iterable
 from typing import Any
 
 from pipeline.sweep.plan import Task
@@ -46,22 +45,3 @@ class TaskQueue:
     def put_back(self, task: Task) -> None:
         """Put a task that was not computed back into the queue, as the next task of its ramp."""
         self._left.setdefault(task.ramp, deque()).appendleft(task)
-
-
-def makespan(
-    tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
-) -> tuple[float, float]:
-    """Predict the time in which workers compute tasks, and the sum of the task times [s].
-
-    ``cost(task, kept)`` returns the time of a task [s]. `kept` is a dictionary of the worker that
-    computes the task, in which the function may note what this worker has cached.
-    """
-    waiting = TaskQueue(tasks)
-    has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)
-    free, wall, total = [(0.0, worker) for worker in range(workers)], 0.0, 0.0
-    while waiting:
-        now, worker = heapq.heappop(free)
-        seconds = cost(waiting.take(worker), has[worker])
-        wall, total = max(wall, now + seconds), total + seconds
-        heapq.heappush(free, (now + seconds, worker))
-    return wall, total

@@ -325,6 +325,6 @@ class SceneFile(Declared):
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
     tested: A[tuple[Any, ...], list_of_tests(Test, StagedRunTable),
-        "Tests that stayed mild or turned severe: each a table, a run by its stages, or a file of these, "
+        "Tests that stayed mild or turned severe: a table, a run by stages, or a file for each, "
         "for `irg infer`, and for the model's own error."] = ()
 # fmt: on

@@ -13,7 +13,7 @@ _ALLOWED = {
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "helpers/stores.py _digest": "a forged root has the right digest",
     "promises/patches.py _sampling": "what single points state, which answers combine",
-    "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
+    "pipeline/tradeoff/test_estimate.py _increment_values": "temperatures are counted where solved",
 }
 """Private names that a file of tests reads, and why."""
 

@@ -1,17 +1,17 @@
-"""Rough forecast of the cost of a sweep: time, memory and disk."""
+"""Rough cost of a sweep before it runs: time, memory and disk, from a few timed steps."""
 
 from __future__ import annotations
 
 import itertools
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from pipeline.machine import cores
-from pipeline.run.task_queue import makespan
 from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stations, record_at, tasks
 from pipeline.sweep.plan import points as points_of
@@ -31,14 +31,13 @@ _STORE_BYTES = 0.36e6  # an empty store: some 30 arrays, each with a folder and 
 _HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays kept for each increment of a ramp
-_MANY = 20_000  # tasks from which the work is divided evenly, not scheduled one by one
-_MOST_PIXELS = 2e7  # largest surface that is generated for a forecast
+_MOST_PIXELS = 2e7  # largest surface that is generated here
 _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Forecast of a sweep's cost: numbers of points, steps and tasks, time [s], disk space [B]."""
+    """Expected cost of a sweep: numbers of points, steps and tasks, time [s], disk space [B]."""
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
@@ -86,21 +85,19 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     is_course = choose_stations(scene).steps == "course"
     coarsening = as_computed(scene).coarsening
     work = _TaskTimes(scene, contact_time, heat_time, is_course, coarsening)
-    alone = makespan(every, 1, work)[1]
-    steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
-    wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
+    wall = work.total(every) / parallel
     slots, points = wanted_slots(sweep), len(every)
     of_tests = sweep_of_tests(sweep, False) if slots else None
     own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
     if of_tests:  # each step takes as long as in the scene
         of_own = _TaskTimes(of_tests, contact_time, heat_time, is_course=False, is_of_tests=True)
-        wall += makespan(own, min(workers, len(own)), of_own)[0]
+        wall += of_own.total(own) / min(workers, len(own))
     return Estimate(
         points=points,
         tests=len(slots),
-        steps=steps,
-        temperatures=temperatures,
+        steps=work.contacts,
+        temperatures=work.temperatures,
         tasks=len(every),
         workers=workers,
         seconds=_SECONDS_TO_START + wall * max(1.0, parallel / available),
@@ -110,7 +107,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _TaskTimes:
-    """Predicts the time of each task, and counts the contacts and heat partitions to solve."""
+    """Counts the contacts and heat partitions of tasks, and estimates the time that they take."""
 
     sweep: Sweep
     contact_time: float  # [s]
@@ -122,14 +119,13 @@ class _TaskTimes:
     temperatures: int = 0
     _steps: dict[Any, tuple[int, int, int]] = field(default_factory=dict)
 
-    def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Predict the time of a task on a worker [s].
+    def total(self, every: Iterable[Task]) -> float:
+        """Time of tasks [s], one after another, which share their ramps and contacts."""
+        has = dict[Any, Any]()
+        return sum(self._seconds(task, has) for task in every)
 
-        `has` records the ramps and contacts that the worker has cached from earlier tasks. The call
-        adds those of this task to `has`. It also increases two totals over all calls:
-        `self.contacts` by the number of contacts that the task must solve, and `self.temperatures`
-        by the number of heat partitions.
-        """
+    def _seconds(self, task: Task, has: dict[Any, Any]) -> float:
+        """Time of a task [s]; `has` keeps ramps and contacts of those before, and gets its own."""
         load, velocity, variant = task.point
         scene = self.sweep.case(variant).scene if self.is_of_tests else self.sweep.scene
         if (key := (scene, load, velocity)) not in self._steps:

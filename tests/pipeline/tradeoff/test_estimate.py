@@ -1,4 +1,4 @@
-"""Forecasts of `irg check`, against what then happens."""
+"""Estimates of `irg check`, against what then happens."""
 
 import pytest
 
@@ -57,10 +57,10 @@ def counted(sweep, monkeypatch):
     ],
     ids=["ramp", "end", "history", "stations", "no wear", "hold"],
 )
-def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
+def test_steps_and_temperatures_are_counted_before(changes, monkeypatch):
     sweep = changed(SWEEP, **{"roughness": None} | changes)
-    forecast = estimate(sweep, workers=1)
-    assert (forecast.steps, forecast.temperatures) == counted(sweep, monkeypatch)
+    cost = estimate(sweep, workers=1)
+    assert (cost.steps, cost.temperatures) == counted(sweep, monkeypatch)
 
 
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
@@ -73,9 +73,6 @@ def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
     assert course.disk_bytes - 0.36e6 == pytest.approx(2 * one)
 
 
-def test_a_store_takes_the_room_that_was_foretold_within_a_factor_of_two(alone):
+def test_a_store_takes_the_room_that_was_estimated_within_a_factor_of_two(alone):
     blocks = sum(512 * file.stat().st_blocks for file in alone.rglob("*"))
     assert 0.5 < estimate(tiny.full()).disk_bytes / blocks < 2.0
-
-
-VELOCITIES = tuple(0.5 * k for k in range(1, 41))
