@@ -327,7 +327,7 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
         if not one.ndim and key not in (*COORDINATES, "realization")
     }
     status = ds["status"]
-    ds = ds.reset_coords([key for key in (*MADE, "own_grid") if key in ds.coords])
+    ds = ds.reset_coords([key for key in MADE if key in ds.coords])
     ds = ds.assign({key: ds[key].broadcast_like(status) for key in MADE if key in ds})
     ds = ds.expand_dims([dim for dim in _SPECIMEN if dim not in status.dims])
     moves = ds["velocity"] > 0

@@ -40,7 +40,6 @@ _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
 _CONTACT = ("contact width [µm]", "contact_width"), ("in contact [% of window]", "contact_fraction")
 _WEAR = ("greatest wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", "wear_volume")
-_COARSE_RAMP = "; marks: end of the ramp, on smaller elements than the lines"
 
 
 @style.house_style
@@ -59,9 +58,6 @@ def ramp(
     may have several values. By default the load is the highest with a computed point, and the
     velocity is the nearest to the transition. `realization` is the seed of the surface; by default
     the first one.
-
-    If a point's last step was computed on smaller elements than its earlier steps, a separate
-    marker shows the last step; the line ends at the step before.
     """
     shown = shown_of(ds, conditions, realization)
     points, columns = chosen_points(shown, load, velocity), shown.columns()
@@ -91,17 +87,15 @@ def ramp(
         Line2D([], [], color=f"C{k}", lw=3, label=shown.words(point))
         for k, point in enumerate(points)
     ]
-    time, own = columns["time"], columns["own_grid"]
-    is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
-    said = heating_words(shown.conditions) + _COARSE_RAMP * is_coarse
-    caption = "\n".join([said, *doubt_lines(shown.case.sweep, most=1, answered=True)])
-    style.legend_below(figure, handles=names, caption=caption)
+    said = [heating_words(shown.conditions)]
+    said += doubt_lines(shown.case.sweep, most=1, answered=True)
+    style.legend_below(figure, handles=names, caption="\n".join(said))
     return figure
 
 
 def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
     """Axis label with unit, and `name`; `InputError` unless it is stored at each step."""
-    stepped = {*COLUMNS, *MADE, "own_grid"} & {*columns}
+    stepped = {*COLUMNS, *MADE} & {*columns}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
@@ -113,11 +107,9 @@ def _draw(
 ) -> None:
     """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
     for number, point in enumerate(points):
-        time, own = (columns[name][point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
-        for part, marks in ((known & ~own, {"marker": "None"}), (known & own, {"markevery": [-1]})):
-            if part.any():
-                axes.plot(time[part], values[point][part], color=f"C{number}", **look | marks)
+        time, found = columns["time"][point][known], values[point][known]
+        axes.plot(time, found, color=f"C{number}", markevery=[-1], **look)
 
 
 def _temperatures(axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[Spot]) -> None:

@@ -59,7 +59,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
     if store.sweep.fields and read_document(store.place, f"{AT_ENDS}/{ROOT}") is None:
         lacks = {*FIELDS, "x", "y"}  # a copy may lack the fields, which are most of a store
     present: dict[str, Any] = {**group.coordinates, "status": store.flags}
-    coords = {*group.coordinates, "own_grid"} - {INPUTS, *lacks}
+    coords = {*group.coordinates} - {INPUTS, *lacks}
     variables = {}
     for name, variable in group.variables.items():
         if name in lacks:

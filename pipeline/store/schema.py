@@ -16,7 +16,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 24
+FORMAT = 25
 """Version of the layout of stores."""
 NOT_ASKED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; no run has asked for a point that is `NOT_ASKED`."""
@@ -62,7 +62,6 @@ MADE = {
 }
 """Coordinates of steps, which are computed from the scene whenever a store is read."""
 COLUMNS = {
-    "own_grid": Variable(_STEP, "1", "true on the point's grid, false on its history's", "bool"),
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
     "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
     "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
@@ -199,7 +198,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         outer = _variant_dims(name, sweep) if name in MADE else front
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
-    along = [*sorted(columns), *MADE, "own_grid"]
+    along = [*sorted(columns), *MADE]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
     if TEST_POINT not in sweep.variants.axes:

@@ -198,7 +198,8 @@ def run_point(
                 is_last = contact.index == kept[-1].index
                 states.append(_heated(fitted, velocity, contact, is_last))
             progress(Progress(done=contact.index, total=kept[-1].index))
-        records = [*states[-1].course, *(record_at(fitted, state) for state in states)]
+        course = states[-1].course[: len(kept) - len(states)]  # the end may be one of its steps
+        records = [*course, *(record_at(fitted, state) for state in states)]
         columns = {key: np.array([record[key] for record in records]) for key in records[0]}
         film = _film_of(fitted, states[-1]) if with_film else _NO_FILM
         found = memo[fitted, stations, with_film] = columns, states[-1], film
@@ -232,18 +233,22 @@ def _heated(scene: Scene, velocity: float, contact: State, is_sampled: bool = Fa
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values to record of a contact after an increment, on the ramp's coarse grid, by variable."""
+    """Values to record of a contact after an increment, by variable."""
+    is_solved = contact.is_requested or not contact.pressure.any()
     try:
-        return record_at(scene, _heated(scene, velocity, contact))
+        found = record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it
-        return record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
+        found = record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
+    # Without a solution on the point's own grid there is none to show.
+    return (
+        found if is_solved else {k: one if k in _MADE else one * np.nan for k, one in found.items()}
+    )
 
 
 def record_at(scene: Scene, state: State) -> Moment:
     """Values to record at one time of a point's loading, by name of the variable in the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     return {
-        "own_grid": state.pressure.size >= math.prod(scene.grid.shape),
         **measures(scene, state),
         "rise_quantile": quantiles,
     }

@@ -145,7 +145,7 @@ def places(ds):
 
 def values_of_points(ds):
     """Values of all variables of a dataset as arrays, by name."""
-    return {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
+    return {name: ds[name].values for name in ds.data_vars}
 
 
 def _is_known(values):

@@ -51,7 +51,6 @@ def held():
     """Sweep with eight steps of hold, in which one part of the contact warms and another cools."""
     ds = one()
     ds = ds.assign_coords(step=ds["step"] - 8).reindex(step=np.arange(1 - ds.sizes["step"] - 8, 1))
-    ds["own_grid"] = xr.ones_like(ds["max_rise"], bool)
     quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     for k in range(8):
         here = ds["step"] == k - 7

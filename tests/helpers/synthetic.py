@@ -87,7 +87,6 @@ def sweep(
     shape = (len(loads), len(velocities), n_step)
     known = COLUMNS | MADE
     scalars = {name: np.full(shape, np.nan) for name in known.keys() - {"rise_quantile"}}
-    scalars["own_grid"] = np.full(shape, True)
     quantiles = np.full((*shape, len(QUANTILES)), np.nan)
     flags = np.full(shape[:2], DONE, np.int8)
     messages = np.full(shape[:2], "", dtype=object)

@@ -14,14 +14,15 @@ implicit step that may end a step. The size of elements is chosen before, see `e
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Container, Hashable, Iterator, Sequence
+from collections.abc import Callable, Container, Generator, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, TriboError, require_positive
 from tribo.loading import Stages, Station
+from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
 from tribo.simulation.finer_grids import refine_step
@@ -96,8 +97,8 @@ def contacts(
     requested : container of int, optional
         Indices of further steps, `Station.index`, whose states shall have `State.is_requested`.
     note : Note, optional
-        Value to record after each increment of the ramp below `normal_load`. States with
-        `State.is_requested` have the values recorded so far as `State.course`.
+        Value to record after each increment of the ramp below `normal_load`, on the finest grid.
+        The last states with `State.is_requested` have the recorded values as `State.course`.
 
     Yields
     ------
@@ -119,11 +120,15 @@ def contacts(
         for station in stations:
             yield _independent_state(levels, normal_load, velocity, station)
         return
-    key = mechanics(scene), *ramp_key(scene, normal_load, velocity)
-    if isinstance(scene.loading, Stages):
-        stage = partial(_advance_stage, levels, velocity, requested)
-        yield from _staged(trunks, key, start(scene), stations, stage, note)
-        return
+    has_stages = isinstance(scene.loading, Stages)
+    on_finest = range(MOST_STEPS + 1) if note and not has_stages else requested
+    advanced = partial(_advance, levels, velocity, on_finest)
+    key = mechanics(scene), *ramp_key(scene, normal_load, velocity), on_finest is requested
+    if has_stages or (note and stations[-1].on_trunk):
+        last = yield from _to_shared_end(trunks, key, start(scene), stations, advanced, note)
+        if last.is_requested or not last.pressure.any():
+            yield last
+            return
     shared = list(
         itertools.takewhile(
             lambda one: (
@@ -133,9 +138,9 @@ def contacts(
         )
     )
     memo = trunks.last(contact_key(scene, normal_load, velocity, requested))
-    advanced = partial(_advance, levels, velocity)
     new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
+    state = state.history or state
     if "ends" in memo:  # solved for a scene that differs in heat alone
         yield from (replace(one, course=course) for one in memo["ends"])
         return
@@ -148,16 +153,18 @@ def contacts(
         memo["ends"] = ends
 
 
-def _staged(
+def _to_shared_end(
     trunks: Trunks,
     key: Hashable,
     begin: State,
     stations: Sequence[Station],
     advance: Callable[[State, Station], State],
     note: Note | None,
-) -> Iterator[State]:
-    """Yield the states of stages that `trunks` did not have yet, and the last one in any case."""
-    # All stages are one ramp, which higher stages continue.
+) -> Generator[State, None, State]:
+    """Yield the states that `trunks` did not have yet; return the last one.
+
+    Higher loads continue from the last one: that of a stage, or of a ramp where it ends a step.
+    """
     yield from trunks.reach(key, begin, stations[:-1], advance, note)
     rest = trunks.reach(key, begin, stations, advance, note)
     while True:
@@ -166,22 +173,31 @@ def _staged(
         except StopIteration as end:
             last, course = end.value
             break
-    yield replace(last, course=course)
+    return replace(last, course=course)
 
 
-def _advance_stage(
+def _advance(
     levels: tuple[Scene, ...],
     velocity: float,
     requested: Container[int],
     before: State,
     station: Station,
 ) -> State:
-    """Compute a step of a stage, on the finest grid at its onset, its end and where `requested`."""
+    """Compute a step that loads share: on the coarsest grid, and where asked for on the finest."""
     velocity = velocity if station.velocity is None else station.velocity
     begin, after = _last_part(levels, velocity, before.history or before, station)
-    if station.is_shown or station.index in requested:
-        return _solve_requested(levels, begin, after, station, velocity)
-    return after
+    if not (station.is_shown or station.index in requested):
+        return after
+    try:
+        shown = _solve_requested(levels, begin, after, station, velocity)
+    except TriboError:
+        if station.is_shown:
+            raise
+        return after  # the ramp goes on, and the ends of points do not need this contact
+    if shown.history is None:
+        return shown
+    # The ramp goes on from the history: arrays for a next step would take half of the memory.
+    return replace(shown, previous_pressure=after.previous_pressure, displacement=None)
 
 
 def _ends(
@@ -219,11 +235,6 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
             f"normal_load is {normal_load:g} N; the window carries at most "
             f"{scene.greatest_load:g} N, its area times the hardness of {scene.hardness:g} Pa"
         )
-
-
-def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at `station`, after `before`, on the ramp that loads share: coarsest grid alone."""
-    return _last_part(levels, velocity, before, station)[1]
 
 
 def _last_part(

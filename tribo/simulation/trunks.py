@@ -153,6 +153,8 @@ class Trunks:
 def _arrays(state: State) -> Iterator[Array | Spectrum]:
     """Arrays of a state, without the arrays that it shares with the state one step earlier."""
     yield from (state.pressure, state.wear_depth)
+    if state.history is not None:
+        yield from _arrays(state.history)
     if state.displacement is not None:
         yield state.displacement
     if state.heat is not None:

@@ -17,8 +17,8 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
-from tribo import measures, simulate
-from tribo.simulation import Trunks, disk_positions, fit_elements, heat
+from tribo.simulation import Trunks, contact_ramp, disk_positions, heat
+from tribo.simulation.finer_grids import refine_step
 
 SWEEP = tiny.sweep()
 
@@ -110,24 +110,36 @@ def test_the_course_changes_no_bit_of_the_end(physics):
     assert same(replace(end, columns={}), replace(course, columns={}))
 
 
-@pytest.mark.parametrize("physics", ["plain", "ball", "few elements", "heat of the past"])
-def test_the_course_is_that_of_the_states_at_the_increments(physics):
+@pytest.mark.parametrize("physics", sorted(PHYSICS.keys() - {"measured load"}))
+def test_a_step_is_the_end_of_the_point_at_its_load(physics):
     parts = {"loading": tiny.sweep().scene.loading} | PHYSICS[physics]
     parts["loading"] = replace(parts["loading"], hold=0.0)
     sweep = tiny.sweep(steps="course", **parts)
-    columns = run_point(sweep, 600.0, 1.0).columns
-    assert columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
-    scene = sweep.scene
-    if physics == "few elements":  # whose points have smaller elements from the start
-        scene = fit_elements(scene, 600.0)
-    as_given = replace(scene.fidelity, fewest_elements=0)
-    states = list(simulate(replace(scene, fidelity=as_given), 600.0, 1.0))
-    for row, state in enumerate(states[:-1]):
-        warm = state.heat or heat(scene, state, 1.0)
-        expected = measures(scene, replace(state, heat=warm))
-        for name, value in expected.items():
-            assert columns[name][row] == value, name
-        assert (columns["rise_quantile"][row] == warm.rise_quantile).all()
+    lower, higher = (
+        plan.run_point(sweep.scene, choose_stations(sweep), Point(load, 1.0))
+        for load in (250.0, 600.0)
+    )
+    assert higher.columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
+    for name, values in higher.columns.items():
+        assert values[1].tobytes() == lower.columns[name][-1].tobytes(), name
+
+
+def test_a_contact_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
+    def failing(levels, before, after, station, velocity):
+        if station.normal_load == 250.0:
+            raise tribo.ConvergenceError("the contact did not converge", solution=None)
+        return refine_step(levels, before, after, station, velocity)
+
+    whole = run_point(SWEEP, 600.0, 1.0).columns
+    monkeypatch.setattr(contact_ramp, "refine_step", failing)
+    columns = run_point(SWEEP, 600.0, 1.0).columns
+    assert columns["normal_load"].tolist() == whole["normal_load"].tolist()
+    for name, values in columns.items():
+        assert name in ("time", "normal_load", "sliding_distance") or np.isnan(values[1]).all()
+        others = [0, 2, 3, 4]
+        assert values[others].tobytes() == whole[name][others].tobytes()
+    with pytest.raises(tribo.ConvergenceError, match="the contact did not converge"):
+        run_point(SWEEP, 250.0, 1.0)
 
 
 def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
