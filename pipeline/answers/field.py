@@ -148,7 +148,8 @@ class Field:
         each, back = np.unique(loads, return_inverse=True)
         grid = self(*(one.ravel() for one in np.meshgrid(each, nodes, indexing="ij")))
         values = grid.reshape(len(each), -1)[back]
-        within, holds = np.ones(values.shape, bool), np.isfinite(values)
+        holds = np.isfinite(values)
+        within = holds.copy()  # loads beyond the known ones have no value
         for rows in self.beside(loads):
             inside, certain = self._sides(rows[:, None], nodes, levels[:, None])
             within &= inside

@@ -233,7 +233,7 @@ OF_PLOT = (
     value("--show NAME", "variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip
 OF_REPORT = (
-    output("FILE.html", "file of the report, .html or .pdf; default: beside the store"),
+    output("FILE.html", "file of the report; default: beside the store"),
     value("--title TITLE", "title of the report; default: that of the scene"),
     value("--author NAME", "who has written it"),
 )

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
+from matplotlib import colormaps, rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
@@ -43,7 +43,7 @@ _LIGHTEST = 0.85  # end of the colour map used for several cases
 _NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
 _STEEPEST = 50.0  # largest |y| of a figure
 _BESIDE = 1e-6  # of a probability, beside the end of a region
-_DOT = 3.0  # size of the mark of a simulated point
+_DOT = 0.6  # size of the mark of a simulated point over the usual one
 _ERROR: dict[str, Any] = {"color": "#C8C8C8"}
 _NAMES = (
     (MILD, "mild wear\n(I and II)", BLUE),
@@ -301,7 +301,10 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
     state = pipeline.points(ds, **conditions)["state"]
     lacking = state.isin(["failed", "pending"]).any("realization").transpose(*PLANE).values
     looks: dict[str, tuple[Array, dict[str, Any]]] = {
-        "simulated": (~lacking, {"marker": ".", "ms": _DOT, "zorder": 2.5}),
+        "simulated": (
+            ~lacking,
+            {"marker": ".", "ms": _DOT * rcParams["lines.markersize"], "zorder": 2.5},
+        ),
         "lacking": (lacking, {"marker": "x", "clip_on": False}),
     }
     for gid, (where, look) in looks.items():

@@ -18,7 +18,7 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 """Marker and face colour of a test, by its outcome."""
 _REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
 _SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
-_OF_WORDS = 0.25  # of the width of a figure, for the numbers of an operating point
+_OF_WORDS = 0.3  # of the width of a figure, for the numbers of an operating point
 _FEW = 6  # operating points up to which each has its numbers beside
 
 

@@ -35,7 +35,7 @@ _MOST_NAMED = 40  # rows up to which each has its label
 
 @style.house_style
 def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
-    """Draw the reserve below the critical temperature of each row of a sweep, with its label."""
+    """Draw the temperature margin of each row of a sweep, with its label."""
     found = pipeline.margin(ds, **conditions)
     if len(found.sizes) != 1:
         raise InputError(f"rows under several conditions ({', '.join(map(str, found.sizes))})")
@@ -46,31 +46,30 @@ def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
 def draw_rows(found: xr.Dataset, title: str) -> Figure:
     """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
 
-    The distance is how far the contact stays below the critical temperature, with its numerical
-    error; at the right stands the probability of severe wear. The deciding row is bold: that with
-    the highest probability.
+    The temperature margin has its numerical error; at the right stands the probability of severe
+    wear. The most critical row is bold: that with the highest probability.
     """
-    reserve, error = (found[name].values for name in ("distance", "temperature_error"))
-    if np.isnan(reserve).all():
+    margin, error = (found[name].values for name in ("distance", "temperature_error"))
+    if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
     names = row_names(found)
     places = np.arange(len(names))
     figure, axes = style.canvas((8.0, 1.6 + _HIGHEST * min(len(names), _MOST_NAMED)))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
-    low, high = min(0.0, np.nanmin(reserve - np.nan_to_num(error))), max(0.0, np.nanmax(reserve))
+    low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
     room = 0.08 * (high - low)
     axes.axvspan(low - room, 0.0, fc=TINTS["severe"], zorder=0)
     axes.errorbar(
-        reserve, places, xerr=np.nan_to_num(error), fmt="none", ecolor=GREY, elinewidth=1.2,
+        margin, places, xerr=np.nan_to_num(error), fmt="none", ecolor=GREY, elinewidth=1.2,
         label="numerical error",
     )  # fmt: skip
     for verdict, (label, look) in MARKS.items():
         here = found["verdict"].values == verdict
         if here.any():
-            axes.plot(reserve[here], places[here], ls="none", ms=7, label=label, **look)
+            axes.plot(margin[here], places[here], ls="none", ms=7, label=label, **look)
     decides = deciding_row(found)
     axes.annotate(
-        "severe wear likely by", (1.0, 1.0), (60, 5), xycoords="axes fraction", ha="right",
+        "probability of severe wear", (1.0, 1.0), (60, 5), xycoords="axes fraction", ha="right",
         textcoords="offset points", annotation_clip=False, fontsize="small",
     )  # fmt: skip
     ticks = places if len(names) <= _MOST_NAMED else places[:: -(-len(names) // _MOST_NAMED)]
@@ -80,7 +79,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
         likely = found["probability"].values[side]
         told = "" if np.isnan(likely) else words.percent(likely)
         axes.annotate(
-            "not known" if np.isnan(reserve[side]) else told, (1.0, side), (4, 0),
+            "not known" if np.isnan(margin[side]) else told, (1.0, side), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
             annotation_clip=False, fontsize="small",
             fontweight="bold" if side == decides else "normal",
@@ -90,10 +89,10 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     axes.axhspan(decides - 0.5, decides + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
     axes.set(
         xlim=(low - room, high + room), ylim=(len(names) - 0.5, -0.5),
-        xlabel="reserve below the critical temperature [K]",
+        xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
     style.write_title(axes, title)
-    lines = [f"deciding row: {names[decides]}"]
+    lines = [f"most critical: {names[decides]}"]
     lines += words.judged_at(found)
     lines += [f"the model's own error: {one}" for one in words.told(found, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
@@ -101,7 +100,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
 
 
 def deciding_row(found: xr.Dataset) -> int:
-    """Position of the row that is most likely severe; of equal ones that with the least reserve."""
+    """Position of the row that is most likely severe; of equal ones that with the least margin."""
     likely = np.nan_to_num(found["probability"].values, nan=-1.0)
     return int(np.lexsort((-found["distance"].values, likely))[-1])
 

@@ -1,4 +1,4 @@
-"""`report`: the answers on a sweep as one page, HTML or PDF, in which nothing is computed anew."""
+"""`report`: the answers on a sweep as one page of HTML, on which nothing is computed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import math
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata, resources
@@ -27,7 +27,7 @@ from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
 from pipeline.answers.results import case_dims, open_sweep, sweep_of
-from pipeline.answers.tables import cells_of, short, writable_path, write_bytes
+from pipeline.answers.tables import cells_of, short, writable_path, write_text
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows, row_names
@@ -39,11 +39,9 @@ from pipeline.sweep.case import Place
 from pipeline.sweep.codec import digest
 from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.variants import dimension_of
-from pipeline.words import split_notes
+from pipeline.words import quoted, split_notes
 from tribo import InputError
 
-FORMS = (".html", ".pdf")
-"""Suffixes of the files that a report may be written to."""
 HEADLINES = {
     MILD: "Mild wear",
     SEVERE: "Severe wear (scuffing)",
@@ -57,18 +55,19 @@ _MODEL = (
     "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
     "not part of it."
 )
-_ERRORS = (
-    "The numerical error is that of the computation: elements, load steps, places between computed "
-    "points, and the patch of the surface. A longer computation makes it smaller. The model's own "
-    "error is that of the physics and of its inputs, as far as tests show it. Only tests make it "
-    "smaller."
+_NUMERICAL = (
+    "It comes from the elements and load steps, from interpolation between simulated points, and "
+    "from the few surfaces that are simulated; more computing makes it smaller"
+)
+_OF_MODEL = (
+    "It comes from the physics that is left out and from the inputs; only tests make it smaller"
 )
 _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
 _NARROW = 0.075  # width of figures on a telephone [m]
-_NO_INPUTS = ("fidelity", "measured", "tested", "sweep")
+_NO_INPUTS = ("fidelity", "measured", "tested", "sweep", "title", "caveat", "extends", "without")
 _DRAWN = ("log_severity", "mild", "severe", "by_the_others")  # which the figure of tests shows
 _MOST_TOLD = 12  # loads of a boundary that are told in place of a figure
 
@@ -122,7 +121,7 @@ def report(
     command: str = "",
     **conditions: Any,
 ) -> str | Path:
-    """Write a report on a sweep: one page without scripts, which needs no other file.
+    """Write a report on a sweep: one page of HTML without scripts, which needs no other file.
 
     The verdict on the operating point stands first, then the diagram, the boundary, tests,
     errors, inputs, limits, and how all was computed.
@@ -134,7 +133,7 @@ def report(
     load, velocity : float or str, optional
         An operating point, in SI or as text with a unit.
     out : path, optional
-        File to write, .html or .pdf. PDF needs the extra ``pdf``.
+        File to write, .html.
     points : path or mapping, optional
         Table of operating points in place of one, as in `pipeline.margin`.
     title, author : str, optional
@@ -161,7 +160,7 @@ def report(
     >>> "Mild wear at 400 N and 1.4 m/s" in page
     True
     """
-    path = None if out is None else writable_path(out, FORMS)
+    path = None if out is None else writable_path(out, (".html",))
     ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
     if (load is None) != (velocity is None) or (points is not None and load is not None):
         raise InputError("give a load and a velocity, or a table of points, or neither")
@@ -196,24 +195,11 @@ def report(
         command=command,
         style=css,
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
-        sections=[*answer.sections, *_common(ds, conditions, version)],
+        sections=[*answer.sections, *_common(ds, conditions, version, answer.answer)],
     )
     if path is None:
         return page
-    return write_bytes(_pdf(page) if path.suffix.lower() == ".pdf" else page.encode(), path)
-
-
-def _pdf(page: str) -> bytes:
-    """The page printed on A4."""
-    try:
-        from weasyprint import HTML
-    except (ImportError, OSError) as error:  # OSError: the library Pango is missing
-        raise InputError(
-            f"a report as .pdf needs the extra pdf ({error}); write .html, and print it in a "
-            "browser"
-        ) from None
-    written: bytes = HTML(string=page).write_pdf(pdf_variant="pdf/ua-1")
-    return written
+    return write_text(page, path)
 
 
 def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answer:
@@ -222,13 +208,17 @@ def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answe
         raise InputError(here["reason"].item())
     place = here["load"].item(), here["velocity"].item()
     headline = f"{HEADLINES[here['verdict'].item()]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
-    verdict, _, rest = words.sentence(here).partition(": ")
-    said = [f"In a further run {rest}." if rest else f"{verdict}."]
+    facts = dict(words.margin_facts(here))
+    said = [_verdict(here)]
+    critical = f"critical velocity at {place[0]:.4g} N: {facts.get('critical velocity')}"
+    said += [_sentence(critical)] * ("critical velocity" in facts)
     said += [f"No verdict: {here['reason'].item()}."] * bool(here["reason"].item())
     decider = words.decided_by(here)
     said += [f"To decide it: {decider}."] * bool(decider)
-    facts = [[name, text] for name, text in words.margin_facts(here)]
-    table = Grid("The operating point in numbers", ["quantity", "value"], facts)
+    said += map(_sentence, _plain(words.common_lines(here)))
+    table = Grid(
+        "The operating point in numbers", ["quantity", "value"], [*map(list, facts.items())]
+    )
     warned = [Items([*words.margin_warnings(here)])] * any(words.margin_warnings(here))
     first, *others = _plane(ds, conditions, [place])
     sections: list[Section] = [first, ("Operating point", [table, *warned]), *others]
@@ -242,24 +232,39 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         raise InputError(f"a report has rows along one dimension, not along {several}; select one")
     decides, names = deciding_row(found), row_names(found)
     verdicts = found["verdict"].values.tolist()
-    headline = f"{HEADLINES.get(verdicts[decides], 'Not known')}: decided by {names[decides]}"
+    headline = (
+        f"{HEADLINES.get(verdicts[decides], 'Not known')} at the most critical operating point: "
+        f"{names[decides]}"
+    )
     alt = "; ".join(
         f"{name}: {here}" + ("" if math.isnan(reserve) else f", {reserve:.3g} K")
         for name, here, reserve in zip(names, verdicts, found["distance"].values, strict=True)
     )
-    caption = "Reserve of each row below the critical temperature."
+    caption = "Temperature margin of each row: critical minus governing temperature."
     picture = _picture(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
     grid = _grid(margin_frame(found), "Operating points; the deciding one is bold", decides)
     notes = [*words.judged_at(found), *words.reason_lines(found), *words.common_lines(found)]
+    notes = [*map(_sentence, _plain(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, Items(notes)])]
     if {*PLANE} <= {*ds["status"].dims}:
-        places = zip(*(found[name].values.tolist() for name in PLANE), strict=True)
-        sections += _plane(ds, conditions, places)
+        places = xr.broadcast(found["load"], found["velocity"])
+        each = (one.values.ravel().tolist() for one in places)
+        sections += _plane(ds, conditions, dict.fromkeys(zip(*each, strict=True)))
     else:
-        sections.append(("Errors", [_ERRORS, Items([words.model_error_line(found)])]))
+        sections.append(("Errors", [Items(_errors(words.model_error_line(found)))]))
     counts = Counter(verdicts)
     told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
-    return Answer(verdicts[decides], headline, [f"Operating points: {told}."], sections)
+    said = [f"Operating points: {told}."]
+    if verdicts[decides] in HEADLINES:
+        (row,) = found.sizes
+        said.insert(0, _verdict(found.isel({row: decides})))
+    return Answer(verdicts[decides], headline, said, sections)
+
+
+def _verdict(here: xr.Dataset) -> str:
+    """The sentence on one operating point, whose verdict the headline has."""
+    verdict, _, rest = words.sentence(here).partition(": ")
+    return _sentence(rest or verdict)
 
 
 def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ()) -> list[Section]:
@@ -283,17 +288,32 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         f"normal load. Computed velocity at which wear turns severe, by load: {'; '.join(told)}"
     )
     caption = _sentence(words.judged_at(found)[0])
+    caption += " Dots: simulated points." * (not case_dims(ds))
+    if missing := found.attrs["missing_points"]:
+        caption += f" ×: {missing} points that are pending or failed."
     loads, velocities = ([place[axis] for place in within] for axis in (0, 1))
     picture = _picture(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
     )
     title = "Where wear turns severe, by load; tested: where a further run is severe by 5, 50, 95 %"
-    grid = _grid(short(boundary_frame(found)), title)
+    crosses = bool(found["critical_velocity"].notnull().all())
+    is_plain = crosses and len({*found["velocity_outcome"].values.ravel()}) == 1
+    grid = _grid(short(boundary_frame(found), ["velocity outcome"] * is_plain), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
-    errors = [*words.error_lines(found), *words.apart_lines(found)]
-    return [*sections, ("Errors", [_ERRORS, Items(errors)])]
+    lines = _errors(*words.error_lines(found), *words.apart_lines(found))
+    return [*sections, ("Errors", [Items(lines)])]
+
+
+def _errors(*lines: str) -> list[str]:
+    """Sentences on errors: how large each is, and where it comes from."""
+    origins = {"numerical": _NUMERICAL, "the model": _OF_MODEL}
+    found = list[str]()
+    for line in lines:
+        origin = [text for begin, text in origins.items() if line.startswith(begin)]
+        found.append(" ".join([_sentence(line), *map(_sentence, origin)]))
+    return found
 
 
 def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
@@ -306,13 +326,15 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     y = found["log_severity"].values
     computed = ["" if math.isnan(one) else SEVERE if one > 0 else MILD for one in y]
     table.insert(2, "computed", computed)
-    yield _grid(short(table), "Tests, each at its own conditions, beside what is computed")
+    yield _grid(table, "Tests, each at its own conditions, beside what is computed")
     if lines := [*words.test_lines(found)]:
         yield Items(lines)
 
 
-def _common(ds: xr.Dataset, conditions: Conditions, version: str) -> Iterator[Section]:
-    """Yield the sections that each report ends with: inputs, limits and origin."""
+def _common(
+    ds: xr.Dataset, conditions: Conditions, version: str, said: Sequence[str]
+) -> Iterator[Section]:
+    """Yield the sections that each report ends with: inputs, limits beyond those `said`, origin."""
     sweep = sweep_of(ds)
     entries = flat(tomllib.loads(ds.attrs.get("scene", "")))
     shown = (
@@ -321,28 +343,33 @@ def _common(ds: xr.Dataset, conditions: Conditions, version: str) -> Iterator[Se
         if not (path.startswith(_NO_INPUTS) or dimension_of(path) in ds.coords)
     )
     rows = [
-        [table, "; ".join(f"{_name_of(path, table)} {text}" for path, text in pairs)]
+        [table, "; ".join(f"{_name_of(path, table)} {text}" for path, text in pairs), "scene"]
         for table, pairs in itertools.groupby(shown, lambda pair: _table_of(pair[0]))
     ]
-    sources = [f"{text}: {source}" for text, source in library_tables(sweep.sources)]
-    inputs = Grid("Inputs of the computation", ["part", "values"], rows)
-    yield "Conditions and inputs", [inputs, *[Items(sources)] * bool(sources)]
+    rows += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
+    inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], rows)
+    yield "Conditions and inputs", [inputs]
     notes = split_notes(words.told(pipeline.points(ds, **conditions), "notes"))
-    limits = [*notes, *pipeline.warned(ds).lines()]
-    # A reader of the report may not have the pages of help.
-    plain = [re.sub(r" \(irg help [\w-]+\)", "", line) for line in limits]
-    yield "What is not covered", [_MODEL, Items(plain)]
+    limits = map(_sentence, _plain([*notes, *pipeline.warned(ds).lines()]))
+    others = [line for line in limits if line not in said]
+    yield "What is not covered", [_MODEL, *[Items(others)] * bool(others)]
     choices = [
-        f"{name.replace('_', ' ')} {value}" for name, value in asdict(sweep.scene.fidelity).items()
+        f"{name.replace('_', ' ')} {quoted(value)}"
+        for name, value in asdict(sweep.scene.fidelity).items()
     ]
     origin = [
         *str(ds.attrs.get("history", "")).splitlines(),
         f"scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
-        f"numerical choices: {', '.join(choices)}",
+        f"preset {sweep.preset}: {', '.join(choices)}",
         f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
         _PAPER,
     ]
     yield "How this was computed", [Items(origin)]
+
+
+def _plain(lines: Iterable[str]) -> list[str]:
+    """Lines without references to pages of help, which a reader of the report may not have."""
+    return [re.sub(r" \(irg help [\w-]+\)", "", line) for line in lines]
 
 
 def _table_of(path: str) -> str:
@@ -359,10 +386,11 @@ def _text_of(value: Any) -> str:
 
 
 def _sentence(line: str) -> str:
-    return f"{line[:1].upper()}{line[1:]}."
+    return f"{line[:1].upper()}{line[1:]}" + "." * (not line.endswith("."))
 
 
 def _grid(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
+    frame = short(frame.replace("", None))
     heads = [str(head).replace("_", " ") for head in frame]
     return Grid(caption, heads, cells_of(frame, "–", digits=3), bold)
 

@@ -2,6 +2,8 @@
 
 import pytest
 
+import pipeline
+from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.asked import asked
 
@@ -19,3 +21,11 @@ def test_a_place_beyond_by_more_than_rounding_is_refused(place):
     here = asked(synthetic.sweep(), *place)
     assert here.verdict == "not known"
     assert "the sweep has" in here.reason
+
+
+def test_loads_without_a_point_that_is_done_are_unknown_beside_others_that_are_known():
+    later = [load for load in synthetic.LOADS.tolist() if load > 450]
+    waits = {(load, speed): PENDING for load in later for speed in synthetic.VELOCITIES.tolist()}
+    found = pipeline.boundary(synthetic.sweep(status=waits)).sel(load=later)
+    assert {*found["velocity_outcome"].values} == {"not known yet"}
+    assert found["critical_velocity"].isnull().all()

@@ -1,4 +1,4 @@
-"""The figure of rows: a mark for each at its reserve, and the deciding one bold."""
+"""The figure of rows: a mark for each at its temperature margin, and the most critical one bold."""
 
 import pytest
 
@@ -19,7 +19,7 @@ def found():
     return pipeline.margin(synthetic.sweep(measured=()), POINTS)
 
 
-def test_each_row_is_at_its_reserve_and_the_deciding_one_is_bold(found):
+def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
     assert row_names(found) == ["idle", "case 30", "full", "gone"]
     assert row_names(found.drop_vars("case"))[0] == "200 N, 1 m/s"
     axes = draw_rows(found, "duty").axes[0]
