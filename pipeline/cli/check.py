@@ -65,7 +65,7 @@ def check(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "subject", "meaning"
-_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height counts as rounding
+_IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""

@@ -256,4 +256,5 @@ OF_SURFACE = (
     ).but(default=0.1),
     quantity("--ra", "RA", "0.2 um", "Ra of a profile or data sheet, with --rsm, without a file"),
     quantity("--rsm", "RSM", "60 um", "RSm of a profile or data sheet"),
+    output("FILE.png", "figure of the scan beside the random surface", values.figure),
 )  # fmt: skip

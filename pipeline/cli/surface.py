@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 import pipeline
 from pipeline.cli.output import Result, working, wrapped
@@ -20,12 +21,15 @@ def surface(options: argparse.Namespace) -> Result:
         return _of_profile(options)
     with working("fitting a random surface"):
         found = pipeline.surface_statistics(
-            options.scan, options.height_unit, options.pixel_size, options.missing,
-        )  # fmt: skip
-    return Result(found.as_dict(), wrapped(found.lines()))
+            options.scan, options.height_unit, options.pixel_size, options.missing
+        )
+    text = [*wrapped(found.lines()), "", *found.tables.splitlines()]  # TOML is not wrapped
+    return Result(found.as_dict(), text, draw=partial(pipeline.plot, found))
 
 
 def _of_profile(options: argparse.Namespace) -> Result:
+    if options.output:
+        raise InputError("a figure needs a SCAN; leave -o out")
     pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
     with working("seeking the correlation length"):
         toml, assumed = data_sheet_toml(options.ra, options.rsm, pixel)

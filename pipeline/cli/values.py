@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from argparse import ArgumentTypeError as Refused
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -46,15 +46,28 @@ def stored(text: str) -> Path | str:
     return store(str(found_store(text)))
 
 
+def figure(text: str) -> Path:
+    """Return the path of a figure to write; refuses another suffix, or one that cannot be."""
+    from pipeline.answers.tables import FIGURES
+
+    return _writable(text, FIGURES)
+
+
 def table(text: str, or_figure: bool = False) -> Path:
     """Return the path of a table to write; with `or_figure` it may also be that of a figure.
 
     The suffix tells them apart. Refuses another suffix, or a path that cannot be written.
     """
-    from pipeline.answers.tables import FIGURES, TABLES, writable_path
+    from pipeline.answers.tables import FIGURES, TABLES
+
+    return _writable(text, (*FIGURES, *TABLES) if or_figure else TABLES)
+
+
+def _writable(text: str, suffixes: Sequence[str]) -> Path:
+    from pipeline.answers.tables import writable_path
 
     try:
-        return writable_path(text, (*FIGURES, *TABLES) if or_figure else TABLES)
+        return writable_path(text, suffixes)
     except ValueError as error:
         raise Refused(str(error)) from None
 

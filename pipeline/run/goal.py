@@ -61,8 +61,9 @@ def why_fixed(sweep: Sweep) -> str:
         return f"{len(seeds)} listed seeds, not reduced by computing"
     if isinstance(sweep.scene.roughness, SelfAffineRoughness):
         return ""
-    kind = "one scan" if sweep.scene.roughness else "smooth"
-    return f"{kind}, not reduced by computing"
+    areas = len(sweep.variants.labels("realization") or (0,))
+    kind = f"{areas} areas of a scan" if areas > 1 else "one area of a scan"
+    return f"{kind if sweep.scene.roughness else 'smooth'}, not reduced by computing"
 
 
 def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Sweep:

@@ -36,6 +36,7 @@ from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.remarks import FromLibrary
+from pipeline.sweep.variants import AREAS
 from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
 from tribo.simulation import widen_window
@@ -45,10 +46,6 @@ from tribo.types import Array
 Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
 _RECORD = {"time": "s", "load": "N"}
-_WRONG_SIZE = (
-    "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
-    "size, by crop or repeat of [disk.roughness]; x runs from column to column"
-)
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
         "motion": make(motion_of, "motion", "pin"),
         "wear": make(lambda wear: tribo.Wear(**vars(wear)), "wear"),
         "loading": make(partial(loading_of, files, faults), "loading", "sweep.loads"),
-        "roughness": make(partial(roughness_of, files, faults), "disk.roughness", "window"),
+        "roughness": make(partial(roughness_of, files, faults), "disk.roughness", "window", AREAS),
         "fidelity": fidelity,
     }
     oil = make(oil_of, "oil")
@@ -195,10 +192,12 @@ def _record(path: Path, table: Record) -> tuple[Array, Array]:
     return times, forces
 
 
-def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Roughness:
-    """Roughness of the disk: from a seed, or from the heights in the file of a scan.
+def roughness_of(
+    files: Files, faults: Faults, table: Any, window: Window, realizations: Any
+) -> Roughness:
+    """Roughness of the disk: from a seed, or from the heights in an area of a scan.
 
-    Notes on a scan are added to `faults`.
+    Of several `realizations` it is the first. Notes on a scan are added to `faults`.
     """
     if not isinstance(table, MeasuredSurfaceTable):
         if window.pixels == (1, 1):
@@ -208,20 +207,26 @@ def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Ro
         pair = _pair(table.correlation_length)
         return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": pair})
     path = files.path("disk.roughness.file", table.file)
-    heights, notes = files.once((path, table, window), partial(_scanned, path, table, window))
+    areas = tuple(realizations_of(realizations, 0)) or (0,)
+    cut = partial(_scanned, files, path, table, window, areas)
+    heights, notes = files.once((path, table, window, areas), cut)
     for note in notes:
         faults.note("disk.roughness.file", note)
-    if heights.shape != window.pixels:
-        raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *window.pixels))
     return tribo.MeasuredRoughness(heights)
 
 
-def _scanned(path: Path, table: Any, window: Window) -> tuple[Array, Sequence[str]]:
-    """Heights (nx, ny) of the window [m] from the file of a scan, and notes on them."""
-    sides = window.pixel_size
-    scan = read_scan(path, table.height_unit, table.pixel_size, sides)
-    heights, notes = window_heights(scan, vars(table), window.pixels, sides)
-    return heights, [*notes]
+def realizations_of(wanted: int | Sequence[int] | None, first: int) -> Sequence[int]:
+    """Labels of the surface realizations that a scene asks for, counted from `first` on."""
+    return range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted or ())
+
+
+def _scanned(
+    files: Files, path: Path, table: Any, window: Window, areas: Sequence[int]
+) -> tuple[Array, list[str]]:
+    """Heights (nx, ny) [m] of the first of `areas` of a scan, and notes on them."""
+    given = table.height_unit, table.pixel_size
+    scan = files.once((path, *given), partial(read_scan, path, *given))
+    return window_heights(scan, vars(table), window.pixels, window.pixel_size, areas)
 
 
 def oil_of(table: OilTable) -> tribo.Oil:

@@ -10,7 +10,7 @@ import tribo
 from pipeline.quantities import UNITS, display
 from pipeline.scene.facts import expect_contacts
 from pipeline.scene.faults import Fault, Faults
-from pipeline.scene.format import RandomSurface, StagesTable
+from pipeline.scene.format import StagesTable
 from pipeline.scene.library import library
 from pipeline.scene.stages import axis_of, stages_of
 from pipeline.scene.tracks import track_length
@@ -85,11 +85,11 @@ def _unfit_pixels(scene: Any) -> Misfits:
 
 
 @_check("sweep.realizations", "disk.roughness")
-def _surfaces_without_seeds(scene: Any) -> Misfits:
+def _realizations_of_a_smooth_disk(scene: Any) -> Misfits:
     wanted = scene.sweep.realizations
-    if wanted is not None and not isinstance(scene.disk.roughness, RandomSurface):
+    if wanted is not None and scene.disk.roughness is None:
         count = quoted(wanted if isinstance(wanted, int) else list(wanted))
-        problem = "needs a [disk.roughness] that is made from a seed; give one, or leave this out"
+        problem = "needs a rough disk, [disk.roughness]; give one, or leave this out"
         yield "sweep.realizations", f"{count} {problem}"
 
 

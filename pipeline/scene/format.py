@@ -143,16 +143,13 @@ class MeasuredSurfaceTable(Declared):
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
         "Sides of a pixel of the file along x and y, if it gives none or wrong ones."] = None
-    crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
-        "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
         "True to subtract the least-squares plane, and any curvature higher than Rq."] = False
     missing: A[float, Share(at_least=0, below=1),
         "Share of pixels without a height up to which these are filled smoothly from "
         "around."] = 0.1
-    repeat: A[str, OneOf(("no", "mirror")),
-        "Continuation of a surface that is smaller than the window: it is mirrored at its "
-        "edges."] = "no"
+    mirror: A[bool,
+        "True to mirror a scan that is smaller than the window at its edges."] = False
 
 class Disk(Body):
     roughness: A[RandomSurface | MeasuredSurfaceTable | None,
@@ -269,7 +266,8 @@ class SweepTable(Declared):
         "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
-        "Random surfaces: their number, counted from the seed on, or a list of seeds."] = None
+        "Surface realizations, their number or a list: seeds of random surfaces, counted from "
+        "`seed` on; or areas of a scan of the window's size, counted from 0 on."] = None
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
         "plane is computed for each combination of values."] = None

@@ -104,8 +104,9 @@ class Source:
         if scene is None:
             return None
         rows = rows_of(scene, along)
-        if seeds := rows.table.labels("realization"):  # the scene itself is on the first of them
-            seed = seeds[0]
+        seeds = rows.table.labels("realization")
+        if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
+            seed = seeds[0]  # the scene itself is on the first of them, as it is of a scan
             entries = replace_values(entries, {SEED: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.limits import MOST_SCENES
-from pipeline.scene.build import Built, Files, build
+from pipeline.scene.build import Built, Files, build, realizations_of
 from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import SceneFile
@@ -22,6 +22,7 @@ from pipeline.sweep.case import Case
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import CONDITION_ENTRIES
 from pipeline.sweep.variants import (
+    AREAS,
     PLACE_UNITS,
     SEED,
     Column,
@@ -135,9 +136,13 @@ def rows_of(scene: Built, along: list[Row]) -> Rows:
         rows *= _rows_along(along)
     if sweep.over:
         rows *= _rows_over(sweep.over)
-    first, wanted = entry_at(scene.tables, SEED), sweep.realizations or ()
-    seeds = range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted)
-    return rows * Rows(surfaces(seeds), [{SEED: seed} for seed in seeds] or [{}])
+    if isinstance(scene.case.scene.roughness, SelfAffineRoughness):
+        seeds = realizations_of(sweep.realizations, entry_at(scene.tables, SEED))
+        changes: list[Entries] = [{SEED: seed} for seed in seeds]
+    else:
+        seeds = realizations_of(sweep.realizations, 0)
+        changes = [{AREAS: [area]} for area in seeds]
+    return rows * Rows(surfaces(seeds), changes or [{}])
 
 
 def _rows_over(over: dict[str, Any]) -> Rows:
@@ -200,7 +205,7 @@ def cases_of(entries: Entries, files: Files, scene: Built, rows: Rows, key: str)
     Raises an `InputError` for the first faulty row, which names `key`, the entry that asks for
     these rows.
     """
-    if wrong := [p for p in rows.changes[0] if p.partition(".")[0] in _FIXED]:
+    if wrong := [p for p in rows.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:
         raise InputError(
             f"{key}.{quoted(wrong[0])}: this cannot take several values; give an entry of the "
             'scene, such as "pin.radius"'
@@ -230,6 +235,7 @@ def _case_of(entries: Entries, files: Files, base: Built, changes: Entries, key:
         assert row
         _require_alike(row, base)
     except InputError as error:
+        key = AREAS if changes.keys() == {AREAS} else key
         given = (f"{path} = {quoted(one)}" for path, one in changes.items() if one is not None)
         raise InputError(f"{key}: {', '.join(given)}: {error}") from error
     return row.case

@@ -17,7 +17,7 @@ from tribo.types import Array
 
 _FEWEST = 16  # least number of heights along each side
 _SHORTEST = 0.5  # share of the Nyquist wavenumber up to which instruments resolve the spectrum
-_BANDS, _MODES = 6, 50  # bands of wavelength compared, and the least number of modes in one
+_BANDS, _MODES = 6, 20  # bands of wavelength compared, and the least number of modes in one
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,8 @@ class SelfAffineFit:
     correlation_length : tuple of float
         Correlation lengths along x and y [m].
     misfit : float
-        Largest factor between the fitted spectrum and the heights' in any band of wavelength.
+        Largest factor between the fitted spectrum and the heights' in any band of wavelength; NaN
+        if there are too few heights to compare bands.
     """
 
     hurst_exponent: float
@@ -96,6 +97,7 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     counts = np.bincount(bands)
     means = np.bincount(bands, ratio)[counts >= _MODES] / counts[counts >= _MODES]
     factor = float(np.exp(np.abs(np.log(means / ratio.mean())).max(initial=0.0)))
+    factor = factor if means.size > 1 else np.nan
     length_x, length_y = np.exp(best[:2]).tolist()
     return SelfAffineFit(float(best[2]), (length_x, length_y), factor)
 

@@ -7,8 +7,10 @@ as a profile or a list of points, is refused by name.
 from __future__ import annotations
 
 import io
+import math
 import re
 import warnings
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +20,7 @@ import numpy as np
 
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.quantities import display_sides
+from pipeline.words import quoted
 from tribo import InputError
 from tribo.types import Array
 
@@ -27,19 +30,24 @@ _PROFILE = (
 )
 _EACH = "give a map, or Ra and RSm of a profile by --ra and --rsm"
 _POINTS = "a list of points x, y, z; make it a matrix, a row for each y"
-_SAVE = "save the heights as .x3p, .npy or a matrix in text"
+_SAVE = "export the heights as .npy or as a matrix in text, without headings"
 _LIBRARY = 'pip install "irg-transition[surfaces]"'
-_MOST_BYTES = 2**30
+_MOST_BYTES = 2**28
+_MOST_HEIGHTS = 2**24  # 4096 × 4096; the form of more takes gigabytes
+_MOST_HEAD = 200  # lines of headings above the numbers of a text
 _NARROWEST = 9  # heights along a side of a map; less are columns of a table
 _EVEN = 0.02  # relative difference of steps, below which numbers rise evenly
 _SAME = 0.01  # relative difference below which two lengths agree
 _HIGHEST = 1.0  # height [m] from which the unit must be wrong
+_HUGE = 1e30  # numbers above it, and infinity, are marks of missing heights
 _LONE = 4.0  # distance of a mark of missing heights from all heights, over their range
 _FILLER = 0.01, 10.0  # share of heights of one value, and how often the next value stands, less
 _WORDS = re.compile(
     r"(?<![\w.+-])(-?1\.#\w+|-{2,}|\*+|n/?a|no ?data|bad|void)(?![\w.])", re.IGNORECASE
 )
 """Words for a missing height, beside "nan" and nothing."""
+_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
+"""A number whose decimals follow a comma."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +83,6 @@ def read_scan(
     path: str | Path,
     height_unit: float | None = None,
     pixel_size: tuple[float, float] | None = None,
-    usual_sides: tuple[float, float] | None = None,
 ) -> Scan:
     """Read a map of heights, in which x goes from column to column.
 
@@ -87,8 +94,6 @@ def read_scan(
         Unit of the heights [m]; it replaces that of the file.
     pixel_size : tuple of float, optional
         Sides of a pixel along x and y [m]; they replace those of the file.
-    usual_sides : tuple of float, optional
-        Sides of a pixel [m], if neither the file nor `pixel_size` has them.
 
     Raises
     ------
@@ -101,26 +106,24 @@ def read_scan(
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     try:
-        file = _read(path, content)
-        sides = pixel_size or (None if file.pixel_size else usual_sides)
-        return _scan(file, height_unit, sides)
+        return _scan(_read(path, content), height_unit, pixel_size)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
 def _scan(file: _File, height_unit: float | None, pixel_size: tuple[float, float] | None) -> Scan:
-    heights, own = file.heights, file.pixel_size
     notes = ["x, the sliding direction, goes from column to column", *file.notes]
-    unit, sides = height_unit or file.unit, pixel_size or own
-    lacks = ["the unit of heights (height_unit)"] * (not unit)
+    unit, own = height_unit or file.unit, file.pixel_size
+    sides = pixel_size or own
+    lacks = ["the unit of its heights (height_unit)"] * (not unit)
     lacks += ["the sides of a pixel (pixel_size)"] * (not sides)
     if not unit or not sides:
-        raise InputError(f"the file does not say {' and '.join(lacks)}; give that")
+        raise InputError(f"the file does not have {' and '.join(lacks)}; add what is missing")
     if file.unit and abs(unit / file.unit - 1) > _SAME:
         notes.append(f"the given height unit, {unit:g} m, replaces the file's, {file.unit:g} m")
     if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
         notes.append(f"the given pixels replace the file's {display_sides(own)}")
-    heights, found = _without_marks(heights.astype(float))
+    heights, found = _without_marks(file.heights.astype(float))
     heights *= unit
     highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
     if highest > _HIGHEST:
@@ -130,8 +133,10 @@ def _scan(file: _File, height_unit: float | None, pixel_size: tuple[float, float
 
 def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     """Heights with marks such as −9999 and infinity as NaN; and notes on these."""
-    notes = list[str]()
-    heights = np.where(np.isinf(heights), np.nan, heights)
+    notes, huge = list[str](), np.abs(heights) > _HUGE
+    if huge.any():
+        notes.append(f"{huge.sum()} heights beyond {_HUGE:g} are taken for missing")
+        heights = np.where(huge, np.nan, heights)
     while True:
         values = np.unique(heights[np.isfinite(heights)])
         if values.size < 4:
@@ -156,24 +161,31 @@ def _read(path: Path, content: bytes) -> _File:
     """Read a file, whose content tells its format."""
     if content.startswith(b"\x93NUMPY"):
         return _File(_require_map(_array(content)).T)
-    if content.startswith(b"PK") and b"xl/workbook" in content:
-        raise InputError("a workbook; save its sheet of heights as .csv")
-    kind = kind_of(content)
-    if kind or content.startswith(b"PK"):
+    if content.startswith(b"PK"):
+        if b"xl/workbook" in content:
+            raise InputError("a workbook; save its sheet of heights as .csv")
+        if b".npy" in content:
+            raise InputError("an archive of arrays; save one of them as .npy")
+        return _instrument(path, "")
+    if kind := kind_of(content):
         return _instrument(path, kind)
     wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
-    if text.startswith("#"):  # a head with sizes, as Gwyddion writes it
+    head, matrix = _matrix(text)
+    if head or text.startswith("#"):  # a head that may have sizes, as Gwyddion writes it
         with suppress(InputError):
             if (file := _instrument(path, "a text")).unit:
                 return file
-    matrix = _matrix(text)
-    if matrix is not None:
-        return _File(_require_map(matrix).T)
-    below = _matrix(text.partition("\n")[2])
-    if below is not None and min(below.shape) < _NARROWEST:
-        _require_map(below)  # says what it is
-    return _instrument(path, "a text that does not begin with numbers")
+    if matrix is None:
+        raise InputError(f"a text without a matrix of numbers; {_SAVE}")
+    if head and min(matrix.shape) >= _NARROWEST:
+        raise InputError(
+            f"its first lines are no heights ({quoted(head[0])}); delete all {len(head)} lines "
+            "above the numbers, and give height_unit and pixel_size"
+        )
+    remarks = [one for one in text.splitlines() if one.lstrip()[:1] == "#"]
+    told = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
+    return _File(_require_map(matrix).T, notes=told[: len(remarks)])
 
 
 def _array(content: bytes) -> Array:
@@ -189,28 +201,22 @@ def _array(content: bytes) -> Array:
     return np.atleast_2d(array).astype(float)
 
 
-def _matrix(text: str) -> Array | None:
-    """A matrix in text, a row for each y; None if the text does not begin with numbers."""
+def _matrix(text: str) -> tuple[list[str], Array | None]:
+    """Headings above the numbers of a text, and the matrix, a row for each y; None without one."""
     lines = [one.strip(" ") for one in text.splitlines() if one.strip() and one.lstrip()[0] != "#"]
-    mark = next((one for one in "\t;," if lines and one in lines[0]), None)
-    if mark and all(one.endswith(mark) for one in lines):
-        lines = [one[:-1] for one in lines]
-    if mark:
-        empty = re.compile(rf"(?:^|(?<={mark})) *(?={mark}|$)")
-        lines = [empty.sub("nan", one) for one in lines]
-    lines = [_WORDS.sub("nan", one) for one in lines]
-
-    def numbers(of: list[str]) -> Array:
-        with warnings.catch_warnings():  # of a file without lines
-            warnings.simplefilter("ignore")
-            return np.loadtxt(of, delimiter=mark, ndmin=2)
-
+    head = 0
+    for line in lines[:_MOST_HEAD]:
+        mark = next((one for one in "\t;," if one in line), None)
+        if _numbers([line], mark) is not None:
+            break
+        cells = line.split(mark if mark != "," else None)
+        if len(cells) > 1 and all(map(_COMMA.fullmatch, map(str.strip, cells))):
+            raise InputError(f"decimals have commas ({quoted(cells[0])}); write them with points")
+        head += 1
+    else:
+        return lines, None
     try:
-        numbers(lines[:1])
-    except ValueError:
-        return None
-    try:
-        return numbers(lines)
+        return lines[:head], _numbers(lines[head:], mark, strict=True)
     except ValueError as error:
         why = str(error).partition(";")[0].partition(", please")[0]
         raise InputError(
@@ -219,8 +225,26 @@ def _matrix(text: str) -> Array | None:
         ) from error
 
 
+def _numbers(lines: list[str], mark: str | None, strict: bool = False) -> Array | None:
+    """Numbers of lines; None for other words, of which `strict` raises a `ValueError`."""
+    if mark:
+        while lines[0].endswith(mark) and all(one.endswith(mark) for one in lines):
+            lines = [one[:-1] for one in lines]
+        empty = re.compile(rf"(?:^|(?<={mark})) *(?={mark}|$)")
+        lines = [empty.sub("nan", one) for one in lines]
+    lines = [_WORDS.sub("nan", one) for one in lines]
+    try:
+        return np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
+    except ValueError:
+        if strict:
+            raise
+        return None
+
+
 def _require_map(matrix: Array) -> Array:
     """The matrix as it is; `InputError` for a profile, a list of points, a table, or with axes."""
+    if matrix.size > _MOST_HEIGHTS:
+        raise InputError(_too_many(matrix.shape))
     few, many = sorted(matrix.shape)
     if few < _NARROWEST:
         columns = matrix if matrix.shape[1] == many else matrix.T
@@ -243,31 +267,43 @@ def _require_map(matrix: Array) -> Array:
 
 def _instrument(path: Path, kind: str) -> _File:
     """Read a file in any format that SurfaceTopography knows."""
-    suffix = path.suffix.lower() or "file"
-    try:
-        from SurfaceTopography.IO import open_topography
-    except ImportError as error:
-        raise InputError(f"{kind or suffix}: get its reader by {_LIBRARY}, or {_SAVE}") from error
+    kind = kind or path.suffix.lower() or "file"
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # warnings of the library do not concern the user
-            reader = open_topography(str(path))
-            unknown = reader.default_channel.physical_sizes is None
-            return _of_library(reader, None if unknown else reader.topography())
+            from SurfaceTopography.IO import open_topography
+
+            return _of_library(open_topography(str(path)))
+    except ImportError as error:
+        raise InputError(f"{kind}: get its reader by {_LIBRARY}, or {_SAVE}") from error
     except InputError:
         raise
     except Exception as error:  # readers of damaged files raise errors of any kind
-        text = str(error).strip() or type(error).__name__
-        if type(error).__name__ == "CannotDetectFileFormat":  # lists what each reader says
-            own = re.search(rf"tried {suffix[1:]}reader:\s*(.*)", text, re.IGNORECASE)
-            text = own[1] if own else "SurfaceTopography has no reader for it"
-        why = text.splitlines()[0].rstrip(".")
-        raise InputError(f"{kind or suffix}: {why}; {_SAVE}, without headings") from error
+        why = _reason_of_library(error, path.suffix.lower())
+        raise InputError(f"{kind}: {why}; {_SAVE}") from error
 
 
-def _of_library(reader: Any, topography: Any) -> _File:
-    if topography is None:
-        raise InputError(f"an array, or a text with headings, without sizes; {_SAVE}")
+def _reason_of_library(error: Exception, suffix: str) -> str:
+    text, name = str(error).strip(), type(error).__name__
+    if name == "CannotDetectFileFormat":  # lists what each reader says
+        own = re.search(rf"tried {re.escape(suffix[1:])}reader:\s*(.*)", text, re.IGNORECASE)
+        if not suffix or not own:
+            return "SurfaceTopography has no reader for it"
+        text = own[1]
+    elif isinstance(error, LookupError) or not text:
+        text = f"{name} {text}".strip()
+    elif re.fullmatch(r"'[^']*'", text):  # the key of a table
+        text = f"{text} is missing"
+    return f"SurfaceTopography cannot read it ({text.splitlines()[0].rstrip('.')})"
+
+
+def _of_library(reader: Any) -> _File:
+    channel = reader.default_channel
+    if channel.physical_sizes is None:
+        raise InputError(f"a file without the size of its pixels; {_SAVE}")
+    if math.prod(channel.nb_grid_pts) > _MOST_HEIGHTS:
+        raise InputError(_too_many(channel.nb_grid_pts))
+    topography = reader.topography()
     if topography.dim != 2:
         raise InputError(f"no map of heights, but {_PROFILE}")
     if type(reader).__name__ == "XYZReader" or not topography.is_uniform:
@@ -279,11 +315,16 @@ def _of_library(reader: Any, topography: Any) -> _File:
     if min(heights.shape) < _NARROWEST:
         size = " × ".join(map(str, heights.shape))
         raise InputError(f"{size} heights are too few; give {_NARROWEST} along each side")
-    names = [channel.name for channel in reader.channels]
-    told = (f"of the channels {', '.join(names)}: {reader.default_channel.name}",)
+    names = [one.name for one in reader.channels]
+    told = (f"{channel.name} is read, of the channels {', '.join(names)}",)
     notes = told[: len(names) - 1]
     if topography.unit is None:
         return _File(heights, notes=notes)
     sides = [float(side) for side in topography.to_unit("m").pixel_size]
     unit = sides[0] / float(topography.pixel_size[0])
     return _File(heights, unit, (sides[0], sides[1]), notes)
+
+
+def _too_many(shape: Iterable[int]) -> str:
+    size = " × ".join(map(str, shape))
+    return f"{size} heights are too many; cut out {_MOST_HEIGHTS} at most"

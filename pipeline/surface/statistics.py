@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,9 +15,11 @@ from pipeline.surface.fit import SelfAffineFit, fit_self_affine
 from pipeline.surface.scan import Scan, read_scan
 from pipeline.surface.window import filled, form_words
 from pipeline.units import in_si
+from pipeline.words import quoted
 from tribo import Grid, InputError
 from tribo.surface import self_affine
 from tribo.surface.areal import ArealRoughness, areal_roughness, remove_form
+from tribo.types import Array
 
 MISSING = 0.1
 """Share of missing heights up to which they are filled."""
@@ -25,8 +27,9 @@ _NEAR = 0.15  # relative difference below which two lengths are alike
 _FACTOR = 2.0  # between spectra, above which a fit is poor
 _ASKEW, _STEEP, _LONG = 0.5, 0.25, 0.5  # differences of Ssk, Sdq and Sal, above which it is, too
 _OBLIQUE = 15.0  # angle of a lay to x and y [°], above which it is, too
-_FLATTEST, _ROUGHEST = 1e-10, 1e-4  # plausible range of Sq [m]
-_FINEST, _COARSEST = 1e-9, 1e-3  # plausible range of pixel sides [m]
+_FLATTEST, _ROUGHEST = 1e-9, 5e-5  # plausible range of Sq [m]
+_FINEST, _COARSEST = 1e-9, 1e-4  # plausible range of pixel sides [m]
+_SMOOTHEST, _STEEPEST = 1e-4, 3.0  # plausible range of Sdq
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +43,11 @@ class SurfaceStatistics:
     roughness: ArealRoughness  #: Of the scan, by ISO 25178-2.
     fit: SelfAffineFit  #: Best fit of a self-affine spectrum.
     fitted: ArealRoughness  #: Of a random surface by the fit, in the window of the scan.
+    heights: Array = field(repr=False)  #: Heights above the form [m], missing ones filled.
+    fitted_heights: Array = field(repr=False)  #: Those of the random surface [m].
+    scan_toml: str = field(repr=False)  #: Tables of a scene that simulates the scan itself.
     notes: tuple[str, ...] = ()  #: On holes, doubtful units, and arguments that override the file.
+    drawn_by: ClassVar = "pipeline.figures.scan:draw_surface"
 
     @property
     def faults_of_fit(self) -> tuple[str, ...]:
@@ -49,7 +56,9 @@ class SurfaceStatistics:
 
     def _faults_of_fit(self) -> Iterator[str]:
         scan, fitted = self.roughness, self.fitted
-        if self.fit.misfit > _FACTOR:
+        if math.isnan(self.fit.misfit):
+            yield "the scan has too few heights to compare spectra"
+        elif self.fit.misfit > _FACTOR:
             yield f"its spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths"
         lengths, ends = self.fit.correlation_length, zip(self.shape, self.pixel_size, strict=True)
         if any(not d <= one <= n * d / 2 for one, (n, d) in zip(lengths, ends, strict=True)):
@@ -61,7 +70,7 @@ class SurfaceStatistics:
         if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= _LONG):
             yield f"its Sal is {scan.sal / fitted.sal:.2g} times that of the fit"
         if scan.lay is not None and _OBLIQUE < abs(scan.lay) < 90 - _OBLIQUE:
-            yield f"its lay is at {scan.lay:.0f}° to x; turn the sample to sliding"
+            yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
 
     @property
     def toml(self) -> str:
@@ -70,35 +79,57 @@ class SurfaceStatistics:
         return roughness_toml(self.roughness.sa, fit.hurst_exponent, fit.correlation_length)
 
     def as_dict(self) -> dict[str, Any]:
-        """All statistics as plain data, with the table as text."""
-        return asdict(self) | {"faults_of_fit": [*self.faults_of_fit], "toml": self.toml}
+        """All statistics as plain data, without heights, and with the table as text."""
+        kept = replace(self, heights=np.empty(0), fitted_heights=np.empty(0))
+        document = asdict(kept) | {"faults_of_fit": [*self.faults_of_fit], "toml": self.toml}
+        return {key: one for key, one in document.items() if not key.endswith("heights")}
 
     def lines(self) -> Iterator[str]:
-        """Yield lines that describe the scan beside the random surface, and the table of this."""
+        """Yield lines that describe the scan beside the random surface, and how well this fits."""
         sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
+        yield self.file
         yield (
-            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
+            f"  {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
             f"pixels {display_sides(self.pixel_size)}"
         )
         yield from (f"  note: {note}" for note in self.notes)
         tilt, curved = np.degrees(np.arctan(self.roughness.slopes)), self.roughness.radii
-        yield "  removed: tilt {:.2g}° along x, {:.2g}° along y".format(*tilt) + (
+        yield "  removed: tilt {:.2f}° along x, {:.2f}° along y".format(*tilt) + (
             f"; curvature, R {form_words(curved)}" if form_words(curved) else ""
         )
         yield f"  {'ISO 25178-2':14}{'scan':20}random surface"
-        rows = zip(_rows(self.roughness), _rows(self.fitted), strict=True)
-        yield from (f"  {name:14}{text:20}{other}" for (name, text), (_, other) in rows)
-        yield f"  spectrum      within a factor {self.fit.misfit:.2g} of the random surface's"
+        yield from (f"  {name:14}{text:20}{other}" for name, text, other in self.rows())
         yield ""
+        yield self.words_on_fit
+
+    @property
+    def words_on_fit(self) -> str:
+        """How well the random surface fits, in a sentence."""
         if faults := self.faults_of_fit:
-            yield f"The random surface fits poorly: {'; '.join(faults)}."
-            yield f'Simulate the scan itself: disk.roughness.file = "{self.file}"'
-        else:
-            yield "The random surface fits well."
-        yield from ["", *self.toml.splitlines()]
+            return f"The random surface fits poorly: {'; '.join(faults)}."
+        return "The random surface fits well: its spectrum, gradient and lengths are the scan's."
+
+    @property
+    def tables(self) -> str:
+        """Tables of a scene as text: the random surface's and the scan's, the better one first."""
+        random = "for a random surface by the fit", self.toml
+        scan = "for the scan itself", self.scan_toml
+        both = (scan, random) if self.faults_of_fit else (random, scan)
+        return "\n".join(f"In a scene, {use}:\n\n{toml}" for use, toml in both)
+
+    def rows(self) -> Iterator[tuple[str, str, str]]:
+        """Yield the name of each number, its value for the scan, and for the random surface."""
+        for (name, scan), (_, random) in zip(
+            _rows(self.roughness), _rows(self.fitted), strict=True
+        ):
+            yield name, scan, random
+        yield "spectrum", "", (
+            "not compared" if math.isnan(self.fit.misfit)
+            else f"within a factor {self.fit.misfit:.2g} of the scan's"
+        )  # fmt: skip
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
+        return "\n".join([*self.lines(), "", self.tables])
 
 
 def _rows(rough: ArealRoughness) -> Iterator[tuple[str, str]]:
@@ -171,30 +202,59 @@ def surface_statistics(
     if isinstance(unit, str):
         unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
     sides = [in_si("pixel_size", side, "1 um") for side in pixel_size or ()]
-    scan = read_scan(path, unit, (sides[0], sides[1]) if sides else None)
+    given = (sides[0], sides[1]) if sides else None
+    scan = read_scan(path, unit, given)
     try:
-        return _statistics(str(path), scan, missing)
+        found = _statistics(str(path), scan, missing)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+    return replace(found, scan_toml=_scan_toml(found, unit, given, missing))
 
 
 def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
     sides, shape = scan.pixel_size, (scan.heights.shape[0], scan.heights.shape[1])
     rough, notes = areal_roughness(scan.heights, sides), [*scan.notes]
     if scan.missing:
-        notes.append(f"{scan.missing_words} and left out; the fit has them filled")
-    if not _FLATTEST <= rough.sq <= _ROUGHEST:
-        notes.append(f"Sq is {display(rough.sq, 'µm', 3)}: check the unit of the heights")
-    if not _FINEST <= min(sides) <= max(sides) <= _COARSEST:
-        notes.append("check the size of the pixels")
-    if rough.sal < min(sides):
-        notes.append("neighbouring heights are hardly correlated: noise, or too coarse pixels")
+        notes.append(f"{scan.missing_words}; the numbers leave them out, the fit has them filled")
+    notes += _doubts(rough, sides)
     level, *_ = remove_form(filled(scan, missing), sides)
     fit = fit_self_affine(level, sides)
     lengths = nearly_equal(fit.correlation_length)
     surface = self_affine(Grid(shape, sides), rough.sa, fit.hurst_exponent, lengths, seed=0)
     fitted = areal_roughness(surface, sides)
-    return SurfaceStatistics(file, shape, sides, scan.missing, rough, fit, fitted, tuple(notes))
+    return SurfaceStatistics(
+        file, shape, sides, scan.missing, rough, fit, fitted, level, surface, "", tuple(notes)
+    )
+
+
+def _doubts(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
+    """Notes on numbers that no usual surface has, most likely for a wrong unit."""
+    if not _FLATTEST <= rough.sq <= _ROUGHEST:
+        yield f"Sq is {display(rough.sq, 'µm', 3)}: check the unit of the heights"
+    if not _FINEST <= min(sides) <= max(sides) <= _COARSEST:
+        yield f"pixels are {display_sides(sides)}: check their size"
+    if not _SMOOTHEST <= rough.sdq <= _STEEPEST:
+        yield f"the gradient Sdq is {rough.sdq:.2g}: check the unit of heights and the pixels' size"
+    if rough.sal < min(sides):
+        yield "neighbouring heights are hardly correlated: noise, or too coarse pixels"
+
+
+def _scan_toml(
+    found: SurfaceStatistics,
+    unit: float | None,
+    sides: tuple[float, float] | None,
+    missing: float,
+) -> str:
+    """Tables of a scene that simulates the scan itself, with what was given for its file."""
+    pixels = "[{}]".format(", ".join(f'"{display(one, "um", 6)}"' for one in found.pixel_size))
+    lines = ["[disk.roughness]", f"file = {quoted(found.file)}"]
+    if unit:
+        names = ("um", "nm", "mm", "m")
+        usual = (one for one in names if math.isclose(in_si("", f"1 {one}", "1 m"), unit))
+        lines.append(f"height_unit = {quoted(next(usual, f'{unit:g} m'))}")
+    lines += [f"pixel_size = {pixels}"] * bool(sides) + ["level = true"]
+    lines += [f"missing = {missing:g}"] * (missing != MISSING)
+    return "\n".join([*lines, "", "[window]", f"pixel_size = {pixels}", ""])
 
 
 def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float]) -> str:

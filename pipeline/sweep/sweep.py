@@ -13,7 +13,7 @@ from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations, Steps
-from pipeline.sweep.variants import Variant, Variants, surfaces
+from pipeline.sweep.variants import AREAS, Variant, Variants, surfaces
 from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
 
 
@@ -261,11 +261,12 @@ class Sweep:
         """The sweep on the random surface of a seed, without variants; itself for None."""
         if seed is None:
             return self
-        if not isinstance(self.scene.roughness, SelfAffineRoughness):
+        if self.scene.roughness is None:
             raise InputError(
-                f"realization is {seed}, the seed of a random roughness, and that of the scene is "
-                "not random; leave it out"
+                f"realization is {seed}, and the disk of the scene is smooth; leave it out"
             )
+        if not isinstance(self.scene.roughness, SelfAffineRoughness):  # an area of a scan
+            return self.changed(AREAS, [seed])._alone()
         base = replace(self.base.on_surface(seed), name=())
         tests = tuple(replace(test, case=test.case.on_surface(seed)) for test in self.tests)
         return replace(self, base=base, cases=(base,), variants=Variants(), tests=tests)

@@ -14,7 +14,7 @@ from tribo import InputError
 VARIANT = "variant"
 """Dimension that numbers the rows of a table that is no full product of its columns."""
 ROWS = {
-    "realization": "seed of the random surface",
+    "realization": "seed of the random surface, or number of the area of a scan",
     VARIANT: "number of the row in the table of variants",
 }
 """Dimensions that number rows, without an entry of the scene, and their meanings."""
@@ -27,6 +27,8 @@ Labels = Mapping[str, Label]
 Variant = tuple[tuple[str, Label], ...]
 """Name of a case: the dimensions in front of load and velocity, each with the row's label."""
 SEED = "disk.roughness.seed"
+AREAS = "sweep.realizations"
+"""Entry whose first value is the area of a scan that a case is simulated on."""
 
 
 def dimension_of(path: str) -> str:

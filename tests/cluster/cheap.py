@@ -44,14 +44,15 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
         "window.pixel_size": ["4 um", "20 um"],
     }
     if scan:
-        file = folder / "scan.npy"
+        file, sides = folder / "scan.npy", [f"{384 / scan} um", f"{80 / scan} um"]
         np.save(file, np.random.default_rng(0).normal(scale=0.01, size=(scan, scan)))
         own = {
             "without": [f"disk.roughness.{key}" for key in RANDOM],
             "disk.roughness.file": str(file),
             "disk.roughness.height_unit": "um",
+            "disk.roughness.pixel_size": sides,
             "window.pixels": [scan, scan],
-            "window.pixel_size": [f"{384 / scan} um", f"{80 / scan} um"],
+            "window.pixel_size": sides,
             "fidelity.pixels_per_element": scan // 20,
             "fidelity.fewest_elements": 0,  # so that elements have these pixels
         }

@@ -51,7 +51,7 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     if isinstance(scene.roughness, MeasuredRoughness):
         raise InputError(
             f"the pin is worn {1e3 * wide / ROOM_BESIDE_WEAR:.3g} mm wide at the end of its "
-            f"stages; give {shape[0]} × {shape[1]} pixels, and repeat the measured surface if it "
+            f"stages; give {shape[0]} × {shape[1]} pixels, and mirror the measured surface if it "
             "has fewer"
         )
     return replace(scene, pixels=replace(pixels, shape=shape))

@@ -235,8 +235,8 @@ ENTRIES = {
     "long axis": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 100_000}),
                   "100000 is out of range; give a whole number, at least 2 and at most 5000"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
-                                   **{"sweep.realizations": 3}), "3 needs a [disk.roughness]"),
-    "scan": (lambda: measured((48, 20)), "the surface has 20 × 48 heights along x and y"),
+                                   **{"sweep.realizations": 3}), "3 needs a rough disk"),
+    "scan": (lambda: measured((48, 20)), "the scan has 20 × 48 heights along x and y"),
     # laws in Python
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),

@@ -1,9 +1,12 @@
 """Files of heights: read with their units, or refused by the name of what they are."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
-from pipeline import surface_statistics
+from pipeline import load_scene, plot, surface_statistics
 from pipeline.surface.scan import read_scan
 from tribo import Grid, InputError
 from tribo.surface import self_affine
@@ -86,21 +89,37 @@ def test_marks_of_missing_heights_are_holes_and_told(tmp_path):
 
 def test_units_and_sizes_are_given_or_asked_for(tmp_path):
     np.save(tmp_path / "a.npy", 10 * HEIGHTS)
-    with pytest.raises(InputError, match=r"height_unit.* and the sides of a pixel .*; give that"):
+    with pytest.raises(InputError, match=r"height_unit.* and the sides of a pixel .*; add what"):
         read_scan(tmp_path / "a.npy")
-    assert read_scan(tmp_path / "a.npy", 1e-6, usual_sides=SIDES).pixel_size == SIDES
     with pytest.raises(InputError, match=r"heights of .* m; give the right unit"):
         read_scan(tmp_path / "a.npy", 1.0, SIDES)
+
+
+ROWS = "\n".join(" ".join(f"{z:.4f}" for z in row) for row in HEIGHTS.T)
+
+
+def zipped(name, content=b""):
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr(name, content)
+    return packed.getvalue()
 
 
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (b"Height\nunit um\n1,2\n", "does not begin with numbers"),
+        (f"ncols 48\ncellsize 0.5\n{ROWS}".encode(), r'no heights \("ncols 48"\); delete all 2'),
+        (b"position,height\nmm,um\n" + b"1,2\n" * 20, "a profile"),
         (b"1,2,3\n1,2\n", "as many in each row"),
-        (b"0,12;0,13\n0,14;0,15\n", "does not begin with numbers|decimals with a point"),
+        (ROWS.replace(".", ",").replace(" ", ";").encode(), "decimals have commas"),
+        (ROWS.replace(".", ",").encode(), "decimals have commas"),
+        (b"no numbers at all\n", "a text without a matrix of numbers; export"),
         (b"\x93NUMPY\x01", "not a plain array"),
         (b"\x89PNG\r\n", "an image"),
+        (zipped("heights.npy"), "an archive of arrays; save one"),
+        (zipped("xl/workbook.xml"), "a workbook; save its sheet"),
+        (zipped("main.xml", b"<p/>"), "SurfaceTopography"),
+        (b"", "a text without a matrix"),
     ],
 )
 def test_other_files_are_refused_with_help(tmp_path, content, why):
@@ -108,6 +127,11 @@ def test_other_files_are_refused_with_help(tmp_path, content, why):
     (tmp_path / "a.txt").write_bytes(content)
     with pytest.raises(InputError, match=why):
         read(tmp_path / "a.txt")
+
+
+def test_comments_that_are_not_used_are_told(tmp_path):
+    (tmp_path / "a.txt").write_text(f"# heights in nm\n{ROWS}")
+    assert 'comments of the file are not used: "# heights in nm"' in read(tmp_path / "a.txt").notes
 
 
 def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
@@ -121,3 +145,69 @@ def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
     np.save(tmp_path / "b.npy", cut)
     poor = surface_statistics(tmp_path / "b.npy", 1.0, ("0.5 um", "0.5 um"))
     assert "fits poorly: Ssk is" in str(poor)
+
+
+@pytest.mark.parametrize(
+    ("factor", "side", "word"),
+    [
+        (1e-3, "0.5 um", "check the unit of the heights"),
+        (1e3, "0.5 um", "check the unit of the heights"),
+        (1.0, "0.5 mm", "check their size"),
+        (1.0, "0.5 nm", "check the unit of heights and the pixels' size"),
+    ],
+)
+def test_units_that_are_off_by_a_thousand_are_told(tmp_path, factor, side, word):
+    grid = Grid((64, 64), (0.5e-6, 0.5e-6))
+    np.save(tmp_path / "a.npy", factor * self_affine(grid, 2e-7, 0.8, (3e-6, 3e-6), seed=3).T)
+    found = surface_statistics(tmp_path / "a.npy", 1.0, (side, side))
+    assert any(word in note for note in found.notes)
+
+
+def test_a_scan_too_small_to_compare_spectra_is_no_good_fit(tmp_path):
+    np.save(tmp_path / "a.npy", HEIGHTS[:16, :16])
+    found = surface_statistics(tmp_path / "a.npy", "um", ("1 um", "1 um"))
+    assert "the scan has too few heights to compare spectra" in found.faults_of_fit
+    assert "not compared" in str(found)
+
+
+def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
+    """The unit, the pixels and the share that were given are in them."""
+    grid = Grid((96, 64), (0.5e-6, 0.5e-6))
+    heights = 1e9 * self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3)
+    heights[3:20, 4:44] = np.nan
+    np.save(tmp_path / "a.npy", heights.T)
+    found = surface_statistics(tmp_path / "a.npy", "nm", ("0.5 um", "0.5 um"), missing=0.2)
+
+    def roughness(toml):
+        head = 'extends = "first_try"\nwithout = ["disk.roughness"]\n'
+        (tmp_path / "a.toml").write_text(head + toml)
+        return load_scene(tmp_path / "a.toml").scene.roughness
+
+    assert roughness(found.toml).ra == pytest.approx(found.roughness.sa, rel=1e-3)
+    scan = roughness(f"{found.scan_toml}pixels = [96, 64]\n").array
+    assert scan.std() == pytest.approx(found.heights.std(), rel=0.01)
+
+
+def test_a_figure_has_scan_and_random_surface_their_spectra_and_numbers(tmp_path, irg):
+    """The spectrum of the scan, white noise, integrates to Sq² along both axes."""
+    np.save(tmp_path / "a.npy", 1e-6 * HEIGHTS.T)
+    irg("surface", tmp_path / "a.npy", "--height-unit", "m", "--pixel-size", "0.5 um",
+        "-o", tmp_path / "a.png", "--json")  # fmt: skip
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    found = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
+    maps, spectra, table = {}, None, None
+    for axes in plot(found).axes:
+        for image in axes.images:
+            maps[len(maps)] = 1e-6 * image.get_array()
+        spectra = axes if axes.lines else spectra
+        table = axes if axes.tables else table
+    np.testing.assert_allclose(maps[0], found.heights.T)
+    np.testing.assert_allclose(maps[1], found.fitted_heights.T)
+    for line, label in zip(spectra.lines[:2], ("scan along x", "scan along y"), strict=True):
+        assert line.get_label() == label
+        wavelength, density = line.get_data()
+        below = density[0] / wavelength[0]  # of the lowest frequencies, which are not drawn
+        integral = 2 * (np.trapezoid(density, 1 / wavelength) + below)
+        assert integral == pytest.approx(1e12 * found.roughness.sq**2, rel=0.05)
+    written = {cell.get_text().get_text() for cell in table.tables[0].get_celld().values()}
+    assert {"scan", "random surface", "Sa", "Sdq", f"{found.roughness.sdq:.3g}"} <= written

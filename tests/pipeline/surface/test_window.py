@@ -1,4 +1,4 @@
-"""What a scene takes of a scan, and the command that prints a table of a scene."""
+"""What a scene takes of a scan: areas of the window's size, levelled, filled and mirrored."""
 
 import tomllib
 
@@ -8,6 +8,7 @@ import pytest
 from pipeline import SceneFileError, load_scene, to_si
 from pipeline.surface.scan import Scan
 from pipeline.surface.window import filled
+from tribo import InputError
 from tribo.surface.areal import remove_form
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
@@ -18,41 +19,83 @@ SIDES = 0.8e-6, 0.95e-6
 def scene(tmp_path):
     """Function that loads a scene with a scan."""
 
-    def load(pixels=(48, 40), heights=HEIGHTS, **table):
+    def load(pixels=(48, 40), heights=HEIGHTS, realizations=None, **table):
         np.save(tmp_path / "a.npy", heights.T)
-        table = {"file": str(tmp_path / "a.npy"), "height_unit": "m"} | table
+        table = {
+            "file": str(tmp_path / "a.npy"), "height_unit": "m",
+            "pixel_size": ["0.8 um", "0.95 um"],
+        } | table  # fmt: skip
         return load_scene("first_try", overrides={
             "without": "disk.roughness", "window.pixels": list(pixels),
-            "window.pixel_size": ["0.8 um", "0.95 um"],
+            "window.pixel_size": ["0.8 um", "0.95 um"], "sweep.realizations": realizations,
         } | {f"disk.roughness.{key}": value for key, value in table.items()})  # fmt: skip
 
     return load
 
 
-def test_a_scene_takes_a_patch_levelled_and_filled(scene):
+def test_a_scene_takes_an_area_levelled_and_filled(scene):
     holed = HEIGHTS.copy()
     holed[10, 12] = holed[20, 20] = np.nan
-    sweep = scene((40, 32), holed, crop=[4, 6], level=True)
-    patch, *_ = remove_form(holed[4:44, 6:38], SIDES)
-    expected = filled(Scan(patch, SIDES), 0.1)
+    sweep = scene((40, 32), holed, level=True)
+    part, *_ = remove_form(holed[4:44, 4:36], SIDES)  # from the middle
+    expected = filled(Scan(part, SIDES), 0.1)
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
-    assert expected[6, 6] == pytest.approx(expected[[5, 7, 6, 6], [6, 6, 5, 7]].mean())
+    assert expected[6, 8] == pytest.approx(expected[[5, 7, 6, 6], [8, 8, 7, 9]].mean())
     assert any("2 of 1280 heights (0.16 %) are missing and were filled" in note.words
                for note in sweep.notes)  # fmt: skip
     with pytest.raises(SceneFileError, match=r"at most 0\.01 % are filled"):
-        scene((40, 32), holed, crop=[4, 6], missing=0.0001)
+        scene((40, 32), holed, missing=0.0001)
 
 
-def test_a_scan_of_another_size_is_refused_or_continued(scene):
+@pytest.mark.parametrize("share", [0.02, 0.5])
+def test_missing_heights_are_the_mean_of_their_neighbours(share):
+    """Fields z = x² − y² and xy have this mean inside, where no edge is missing."""
+    x, y = np.meshgrid(np.arange(30.0), np.arange(20.0), indexing="ij")
+    for whole in (x**2 - y**2, x * y):
+        holed = whole.copy()
+        holed[1:-1, 1:-1][np.random.default_rng(3).random((28, 18)) < share] = np.nan
+        np.testing.assert_allclose(filled(Scan(holed, SIDES), 1.0), whole, rtol=1e-9, atol=1e-9)
+
+
+def test_realizations_of_a_scan_are_its_areas(scene):
+    """The scan of 48 × 40 has 3 × 2 areas of 14 × 18, in its middle, along x first."""
+    sweep = scene((14, 18), realizations=6)
+    areas = [HEIGHTS[i : i + 14, j : j + 18] for j in (2, 20) for i in (3, 17, 31)]
+    assert [one.name for one in sweep.cases] == [(("realization", k),) for k in range(6)]
+    for case, area in zip(sweep.cases, areas, strict=True):
+        np.testing.assert_array_equal(case.scene.roughness.array, area)
+    listed = scene((14, 18), realizations=[5, 2])
+    assert [dict(one.name)["realization"] for one in listed.cases] == [2, 5]
+    assert listed.scene == listed.cases[0].scene == sweep.cases[2].scene
+    assert sweep._take_surface(4).scene == sweep.cases[4].scene
+    for wanted in (7, [0, 6]):
+        with pytest.raises(SceneFileError, match=r"has 6 areas .* there is no area 6"):
+            scene((14, 18), realizations=wanted)
+
+
+def test_areas_of_a_scan_are_crossed_with_other_entries(scene):
+    sweep = scene((14, 18), realizations=2).changed("sweep.over", {"pin.radius": ["1 mm", "2 mm"]})
+    found = [(one.scene.pin.radius, one.scene.roughness.array[0, 0]) for one in sweep.cases]
+    assert found == [(r, HEIGHTS[i, 2]) for r in (0.001, 0.002) for i in (3, 17)]
+
+
+def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
     for pixels, table, words in (
-        ((40, 48), {}, "by crop or repeat of"),
-        ((48, 40), {"crop": [1, 0]}, "extends beyond"),
+        ((40, 48), {}, "48 × 40 heights along x and y, the window 40 × 48; give fewer"),
         ((48, 40), {"pixel_size": ["1 um", "0.95 um"]}, "give those, window.pixel_size"),
+        ((48, 40), {"pixel_size": None}, "does not have the sides of a pixel"),
     ):
         with pytest.raises(SceneFileError, match=words):
             scene(pixels, **table)
-    wide = scene((96, 40), repeat="mirror").scene.roughness.array
-    np.testing.assert_array_equal(wide[48:], wide[:48][::-1])
+    wide = scene((96, 20), mirror=True, realizations=2)
+    for case, part in zip(wide.cases, (HEIGHTS[:, :20], HEIGHTS[:, 20:]), strict=True):
+        np.testing.assert_array_equal(case.scene.roughness.array[:48], part)
+        np.testing.assert_array_equal(case.scene.roughness.array[48:], part[::-1])
+
+
+def test_other_disks_have_no_areas(scene):
+    with pytest.raises(InputError, match="the disk of the scene is smooth"):
+        load_scene("first_try", overrides={"without": "disk.roughness"})._take_surface(1)
 
 
 def test_ra_and_rsm_of_a_profile_make_a_table(irg):
