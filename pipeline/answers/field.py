@@ -258,7 +258,8 @@ def film_of(case: CaseResults, bulk: float) -> Field | None:
     if oil is None or not case.sweep.base.has_film or "film_inlet" not in case.ds:
         return None
     names = "film_inlet", "film_pressure"
-    logs = (np.log(case.array(name)) for name in names)
+    values = map(case.array, names)  # −1 where the film is not known
+    logs = (np.log(np.where(one > 0, one, np.nan)) for one in values)
     with warnings.catch_warnings():  # points without a result
         warnings.simplefilter("ignore", RuntimeWarning)
         inlet, pressure = (np.exp(np.nanmean(one, axis=0)) for one in logs)

@@ -18,7 +18,7 @@ import xarray as xr
 
 from pipeline.paths import found_store
 from pipeline.store.place import PathLike
-from pipeline.store.read import open_store
+from pipeline.store.read import completed, open_store
 from pipeline.store.schema import (
     AT_TESTS,
     COLUMNS,
@@ -107,6 +107,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 def sweep_of(ds: xr.Dataset) -> Sweep:
     """Sweep of a dataset."""
+    ds = completed(ds)
     if "sweep" not in ds.attrs:
         raise InputError(
             "the dataset has no attribute sweep, which describes its scene; give one of "
@@ -283,6 +284,7 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
             f"a sweep cannot be a {type(ds).__name__}; give a dataset of pipeline.open_sweep, or "
             "the path of a store"
         )
+    ds = completed(ds)
     sweep = sweep_of(ds)
     if ds.attrs.get("without_tests"):
         sweep = replace(sweep, tests=())

@@ -151,7 +151,7 @@ def _is_outside(case: CaseResults, test: Test, point: TestPoint, own: Conditions
     if oil is None or not case.sweep.base.has_film or "film_inlet" not in held:
         return False
     inlet, pressure = float(held["film_inlet"]), float(held["film_pressure"])
-    if not math.isfinite(inlet * pressure):
+    if not (inlet > 0 and pressure > 0):  # the film is not known
         return False
     place, bulk = (point.load, point.velocity), own.bulk_temperature
     return film_excess(test.case.scene, oil, *place, bulk, inlet, pressure) > 0

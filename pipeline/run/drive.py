@@ -104,8 +104,8 @@ class _Tasks:
 
     def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
         self._client, self._sweep = client, sweep
-        self._stations, self._with_fields = choose_stations(sweep), writer.with_fields
-        self._cases: dict[str, bytes] = {}
+        self._stations, self._store = choose_stations(sweep), writer.store
+        self._cases: dict[tuple[str, bool], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
         self._ended = as_completed(loop=client.loop)
@@ -142,11 +142,12 @@ class _Tasks:
 
     def _case(self, variant: Variant) -> bytes:
         case = self._sweep.case(variant)
-        scene_hash = self._sweep._hash_scene(case.scene)
-        if scene_hash not in self._cases:
-            made = Case(case.scene, self._stations, self._with_fields, case.has_film)
-            self._cases[scene_hash] = made.pickled()
-        return self._cases[scene_hash]
+        with_fields = self._store.has_fields(variant)
+        key = self._sweep._hash_scene(case.scene), with_fields
+        if key not in self._cases:
+            made = Case(case.scene, self._stations, with_fields, case.has_film)
+            self._cases[key] = made.pickled()
+        return self._cases[key]
 
     def lost(self) -> list[tuple[_Job, Any]]:
         """Wait until a task ends, at most a second; return the tasks that are lost, and why."""

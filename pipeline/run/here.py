@@ -49,4 +49,4 @@ def _simulated(
                 raise
             yield PointRecord(point, None, str(error))
         else:
-            yield made.record(store.sweep.fields)
+            yield made.record(store.has_fields(point.variant))

@@ -226,8 +226,7 @@ class _Run:
 
     def compute(self, link: Client, watch: Watch, queue: TaskQueue) -> None:
         """Compute the tasks of a queue; fields of a goal are those of the first patch."""
-        keeps_fields = self.goal is None or self.goal.is_on_first_patch
-        with Writer(self.store, keeps_fields) as writer:
+        with Writer(self.store) as writer:
             compute(link, watch, self.sweep, writer, queue, self.tally)
 
 

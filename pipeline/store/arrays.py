@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
+from numpy.typing import NDArray
 from zarr.abc.store import ByteRequest, Store
 from zarr.codecs import ZstdCodec
 from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
@@ -39,9 +40,6 @@ _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and lab
 KEYS = "default", "v2"
 """Encodings of the keys of chunks, such as c.0.2 and 0.2: a store and one in its place differ."""
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
-# The fill value of numbers is NaN for everybody. This program opens its arrays with a NaN that has
-# bits of its own, and so tells what was never written from what was computed.
-_NEVER = {"float64": "0x7ff8000000000bad", "float32": "0x7fc00bad"}
 
 
 def array_document(
@@ -73,15 +71,6 @@ def array_document(
         "zarr_format": 3,
         "node_type": "array",
     }
-
-
-def is_unwritten(values: Any, array: Any) -> Any:
-    """Mask of `values` of an array that are its fill value, bit for bit."""
-    fill = np.asarray(array.fill_value, array.dtype)
-    if array.dtype.kind != "f":
-        return values == fill
-    bits = f"u{array.dtype.itemsize}"
-    return np.ascontiguousarray(values).view(bits) == fill.view(bits)
 
 
 class FolderStore(LocalStore):
@@ -123,9 +112,30 @@ class _BoundedZstd(ZstdCodec):
 
     def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
         # Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
-        content = np.zeros(_size(chunk_spec.dtype.to_native_dtype(), chunk_spec.shape), np.uint8)
-        self._zstd_codec.decode(chunk_bytes.to_bytes(), content)
-        return chunk_spec.prototype.buffer.from_array_like(content)
+        size = _size(chunk_spec.dtype.to_native_dtype(), chunk_spec.shape)
+        return chunk_spec.prototype.buffer.from_array_like(_unpacked(chunk_bytes.to_bytes(), size))
+
+
+_CODEC = ZstdCodec(**_ZSTD)._zstd_codec
+
+
+def _unpacked(content: bytes, size: int) -> NDArray[np.uint8]:
+    """Content of a chunk, at most `size` bytes, then zeros."""
+    values = np.zeros(size, np.uint8)
+    _CODEC.decode(content, values)
+    return values
+
+
+def read_chunk(array: Any, file: str) -> Any:
+    """Numbers of a chunk of an array in a folder, from its file; None if there is none.
+
+    Zarr reads a chunk in 0.65 ms, and this in 0.11: points are taken over by thousands.
+    """
+    dtype = array.dtype.newbyteorder("<")
+    with suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        content = read_file(file, array.store.most[array.path])
+        return _unpacked(content, _size(dtype, array.chunks)).view(dtype).reshape(array.chunks)
+    return None
 
 
 def open_arrays(
@@ -141,7 +151,6 @@ def open_arrays(
     arrays = {}
     for name, document in documents.items():
         metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**_ZSTD)]}
-        metadata["fill_value"] = _NEVER.get(document["data_type"], document["fill_value"])
         path = StorePath(store, prefix + path_of(name))
         array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
         if isinstance(store, FolderStore):

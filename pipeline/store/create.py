@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 import re
 import shlex
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,13 +45,15 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.resume import join, misfits
-from pipeline.store.schema import DATA, DONE, FAILED, PENDING
-from pipeline.store.store import Damage, Store
+from pipeline.store.schema import AT_ENDS, DATA, DONE, FAILED, FIELDS, PENDING
+from pipeline.store.store import Checked, Damage, Store
 from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import PointRecord, choose_stations, points
+from pipeline.sweep.plan import choose_stations, points
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
+from tribo.types import Indices
 
+_SPARE = 2**22  # bytes of a disk that stay free when a store takes the place of another
 _CHUNK = re.compile(r"c(\.\d+)*|\d+(\.\d+)*")
 
 
@@ -218,6 +221,7 @@ def _moved_in(
     if place.path.exists():
         if others := sorted(_not_of(before, place)):
             raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
+        _require_space(place)
         lock = held.enter_context(locked(new, progress))
     with io_errors(new, "written"):
         for path in new.path.iterdir():
@@ -247,12 +251,28 @@ def _moved_in(
 def _not_of(root: Root | None, place: Folder) -> Iterator[str]:
     """Names of the files and links below a folder that are not those of its store."""
     own = {LOCK, *(root.documents() if root else ())}
-    for path in place.path.rglob("*"):
-        key = path.relative_to(place.path).as_posix()
-        folder, _, name = key.rpartition("/")
-        is_chunk = _CHUNK.fullmatch(name) and f"{folder}/{ROOT}" in own
-        if path.is_symlink() or not (path.is_dir() or is_chunk or key in own):
-            yield key
+    folders = [""]
+    while folders:
+        folder = folders.pop()
+        for entry in os.scandir(place.path / folder):
+            key = f"{folder}{entry.name}"
+            is_chunk = _CHUNK.fullmatch(entry.name) and f"{folder}{ROOT}" in own
+            if entry.is_dir(follow_symlinks=False):
+                folders.append(f"{key}/")
+            elif entry.is_symlink() or not (is_chunk or key in own):
+                yield key
+
+
+def _require_space(place: Folder) -> None:
+    """Raise a `StoreError` unless the disk has room for a second copy of all but the fields."""
+    kept = 0
+    for folder, inner, names in os.walk(place.path):
+        if AT_ENDS in inner:  # fields are linked
+            inner.remove(AT_ENDS)
+        kept += sum(os.lstat(f"{folder}/{name}").st_size for name in names)
+    free, needed = shutil.disk_usage(place.path).free, 2 * kept + _SPARE
+    if free < needed:
+        raise _no_room(place, f"its disk has {free / 1e6:.3g} MB left, of {needed / 1e6:.3g}")
 
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:
@@ -289,20 +309,63 @@ def _take(
     places: dict[tuple[Any, ...], list[Point]] = {}
     for point in wanted:
         places.setdefault((store.group.scene_hash(point), *point[:2]), []).append(point)
-    taken, unsound, lost, records = 0, 0, 0, list[PointRecord]()
+    taken, unsound, lost = 0, 0, 0
     other.damage = other.damage or Damage()
-    for index, record, fault in other.checked():
-        here = record.point
-        same = places.get((other.group.scene_hash(here), *here[:2]), ())
-        unsound += bool(fault and same)
-        lost += not (fault or same)
-        if not fault and other.flags[index] in flags:
-            records += [replace(record, point=point) for point in same]
-        if len(records) >= 64:  # fields are large
-            store.commit(records)
-            taken, records = taken + len(records), []
-    store.commit(records)
-    return taken + len(records), unsound, lost
+    for some in other.checked():
+        rows, targets = list[int](), list[tuple[int, ...]]()
+        for row, here in enumerate(other.group.points_at(tuple(some.where.T))):
+            same = places.get((other.group.scene_hash(here), *here[:2]), ())
+            unsound += bool(some.faults[row] and same)
+            lost += not (some.faults[row] or same)
+            if not some.faults[row]:
+                targets += [store.index(point) for point in same]
+                rows += [row] * len(same)
+        of_rows = other.flags[tuple(some.where[rows].T)]
+        for status in flags:
+            own = np.flatnonzero(of_rows == status)
+            at = np.array(targets, int).reshape(-1, len(store.dims))[own]
+            taken += _copy(store, other, some, np.array(rows, int)[own], at, status)
+    return taken, unsound, lost
+
+
+def _copy(
+    store: Store, other: Store, some: Checked, rows: Indices, targets: Indices, status: int
+) -> int:
+    """Write the points at `rows` of `some` at the indices `targets`; return their number.
+
+    Fields are linked where the two have the same chunks. Points whose fields `other` lacks are left
+    out: they have to be simulated.
+    """
+    there = other.group.have_fields(some.where[rows])
+    able = there | ~store.group.have_fields(targets) | (status != DONE)
+    rows, targets = rows[able], targets[able]
+    if not len(rows):
+        return 0
+    names = store.arrays.keys() & some.values.keys() - {"checksum"}
+    if status != DONE:
+        names -= {*DATA, "steps"}
+    values = {
+        name: [some.values[name][row] for row in rows]
+        if name in FIELDS
+        else some.values[name][rows]
+        for name in names
+    }
+    linked = [name for name in names if name in FIELDS and _have_same_chunks(store, other, name)]
+    own = store.group.have_fields(targets)
+    for name in linked:
+        assert isinstance(store.place, Folder)
+        new = (Path(file).name for file in store.field_files(name, targets[own]))
+        old = other.field_files(name, some.where[rows][own])
+        store.place.link(store.arrays[name].path, dict(zip(new, old, strict=True)))
+    store.write(targets, values, status, linked)
+    return len(rows)
+
+
+def _have_same_chunks(store: Store, other: Store, name: str) -> bool:
+    """True if both are folders, and a chunk of a variable has the same values in both."""
+    are_folders = isinstance(store.place, Folder) and isinstance(other.place, Folder)
+    within = (one.arrays[name].shape[len(one.block_of(name)) :] for one in (store, other))
+    return are_folders and len({*within}) == 1
 
 
 @functools.cache

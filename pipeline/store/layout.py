@@ -154,6 +154,28 @@ class Group:
         return self.variables["status"].dims
 
     @cached_property
+    def _seeds(self) -> list[int]:
+        """Places in `dims` of the seeds of random surfaces."""
+        return [place for place, dim in enumerate(self.dims) if dim in self.seeds]
+
+    @cached_property
+    def seeds(self) -> frozenset[str]:
+        """Dimensions of random surfaces, of which the first alone has fields."""
+        return frozenset(one.name for one in self.sweep.variants.columns if one.is_seed)
+
+    def have_fields(self, where: Indices) -> Mask:
+        """True for points with fields: those on the first surface of each case.
+
+        `where` has an index along each of `dims` for each point, shape (n, n_dim).
+        """
+        first: Mask = (where[:, self._seeds] == 0).all(axis=1)
+        return first & self.sweep.fields
+
+    def field_places(self, where: Indices) -> Indices:
+        """Indices of points along the dimensions of fields, which lack those of surfaces."""
+        return np.delete(where, self._seeds, axis=1)
+
+    @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
         one_each, block = dict.fromkeys(self.dims, 1), self._block()

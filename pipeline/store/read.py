@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,11 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.arrays import is_unwritten, read_document
+from pipeline.store.arrays import read_document
 from pipeline.store.place import ROOT, PathLike, damaged, place_of
 from pipeline.store.schema import (
     AT_ENDS,
     AT_TESTS,
-    COLUMNS,
     DATA,
     DONE,
     FAILED,
@@ -24,6 +24,7 @@ from pipeline.store.schema import (
     RECORDS,
     TEST_STEP,
     attributes_of,
+    is_of_points,
     test_variable,
 )
 from pipeline.store.store import Store, opened
@@ -53,6 +54,20 @@ def store_dataset(store: Store) -> xr.Dataset:
     return _dataset_of(store).assign_coords(_test_coordinates(store))
 
 
+def completed(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with its sweep and the results of tests, which plain xarray leaves in the store.
+
+    `xarray.open_zarr` and `sel` keep the path of the store; a dataset without it is returned as it
+    is.
+    """
+    source = ds.encoding.get("source")
+    if "sweep" in ds.attrs or source is None or "status" not in ds.variables:
+        return ds
+    store = opened(source)
+    found = ds.assign_coords(_test_coordinates(store))
+    return found.assign_attrs(sweep=json.dumps(store.root.plain))
+
+
 def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store as a dataset whose data are read when they are used."""
     group, lacks = store.group, set[str]()
@@ -62,7 +77,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
     coords = {*group.coordinates} - {INPUTS, *lacks}
     variables = {}
     for name, variable in group.variables.items():
-        if name in lacks:
+        if name in lacks or name == "checksum":
             continue
         values = present.get(name)
         if values is None:
@@ -71,7 +86,9 @@ def _dataset_of(store: Store) -> xr.Dataset:
             values = np.array(values, object if variable.dtype == "str" else variable.dtype)
         shown = attributes_of(variable)
         shown.pop("coordinates", None)
-        variables[name] = xr.Variable(variable.dims, values, shown)
+        inner = tuple(dim for dim in variable.dims if not is_of_points(dim))
+        dims = (*group.dims, *inner) if name in FIELDS else variable.dims
+        variables[name] = xr.Variable(dims, values, shown)
     variables["status"].encoding["store"] = str(store.place)
     # Answers are made by the sweep, which a dataset takes with it wherever it goes.
     attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
@@ -99,7 +116,12 @@ class _Masked(BackendArray):
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
         self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
-        self.shape, self.dtype = array.shape, array.dtype
+        # Only the first surface has fields: the others have NaN, of which nothing is stored.
+        self._lacks = [store.dims.index(dim) for dim in store.group.seeds if name in FIELDS]
+        for axis in self._lacks:
+            np.moveaxis(self._mask, axis, 0)[1:] = False
+        self.shape = self._mask.shape + array.shape[self._mask.ndim - len(self._lacks) :]
+        self.dtype = array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
 
@@ -111,26 +133,38 @@ class _Masked(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part of the variable; `key` has an index for each dimension (outer indexing)."""
         count = self._mask.ndim
-        dims = [str(number) for number in range(count)]
-        mask = xr.Variable(dims, self._mask)[key[:count]].values  # outer indexing, as the array's
-        values = np.asarray(self._store.read(self._name, key), self.dtype)
+        at = [np.arange(n)[one] for n, one in zip(self._mask.shape, key, strict=False)]
+        mask = self._mask[np.ix_(*map(np.atleast_1d, at))]
+        own = tuple(one for axis, one in enumerate(key) if axis not in self._lacks)
+        values = np.asarray(self._store.read(self._name, own), self.dtype)
+        inner = values.shape[sum(at[axis].ndim for axis in {*range(count)} - {*self._lacks}) :]
+        shape = (1 if axis in self._lacks else n for axis, n in enumerate(mask.shape))
+        values = values.reshape(*shape, *inner)
+        values = np.broadcast_to(values, mask.shape + inner).copy()
         if self._name in DATA:
-            self._require_written(values, mask, key[count:])
+            self._require_written(values, mask, at, key[count:])
         values[~mask] = self._array.fill_value
-        return values
+        return values.reshape([*(n for one in at for n in one.shape), *inner])
 
-    def _require_written(self, values: Any, done: Any, key: tuple[Any, ...]) -> None:
+    def _require_written(self, values: Any, done: Any, at: Sequence[Any], key: Any) -> None:
         """Raise a `DamagedError` if a done point lacks values: they are not what was written.
 
         In a copy that was made while a run wrote, statuses may be newer than data.
         """
-        if self._name in COLUMNS:
-            steps = np.arange(self.shape[self._mask.ndim])[key[0]]
-            (at,) = np.nonzero(np.atleast_1d(steps) == self.shape[self._mask.ndim] - 1)
-            if not at.size:  # the end, which every point has, is not read
+        if values.dtype.kind != "f":
+            return
+        if self._store.is_stepped(self._name):
+            steps = np.arange(self.shape[done.ndim])[key[0]]
+            (last,) = np.nonzero(np.atleast_1d(steps) == self.shape[done.ndim] - 1)
+            if not last.size:  # the end, which every point has, is not read
                 return
-            values = values if np.ndim(steps) == 0 else np.take(values, at[0], done.ndim)
-        lost = is_unwritten(values, self._array).reshape(*done.shape, -1).any(-1) & done
+            values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
+        lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done
         if lost.any():
-            what = f"is missing at {np.count_nonzero(lost)} of {np.count_nonzero(done)} done points"
+            every = np.zeros_like(self._mask)
+            every[np.ix_(*map(np.atleast_1d, at))] = lost
+            first, *others = map(self._store.group.in_words, self._store.points_where(every))
+            what = f"is missing at {first}"
+            if others:
+                what += f" and at {len(others)} more done points"
             raise damaged(self._store.place, self._name, what)

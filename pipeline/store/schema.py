@@ -106,12 +106,13 @@ RECORDS = {
     "message": Variable(PLANE, None, "reason for a failure, or warnings", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
+    "checksum": Variable(PLANE, None, "CRC-32 of case, load, velocity and values", "uint32"),
 }
 
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
-"""Zarr groups: texts and facts of the store, fields over x and y, and the points of tests."""
+"""Zarr groups: facts of the store, fields on the first surface of each case, points of tests."""
 VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
 DATA = COLUMNS | SAMPLING | FILM | FIELDS
@@ -139,8 +140,8 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 
 def path_of(name: str) -> str:
-    """Path of a variable in a store; texts are in the group ``about``, fields in ``fields``."""
-    if name == "message":
+    """Path of a variable in a store; what is for programs is in ``about``, fields in ``fields``."""
+    if name in ("message", "checksum"):
         return f"{ABOUT}/{name}"
     return f"{AT_ENDS}/{name}" if name in FIELDS or name in ("x", "y") else name
 
@@ -187,6 +188,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         for one in sweep.variants.columns
     }
     front = tuple(sweep.variants.axes)
+    chosen = tuple(one.name for one in sweep.variants.chosen)  # further surfaces have no fields
     absent = {*ROWS}  # the table of variants adds its own
     placed = frozenset(table)
     if not sweep.fields:
@@ -195,7 +197,8 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         if name in absent or name in table:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
-        outer = _variant_dims(name, sweep) if name in MADE else front
+        outer = chosen if name in FIELDS else front
+        outer = _variant_dims(name, sweep) if name in MADE else outer
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
     along = [*sorted(columns), *MADE]

@@ -5,24 +5,27 @@ Data are written first, the status last: done means that all of a point is on th
 
 from __future__ import annotations
 
+import math
 import time
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.arrays import KEYS, is_unwritten, open_arrays, write_arrays
+from pipeline.store.arrays import KEYS, open_arrays, read_chunk, write_arrays
 from pipeline.store.layout import Group, Root, Slices, blocks, read_root, stale_documents
 from pipeline.store.lock import Lock, holder_of
 from pipeline.store.place import (
     LOCK,
     Bucket,
     DamagedError,
+    Folder,
     PathLike,
     StoreError,
     StorePlace,
@@ -32,13 +35,14 @@ from pipeline.store.place import (
     read_errors,
 )
 from pipeline.store.schema import (
-    COLUMNS,
+    DATA,
     DONE,
     FAILED,
     FIELDS,
     NOT_ASKED,
     PENDING,
     is_coordinate,
+    is_of_points,
     path_of,
 )
 from pipeline.sweep.case import TEST
@@ -46,9 +50,11 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Variant
+from tribo.types import Indices, Mask
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
 _OF_POINT = ("message", "warning_flags", "wall_time")  # of a record, beside its data
+_AT_ONCE = 2**25  # bytes of fields that are read at once
 _THREADS = 8  # an object store answers them side by side
 
 Index = tuple[int, ...]
@@ -63,6 +69,14 @@ class Damage:
 
     points: dict[Index, str] = field(default_factory=dict)
     files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
+
+
+class Checked(NamedTuple):
+    """Some points of a store, with their values by variable, and what is wrong with each."""
+
+    where: Indices  # index along each dimension, shape (n, n_dim)
+    values: dict[str, Any]  # None if a chunk is damaged
+    faults: list[str]  # empty texts for sound points
 
 
 class Store:
@@ -112,6 +126,11 @@ class Store:
 
     # Indices of points
 
+    def has_fields(self, variant: Variant) -> bool:
+        """True if the points of a case are stored with fields."""
+        first = ((dim, self.axes[dim][0]) for dim in self.group.seeds)
+        return self.sweep.fields and {*first} <= {*variant}
+
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
         labels = {"load": point.load, "velocity": point.velocity, **dict(point[2])}
@@ -123,18 +142,23 @@ class Store:
         return self.group.points_at(np.nonzero(mask))
 
     def block_of(self, name: str) -> Index:
-        """Number of points in a chunk of a variable, along each of `dims`."""
-        return tuple(self.arrays[name].chunks[: len(self.dims)])
+        """Number of points in a chunk of a variable, along each of its dimensions of points."""
+        dims = self.group.variables[name].dims
+        return tuple(self.arrays[name].chunks[: sum(map(is_of_points, dims))])
 
     def key(self, name: str, chunk: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `chunk` has the chunk's indices along `dims`. One chunk has all values of a point.
+        `chunk` has the chunk's indices along dimensions of points. It has all values of a point.
         """
         within = [0] * (self.arrays[name].ndim - len(chunk))
         path = f"{self.group.prefix}{path_of(name)}"
+        return f"{path}/{self.file_name(chunk, within)}"
+
+    def file_name(self, chunk: Sequence[int], within: Sequence[int]) -> str:
+        """Name of the file of a chunk in the folder of its variable."""
         head = ["c"] if self.group.keys == KEYS[0] else []
-        return f"{path}/" + ".".join(map(str, (*head, *chunk, *within)))
+        return ".".join(map(str, (*head, *chunk, *within)))
 
     # Reading
 
@@ -144,88 +168,151 @@ class Store:
             with read_errors(self.place, name):
                 return self.arrays[name].oindex[key]
         finally:
-            if self.place.stamp() != self._stamp:
-                raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
+            self._require_same()
 
-    def blank_fields(self) -> dict[str, Any]:
-        """Fields of a point whose fields are not kept, by name: NaN everywhere."""
-        return {
-            name: np.full(self.arrays[name].shape[len(self.dims) :], np.nan, np.float32)
-            for name in FIELDS
-            if name in self.arrays
-        }
+    def _require_same(self) -> None:
+        if self.place.stamp() != self._stamp:
+            raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
 
     def pending(self) -> list[Point]:
         """Points that were asked for, and are neither done nor failed."""
         return self.points_where(self.flags == PENDING)
 
-    def checked(self, progress: Report = silent) -> Iterator[tuple[Index, PointRecord, str]]:
-        """Yield index, record, and fault of each done or failed point; empty if it is sound.
+    def checked(self, progress: Report = silent) -> Iterator[Checked]:
+        """Yield the done and failed points, some at a time, with what is wrong with them.
 
         All chunks are read, one after the other; those that cannot be read are added to `damage`.
         """
         names = [name for name in self.arrays if not (name == "status" or is_coordinate(name))]
+        fields = [name for name in names if name in FIELDS]
         others = [name for name in names if name not in FIELDS]
+        most = _AT_ONCE // max(1, *(4 * math.prod(self.arrays[name].chunks) for name in fields), 1)
         everywhere = [*blocks(np.ones(self.flags.shape, bool), self.block_of("message"))]
-        with ThreadPoolExecutor(_THREADS) as threads:
+        for count, (_, block) in enumerate(everywhere, 1):
+            with ThreadPoolExecutor(_THREADS) as threads:
+                found = threads.map(lambda name, block=block: self._try(name, block), others)
+                read = dict(zip(others, found, strict=True))
+            within = np.argwhere(np.isin(self.flags[block], (DONE, FAILED)))
+            for some in np.split(within, range(max(most, 1), len(within), max(most, 1))):
+                if not len(some):
+                    continue
+                values = {k: None if v is None else v[tuple(some.T)] for k, v in read.items()}
+                where = some + [part.start for part in block]
+                values |= {name: self._read_fields(name, where) for name in fields}
+                yield Checked(where, values, self._faults(where, values))
+            progress(Progress(done=count, total=len(everywhere)))
 
-            def read(names: Sequence[str], block: Slices) -> dict[str, Any]:
-                found = threads.map(lambda name: self._try(name, block), names)
-                return dict(zip(names, found, strict=True))
+    def _read_fields(self, name: str, where: Indices) -> list[Any]:
+        """A field of each point; None where it is lost, and of points without fields."""
+        array, own = self.arrays[name], self.group.have_fields(where)
+        found: list[Any] = [None] * len(where)
+        files = self.field_files(name, where) if isinstance(self.place, Folder) else ()
+        for number, chunk in enumerate(self.group.field_places(where).tolist()):
+            if own[number] and files:
+                with self._noted(name, chunk), read_errors(self.place, name):
+                    found[number] = read_chunk(array, files[number])
+            elif own[number]:
+                block = tuple(slice(i, i + 1) for i in chunk)
+                found[number] = self._try(name, block)
+            if found[number] is not None:
+                found[number] = found[number].reshape(array.shape[len(chunk) :])
+        self._require_same()
+        return found
 
-            for count, (_, block) in enumerate(everywhere, 1):
-                values = read(others, block)
-                for within in np.argwhere(np.isin(self.flags[block], (DONE, FAILED))):
-                    index = tuple(int(i) + at.start for i, at in zip(within, block, strict=True))
-                    own = {k: None if v is None else v[tuple(within)] for k, v in values.items()}
-                    here = tuple(slice(i, i + 1) for i in index)
-                    fields = read([name for name in names if name in FIELDS], here)
-                    own |= {k: None if v is None else v.squeeze() for k, v in fields.items()}
-                    yield index, *self._record(index, own)
-                progress(Progress(done=count, total=len(everywhere)))
+    def field_files(self, name: str, where: Indices) -> list[str]:
+        """Files of a field at points, in a folder."""
+        assert isinstance(self.place, Folder)
+        array, chunks = self.arrays[name], self.group.field_places(where)
+        within = [0] * (array.ndim - chunks.shape[1])
+        with io_errors(self.place):
+            folder = self.place.folder_of(array.path)
+        return [f"{folder}/{self.file_name(chunk, within)}" for chunk in chunks.tolist()]
 
-    def _record(self, index: Index, values: dict[str, Any]) -> tuple[PointRecord, str]:
-        """Record of a point from its stored values, None if damaged; and what is wrong with it."""
-        (point,) = self.group.points_at([np.array([number]) for number in index])
-        is_done, about = self.flags[index] == DONE, [values.pop(name) for name in _OF_POINT]
-        steps = values.pop("steps")
-        lost = [name for name, one in values.items() if one is None] if is_done else []
-        lost += [name for name, one in zip(_OF_POINT, about, strict=True) if one is None]
-        if lost or (is_done and steps is None):
-            return PointRecord(point, None), f"{', '.join(lost) or 'steps'} cannot be read"
-        if not is_done:
-            fault = "" if about[0] else "the reason for its failure is lost"
-            return PointRecord(point, None, *about), fault
-        fault = "" if bool(about[0]) == bool(about[1]) else "its warnings are lost"
-        for name, one in values.items():
-            end = one[-1] if name in COLUMNS else one
-            if is_unwritten(end, self.arrays[name]).any():
-                fault = f"{name} is missing"
-        if not (steps and np.isfinite(values["contact_fraction"][-1])):
-            fault = "it has no values"
-        data = {k: one[-int(steps) :] if k in COLUMNS else one for k, one in values.items()}
-        return PointRecord(point, data, str(about[0]), int(about[1]), float(about[2])), fault
+    def _faults(self, where: Indices, values: Mapping[str, Any]) -> list[str]:
+        """What is wrong with each point, from its stored values; empty if it is sound."""
+        done, own = self.flags[tuple(where.T)] == DONE, self.group.have_fields(where)
+        faults = [""] * len(where)
+
+        def note(mask: Mask, words: str) -> None:
+            for number in np.flatnonzero(mask).tolist():
+                faults[number] = faults[number] or words
+
+        lost = [name for name, one in values.items() if one is None]
+        if lost:
+            words, of_all = f"{', '.join(lost)} cannot be read", {*lost} - {*DATA, "steps"}
+            note(done | bool(of_all), words)  # points that failed have no results
+        for name, made in values.items():
+            if name in FIELDS:
+                is_lost = np.array([one is None or np.isnan(one).all() for one in made]) & own
+                note(is_lost & done, f"{name} is missing")
+            elif made is not None and name in DATA and made.dtype.kind == "f":
+                end = made[:, -1] if self.is_stepped(name) else made
+                is_lost = np.isnan(end).reshape(len(where), -1).any(axis=1)
+                note(is_lost & done, f"{name} is missing")
+        if not lost:
+            differ = self.checksums(where, values, done) != values["checksum"]
+            note(differ, "its values are not those that were written")
+        return faults
+
+    def is_stepped(self, name: str) -> bool:
+        """True for a variable with values at each step of a point."""
+        return self.group.step in self.group.variables[name].dims
+
+    def checksums(
+        self, where: Indices, values: Mapping[str, Any], done: Mask
+    ) -> NDArray[np.uint32]:
+        """CRC-32 of each point: its case, load and velocity, and what is stored of it.
+
+        So a file in the place of another is noticed. Points that failed have no results.
+        """
+        found = np.zeros(len(where), np.uint32)
+        names = sorted(values.keys() - {"checksum", "wall_time"})
+        own = self.group.have_fields(where)
+        for number, point in enumerate(self.group.points_at(tuple(where.T))):
+            is_of = f"{self.group.scene_hash(point)} {point.load!r} {point.velocity!r}"
+            crc = zlib.crc32(is_of.encode())
+            for name in names:
+                is_record = name in _OF_POINT
+                if not (is_record or done[number]) or (name in FIELDS and not own[number]):
+                    continue
+                one = values[name][number]
+                if one is None:
+                    continue
+                if name == "message":
+                    one = str(one).encode()
+                elif self.is_stepped(name):
+                    one = one[-int(values["steps"][number]) :]
+                crc = zlib.crc32(one, crc)
+            found[number] = crc
+        return found
 
     def _try(self, name: str, block: Slices) -> Any:
         """Values of a variable at `block`; None, and a note of its chunk, if it is damaged."""
-        try:
+        sizes = self.block_of(name)
+        chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
+        with self._noted(name, chunk):
             return self.read(name, block)
+        return None
+
+    @contextmanager
+    def _noted(self, name: str, chunk: Sequence[int]) -> Iterator[None]:
+        """Context manager: note a chunk that proves damaged, with values that replace it."""
+        try:
+            yield
         except DamagedError:
             if self.damage is None:
                 raise
-            sizes = self.block_of(name)
-            chunk = [part.start // n for part, n in zip(block, sizes, strict=True)]
+            sizes, fill = self.block_of(name), self.arrays[name].fill_value
             place = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-            fill = self.arrays[name].fill_value
             self.damage.files[self.key(name, chunk)] = name, place, fill
-            return None
 
     def find_damage(self, progress: Report = silent) -> Damage:
         """Read all data to find what is damaged; the store must have been opened with `damage`."""
         assert self.damage is not None
-        for index, _, fault in self.checked(progress):
-            if fault:
-                self.damage.points[index] = fault
+        for some in self.checked(progress):
+            for index, fault in zip(some.where.tolist(), some.faults, strict=True):
+                if fault:
+                    self.damage.points[tuple(index)] = fault
         for name, values in sorted(self.group.coordinates.items()):
             found = self._try(name, tuple(slice(0, n) for n in self.arrays[name].shape))
             right = np.asarray(values, self.arrays[name].dtype)
@@ -238,22 +325,52 @@ class Store:
 
     def commit(self, records: Iterable[PointRecord]) -> None:
         """Write the records of points: data first, then statuses, so that done points have data."""
-        values, statuses = {}, {}
-        for record in records:
-            index = self.index(record.point)
-            # Names of files in a message may not be valid UTF-8.
-            message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-            values[index] = {name: getattr(record, name) for name in _OF_POINT}
-            values[index]["message"] = message
-            statuses[index] = FAILED
-            if record.data is not None:
-                values[index] |= {**record.data, "steps": len(record.data["max_rise"])}
-                statuses[index] = DONE
-        self.write(values, statuses)
+        records = [*records]
+        done = [record for record in records if record.data is not None]
+        failed = [record for record in records if record.data is None]
+        for some, status in ((done, DONE), (failed, FAILED)):
+            if some:
+                where = np.array([self.index(record.point) for record in some])
+                self.write(where, self._stacked(some), status)
+
+    def _stacked(self, records: Sequence[PointRecord]) -> dict[str, Any]:
+        """Values of records by variable; with those of a field for each that has it."""
+        values: dict[str, Any] = {
+            name: np.array([getattr(record, name) for record in records], self.arrays[name].dtype)
+            for name in ("warning_flags", "wall_time")
+        }
+        # Names of files in a message may not be valid UTF-8.
+        values["message"] = [
+            record.message[:_LONGEST].encode(errors="backslashreplace").decode()
+            for record in records
+        ]
+        tables = [record.data for record in records if record.data is not None]
+        if not tables:
+            return values
+        steps = np.array([len(one["max_rise"]) for one in tables], np.int32)
+        for name in DATA.keys() & self.arrays.keys():
+            array = self.arrays[name]
+            if name in FIELDS:
+                values[name] = [one.get(name) for one in tables]
+            elif self.is_stepped(name):
+                shape = len(tables), steps.max(), *array.shape[len(self.dims) + 1 :]
+                values[name] = made = np.full(shape, array.fill_value, array.dtype)
+                for number, one in enumerate(tables):
+                    made[number, -steps[number] :] = one[name]
+            else:
+                values[name] = np.array([one[name] for one in tables], array.dtype)
+        return values | {"steps": steps}
 
     def forget(self, points: Iterable[Point]) -> None:
         """Mark points as pending, so that they are computed again."""
-        self.write({}, {self.index(point): PENDING for point in points})
+        self.mark_pending([self.index(point) for point in points])
+
+    def mark_pending(self, indices: Iterable[Index]) -> None:
+        """Mark the points at these indices as pending."""
+        flags = self.flags.copy()
+        for index in indices:
+            flags[index] = PENDING
+        self._write_flags(flags)
 
     def ask(self, points: Iterable[Point]) -> None:
         """Mark `points` as asked for, and others that are not done as not asked for."""
@@ -275,49 +392,62 @@ class Store:
         self._write_flags(flags)
 
     def write(
-        self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
+        self, where: Indices, values: Mapping[str, Any], status: int, linked: Sequence[str] = ()
     ) -> None:
-        """Write the values of points by variable, and once these are on the disk, the statuses."""
-        chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
-        for index, of_point in values.items():
-            for name, value in of_point.items():
-                block = self.block_of(name)
-                chunk = tuple(i // n for i, n in zip(index, block, strict=True))
-                chunks.setdefault((name, chunk), {})[index] = value
+        """Write the values of points by variable, and once these are on the disk, their status.
+
+        `where` has the index of each point, shape (n, n_dim). Variables that are `linked` have
+        their chunks already.
+        """
+        done = np.full(len(where), status == DONE)
+        values = {**values, "checksum": self.checksums(where, values, done)}
+        own, chunks = self.group.have_fields(where), list[tuple[str, Index, Indices]]()
+        for name in values.keys() - {*linked}:
+            is_field = name in FIELDS
+            at = self.group.field_places(where) if is_field else where
+            rows: dict[Index, list[int]] = {}
+            for row, chunk in enumerate((at // self.block_of(name)).tolist()):
+                if own[row] or not is_field:
+                    rows.setdefault(tuple(chunk), []).append(row)
+            chunks += [(name, chunk, np.array(found)) for chunk, found in rows.items()]
         with ThreadPoolExecutor(_THREADS) as threads:
-            parts = [*threads.map(lambda key: self._changed(key[0], key[1], chunks[key]), chunks)]
+            made = [threads.submit(self._changed, *one, where, values) for one in chunks]
+            parts = [one.result() for one in made]
         self._put(parts)
         flags = self.flags.copy()
-        for index, status in statuses.items():
-            flags[index] = status
+        flags[tuple(where.T)] = status
         self._write_flags(flags)
 
     def mend(self) -> int:
         """Mark damaged points as pending, and replace damaged files; return their number."""
         damage = self.find_damage()
         # Statuses first, so that a done point is whole even after a kill in between.
-        self.write({}, dict.fromkeys(damage.points, PENDING))
+        self.mark_pending(damage.points)
         self._put(damage.files.values())
         return len(damage.points) + len(damage.files)
 
     def _changed(
-        self, name: str, chunk: Index, values: Mapping[Index, Any]
+        self, name: str, chunk: Index, rows: Indices, where: Indices, values: Mapping[str, Any]
     ) -> tuple[str, Slices, Any]:
-        """Part for `write_arrays`: a chunk with new `values`, by the index of the point."""
+        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`."""
         sizes, array = self.block_of(name), self.arrays[name]
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
+        if name in FIELDS:  # a chunk of its own
+            (row,) = rows
+            return name, block, np.asarray(values[name][row], array.dtype)[(None,) * len(block)]
         if np.isin(flags := self.flags[block], (DONE, FAILED)).any():
             whole = self.read(name, block)
         else:  # what is there may be damaged
             shape = flags.shape + array.shape[len(self.dims) :]
             whole = np.full(shape, array.fill_value, array.dtype)
-        for index, value in values.items():
-            within = tuple(i - part.start for i, part in zip(index, block, strict=True))
-            if name in COLUMNS:
-                whole[within] = array.fill_value
-                whole[within][-len(value) :] = value
-            else:
-                whole[within] = value
+        within = tuple((where[rows] - [part.start for part in block]).T)
+        if self.is_stepped(name):
+            made = values[name][rows]
+            whole[within] = array.fill_value
+            n = min(made.shape[1], whole.shape[len(self.dims)])  # what is longer has no values
+            whole[(*within, slice(-n, None))] = made[:, -n:]
+        else:
+            whole[within] = np.array([values[name][row] for row in rows], array.dtype)
         return name, block, whole
 
     def _write_flags(self, flags: NDArray[np.int8]) -> None:
@@ -346,16 +476,10 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 
 
 class Writer:
-    """Collects records, and writes them about once a second, to an object store every 10 s.
+    """Collects records, and writes them about once a second, to an object store every 10 s."""
 
-    Points are to be computed with fields if `with_fields`; unless `keeps_fields` the fields of the
-    store are NaN.
-    """
-
-    def __init__(self, store: Store, keeps_fields: bool = True) -> None:
+    def __init__(self, store: Store) -> None:
         self.store = store
-        self.with_fields = keeps_fields and "pressure" in store.arrays
-        self._blank = {} if keeps_fields else store.blank_fields()
         self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
         self._next = 0.0  # time of the next commit
@@ -369,10 +493,7 @@ class Writer:
 
     def add(self, records: Iterable[PointRecord]) -> None:
         """Add records to those that wait."""
-        for record in records:
-            if self._blank and record.data is not None:
-                record = replace(record, data={**record.data, **self._blank})
-            self._waiting.append(record)
+        self._waiting += records
 
     def written(self) -> list[PointRecord]:
         """Write the waiting records if it is time to, and return them."""

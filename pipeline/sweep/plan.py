@@ -40,6 +40,8 @@ from tribo.types import Array
 
 Moment = Mapping[str, float | Array]
 
+NOT_KNOWN = -1.0
+"""What is stored at the end of a point in place of NaN, such as the film of a ball."""
 _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_sampling": _NO_QUANTILES}
@@ -93,13 +95,15 @@ class PointResult:
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields else {}
+        columns = {name: v.copy() for name, v in self.columns.items() if name not in _MADE}
+        for values in columns.values():
+            values[-1] = _known(values[-1])
         return PointRecord(
             point=self.point,
             data={
-                **{name: v for name, v in self.columns.items() if name not in _MADE},
-                **self.sampling,
-                **self.film,
-                **{name: v.astype(np.float32) for name, v in fields.items()},
+                **columns,
+                **{name: _known(v) for name, v in (self.sampling | {**self.film}).items()},
+                **{name: _known(v).astype(np.float32) for name, v in fields.items()},
             },
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
@@ -138,6 +142,11 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 def _places(row: Labels, axis: str, usual: Sequence[float]) -> Sequence[Any]:
     """Loads or velocities (`axis`) of a variant: its own single value, else `usual`."""
     return (row[axis],) if axis in row else usual
+
+
+def _known(values: Any) -> Any:
+    """Values with −1 for NaN: in a store NaN at the end of a point means never written."""
+    return np.where(np.isnan(values), NOT_KNOWN, values)
 
 
 class Task(NamedTuple):

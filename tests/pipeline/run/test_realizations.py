@@ -47,8 +47,11 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
         stored = ds.sel(realization=seed, load=point.load, velocity=point.velocity)
         for name, values in expected.columns.items():
             assert stored[name].values[-len(values) :].tobytes() == values.tobytes()
-        for name, field in expected.fields.items():
-            assert stored[name].values.tobytes() == field.astype(np.float32).tobytes()
+        for name, field in expected.fields.items():  # only the first surface has them
+            if seed == min(SEEDS):
+                assert stored[name].values.tobytes() == field.astype(np.float32).tobytes()
+            else:
+                assert stored[name].isnull().all()
     first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS)
     assert not np.array_equal(first, second, equal_nan=True)
 

@@ -195,6 +195,68 @@ def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(tmp_path_
     assert verify_store(path).is_clean
 
 
+def files_of_fields(path):
+    """Files of the chunks of fields, by their inode, which linked names share."""
+    return {
+        file.stat().st_ino: file
+        for file in (path / "fields").glob("*/*")
+        if file.name != "zarr.json" and file.parent.name not in ("x", "y")
+    }
+
+
+def test_fields_are_linked_into_a_larger_store_and_into_a_new_one(path, tmp_path):
+    commit(path, SWEEP)
+    before = files_of_fields(path)
+    commit(path, tiny.full(loads=(200.0,)), ())  # between two loads: all indices above it change
+    assert files_of_fields(path).keys() == before.keys()
+    assert len(before) == 27
+    with writing(tmp_path / "new.zarr", SWEEP) as store:
+        assert take_points(store, opened(path)) == 9
+    assert files_of_fields(tmp_path / "new.zarr").keys() == before.keys()
+    for one in (path, tmp_path / "new.zarr"):
+        assert_is_as_computed(one, points(SWEEP))
+        assert verify_store(one).is_clean
+
+
+def test_where_a_disk_has_no_links_fields_are_copied(path, monkeypatch):
+    def link(*_):
+        raise OSError(errno.EPERM, "no links here")
+
+    commit(path, SWEEP)
+    before = files_of_fields(path)
+    monkeypatch.setattr(os, "link", link)
+    commit(path, tiny.full(loads=(200.0,)), ())
+    assert files_of_fields(path).keys().isdisjoint(before.keys())
+    assert_is_as_computed(path, points(SWEEP))
+
+
+def test_a_store_grows_only_if_its_disk_has_room(path, monkeypatch):
+    commit(path, SWEEP)
+    before = contents(path)
+    usage = shutil.disk_usage(path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=10**6))
+    with pytest.raises(StoreError, match=r"its disk has 1 MB left, of \d"):
+        commit(path, tiny.full(loads=(200.0,)), ())
+    assert contents(path) == before
+
+
+def test_only_the_first_surface_of_a_case_has_fields(path):
+    sweep = tiny.full(variants=surfaces((1, 2)), loads=(150.0,), velocities=(0.5,))
+    with writing(path, sweep) as store:
+        store.commit(run_point(sweep, point).record(with_fields=True) for point in points(sweep))
+    assert xr.open_zarr(path, group="fields")["rise"].dims == ("load", "velocity", "x", "y")
+    assert len(files_of_fields(path)) == 3
+    ds = open_sweep(path)
+    assert ds["rise"].dims == ("realization", "load", "velocity", "x", "y")
+    first, second = ds["rise"].squeeze()
+    expected = run_point(sweep, points(sweep)[0]).fields["rise"]
+    np.testing.assert_array_equal(first, expected.astype(np.float32))
+    assert second.isnull().all()
+    assert ds["rise"].isel(realization=[1], x=0, y=[1, 2]).isnull().all()
+    assert ds["rise"].isel(realization=slice(0, 1), load=0, x=3).notnull().all()
+    assert verify_store(path).is_clean
+
+
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
     commit(path, SWEEP)
     other = tiny.full(
@@ -205,8 +267,7 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
         assert {point.variant for point in store.pending()} == {(("pin", "thick"),)}
     assert verify_store(tmp_path / "rows.zarr").is_clean
     with writing(path, SWEEP) as store:
-        lost = np.full_like(record(POINT).data["mean_rise"], store.arrays["mean_rise"].fill_value)
-        store.write({store.index(POINT): {"mean_rise": lost}}, {})
+        store.arrays["mean_rise"][store.index(POINT)] = np.nan
     before = contents(path)
     with writing(tmp_path / "sound.zarr", SWEEP) as store:
         assert take_points(store, opened(path)) == 8

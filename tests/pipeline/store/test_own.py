@@ -18,9 +18,10 @@ from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import changed, rows
+from tests.helpers.entries import bare_test, changed, rows
 from tests.helpers.points import run_point
 from tests.helpers.stores import commit, record
+from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 SWEEP = tiny.full()
@@ -112,9 +113,28 @@ def opened(made):
     return xr.open_zarr(made), pipeline.open_sweep(made)
 
 
-def test_a_plain_dataset_has_no_sweep_and_says_so(made):
+CUT = {
+    "whole": lambda ds: ds,
+    "lazy, of some loads": lambda ds: ds.sel(load=[150.0, 250.0]),
+    "in memory": lambda ds: ds.isel(velocity=[0, 2]).load(),
+}
+
+
+@pytest.mark.parametrize("cut", CUT.values(), ids=[*CUT])
+def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(cut, tmp_path):
+    tested = tiny.full(measured=(bare_test(250.0, 1.0), bare_test(600.0, 0.5)))
+    commit_all(tmp_path / "tested.zarr", tested)
+    plain = cut(xr.open_zarr(tmp_path / "tested.zarr"))
+    own = cut(pipeline.open_sweep(tmp_path / "tested.zarr"))
+    xr.testing.assert_identical(pipeline.boundary(plain), pipeline.boundary(own))
+    at = {"load": [200.0, 240.0], "velocity": 1.2}
+    xr.testing.assert_identical(pipeline.margin(plain, **at), pipeline.margin(own, **at))
+    assert "test_rise_quantile" not in plain.variables
+
+
+def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(made):
     with pytest.raises(InputError, match=r"no attribute sweep.*pipeline\.open_sweep"):
-        cases_of(xr.open_zarr(made))
+        cases_of(xr.open_zarr(made).drop_encoding())
 
 
 @pytest.mark.parametrize("name", PLAIN)

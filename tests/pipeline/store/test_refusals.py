@@ -154,7 +154,7 @@ REFUSALS = {
     "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),
                  "status cannot be read; irg verify names what is damaged"),
     "missing": (changed(lambda path: (path / "mean_rise" / "c.0.0.0").unlink(), load),
-                "mean_rise is missing at 9 of 9 done points"),
+                "mean_rise is missing at 150 N, 0.5 m/s and at 8 more done points"),
     "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
         (250.0, 1.0, {"time": 1.0})))),
@@ -167,10 +167,11 @@ ELSEWHERE = {
     "place.keys StoreError": "test_create.py, with a web server",
     "create._opened StoreMismatchError": "test_create.py, in several lines",
     "create._opened _no_room": "test_s3.py: on an object store",
+    "create._require_space _no_room": "test_create.py, on a full disk",
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
     "create._locked StoreError": "a run that ended between two looks at its folder",
     "store._require_lock StoreError": "test_lock.py",
-    "store.read StoreError": "test_commit.py: enlarged since it was opened",
+    "store._require_same StoreError": "test_commit.py: enlarged since it was opened",
     "layout.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

@@ -12,8 +12,9 @@ import pipeline
 import tribo
 from pipeline import StoreError
 from pipeline.store import arrays
-from pipeline.store.create import writing
+from pipeline.store.create import take_points, writing
 from pipeline.store.schema import path_of
+from pipeline.store.store import opened
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import surfaces
@@ -114,6 +115,34 @@ def test_a_damaged_chunk_of_a_field_harms_its_own_points_alone(path, tmp_path):
         assert (taken.done, taken.computed) == (9, 1)
         assert pipeline.run_sweep(wide, path).computed == 1
     assert before == stored(path) == stored(tmp_path / "new.zarr")
+
+
+EXCHANGED = "its values are not those that were written"
+
+
+@pytest.mark.parametrize("name", ["mean_rise", "rise"])
+def test_files_that_were_exchanged_are_named_left_out_of_a_new_store_and_computed(
+    name, path, tmp_path
+):
+    """Each file is as it was written, so that Zarr's own checksums find nothing."""
+    commit(copy := path, SWEEP)
+    before, harmed = stored(copy), {Point(150.0, 0.5), Point(150.0, 1.0)}
+    if name == "rise":  # of two points
+        one, other = chunks(copy, name)[:2]
+        one.rename(copy / "spare")
+        other.rename(one)
+        (copy / "spare").rename(other)
+    else:  # of another sweep with the same plane
+        fast = tiny.full(loading=tribo.Ramp(rate=300.0, reference_load=750.0))
+        with writing(tmp_path / "fast.zarr", fast) as store:
+            store.commit(run_point(fast, point).record(with_fields=True) for point in points(fast))
+        shutil.copy(chunks(tmp_path / "fast.zarr", name)[0], chunks(copy, name)[0])
+        harmed = ALL
+    assert reasons(copy) == dict.fromkeys(harmed, EXCHANGED)
+    with writing(tmp_path / "new.zarr", SWEEP) as store:
+        assert take_points(store, opened(copy)) == 9 - len(harmed)
+    assert resumed(copy, SWEEP)[0].computed == len(harmed)
+    assert stored(copy) == before
 
 
 def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
@@ -229,11 +258,11 @@ def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
     sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), variants=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
-    (path / "fields/pressure/c.1.0.0.0.0").unlink()
+    (path / "fields/pressure/c.0.0.0.0").unlink()
     cut(path / "realization" / "c.0")
     verification = pipeline.verify_store(path)
     assert list(map(str, verification.damaged)) == [
-        "150 N, 0.5 m/s, surface 2: pressure is missing"
+        "150 N, 0.5 m/s, surface 1: pressure is missing"
     ]
     assert verification.shared == ("realization",)
 
