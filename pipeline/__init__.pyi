@@ -1,7 +1,7 @@
 from .answers.answers import boundary as boundary
+from .answers.answers import compare_tests as compare_tests
 from .answers.answers import margin as margin
 from .answers.answers import points as points
-from .answers.answers import tests as tests
 from .answers.infer import infer as infer
 from .answers.results import end_of_point as end_of_point
 from .answers.results import open_sweep as open_sweep

@@ -80,7 +80,7 @@ def _value(name: str, cell: Any) -> float:
     """Value of a cell in SI; `InputError` or ValueError if it has none, or is out of range."""
     if name == "friction":
         value, ends = float(cell), (0.0, math.inf)
-    elif name == "failing_share":
+    elif name == "critical_area_fraction":
         value, ends = share_of(cell), (0.0, math.nextafter(1.0, 0.0))
     else:
         if not isinstance(cell, str):

@@ -61,7 +61,7 @@ UNITS = {
     "bulk_temperature": "°C", "critical_temperature": "°C",
     "deciding_temperature": "°C", "temperature_error": "K", "surface_error": "K",
     "distance": "K", "friction": "",
-    "failing_share": "", "viscosities": "mm²/s",
+    "critical_area_fraction": "", "viscosities": "mm²/s",
     "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficient": "1/GPa",
 }  # fmt: skip

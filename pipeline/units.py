@@ -305,6 +305,8 @@ def in_si(name: str, value: float | str, like: str) -> float:
     if the value is neither.
     """
     try:
+        if isinstance(value, bool | np.bool_):
+            raise ValueError(f"{value} is no number")
         return to_si(value, like) if isinstance(value, str) else float(value)
     except (UnitError, TypeError, ValueError) as error:
         raise InputError(f'{name}: {error}; give one such as "{like}"') from error

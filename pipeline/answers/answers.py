@@ -1,4 +1,4 @@
-"""The answers of a sweep: `boundary`, `margin`, `tests` and `points`. Each is a dataset of xarray.
+"""The answers of a sweep as datasets: `boundary`, `margin`, `compare_tests` and `points`.
 
 Everything that a command, a figure or a file states is a variable or an attribute of one of them.
 """
@@ -15,56 +15,85 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers import words
-from pipeline.answers.conditions import ConditionValues, in_arrays, judged
+from pipeline.answers.conditions import ConditionValues, Operation, in_arrays, judged, replaced
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
-from pipeline.answers.judge import Caveat, Judge, JudgedCase
-from pipeline.answers.results import CaseResults, case_dims, cases_of, open_sweep, sweep_of
+from pipeline.answers.judge import ORIGINS, VERDICTS, Flag, Judge, JudgedCase, passes_severe
+from pipeline.answers.results import CaseResults, case_dims, cases_of, open_sweep
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FAILED, PLANE
-from pipeline.sweep.conditions import plain_values
+from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
-_AT_ONCE = 4000  # places judged in one call, with some 100 MB of memory
+_AT_ONCE = 4000  # operating points judged in one call, with some 100 MB of memory
 _TABLES = (OperatingPoints, str, os.PathLike, Mapping, pd.DataFrame)
-_STATED = {
-    "verdict": ("", "verdict on a further run"),
-    "probability": ("1", "probability that a further run is severe"),
-    "probability_low": ("1", "this probability if the numerical error makes contacts colder"),
-    "probability_high": ("1", "this probability if the numerical error makes contacts hotter"),
-    "log_severity": ("1", "ln(rise/limit): computed wear is severe above 0"),
-    "temperature": ("K", "contact temperature that is compared with the critical temperature"),
-    "temperature_error": ("K", "numerical error of the temperature (95 %)"),
-    "distance": ("K", "critical temperature minus temperature"),
-    **{f"error_{part}": ("K", f"part of the numerical error: {part}") for part in PARTS},
-    "critical_velocity": ("m/s", "lowest velocity at which computed wear turns severe"),
-    "critical_load": ("N", "lowest load at which computed wear turns severe"),
-    "critical_friction": ("1", "coefficient of friction at which computed wear turns severe"),
-    "tested_velocity": ("m/s", "velocity at which severe wear is 50 % likely, with tests"),
-    "tested_velocity_low": ("m/s", "velocity at which severe wear is first 5 % likely"),
-    "tested_velocity_high": ("m/s", "velocity from which on severe wear is 95 % likely"),
-    "velocity_error": ("1", "relative numerical error of the critical velocity (95 %)"),
-    **{f"velocity_error_{part}": ("1", f"part of velocity_error: {part}") for part in PARTS},
-    "velocity_outcome": ("", "what wear does along velocity, in words"),
-    "load_outcome": ("", "what wear does along load, in words"),
-    "caveats": ("", "what limits the answer"),
-    "reason": ("", "why there is no verdict, in words"),
-    "tests_beside": ("", "tests at or near the place, in words"),
+_PART_NAMES = {
+    "interpolation": "interpolation between points",
+    "discretization": "discretization (preset)",
+    "warnings": "allowance for warnings",
+    "surface": "surface sampling",
+}
+_VARIABLES = {
+    "verdict": ("", "verdict on the next specimen at this point"),
+    "probability": ("1", "probability of severe wear"),
+    "probability_low": ("1", "probability of severe wear; its lower bound by the numerical error"),
+    "probability_high": ("1", "probability of severe wear; its upper bound by the numerical error"),
+    "log_rise_ratio": ("1", "ln(temperature rise over allowable rise)"),
+    "log_rise_ratio_mild": ("1", "log_rise_ratio at which the specimen stayed mild"),
+    "log_rise_ratio_severe": ("1", "log_rise_ratio at which the specimen was severe"),
+    "governing_temperature": ("K", "contact temperature compared with the critical temperature"),
+    "temperature_error": ("K", "numerical error of the governing temperature (95 % bound)"),
+    "temperature_margin": ("K", "critical minus governing temperature"),
+    **{
+        f"temperature_error_{part}": ("K", f"part of the numerical error: {name}")
+        for part, name in _PART_NAMES.items()
+    },
+    "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
+    "critical_load": ("N", "lowest load at which severe wear is computed"),
+    "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
+    "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
+    "critical_velocity_p05": ("m/s", "velocity at which severe wear is first 5 % probable"),
+    "critical_velocity_p95": ("m/s", "velocity at which severe wear is last 95 % probable"),
+    "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
+    **{
+        f"velocity_error_{part}": ("1", f"part of the relative numerical error: {name}")
+        for part, name in _PART_NAMES.items()
+    },
+    "outcome_along_velocity": ("", "outcome along the line of rising velocity"),
+    "outcome_along_load": ("", "outcome along the line of rising load"),
+    "crossings_along_velocity": ("m/s", "velocity of each change between mild and severe wear"),
+    "crossings_along_load": ("N", "load of each change between mild and severe wear"),
+    "film_parameter_at_load": ("1", "film parameter on the boundary"),
+    "film_parameter_at_velocity": ("1", "film parameter on the boundary"),
+    "origin": ("", "origin of the result"),
+    "warning_flags": ("", "what limits this answer"),
+    "reason": ("", "why the verdict is withheld or unknown"),
+    "nearby_tests": ("", "tests within 10 % in load and velocity"),
+    "outcome": ("", "outcome of the test"),
+    "loo_probability": ("1", "probability of this outcome, predicted from the other tests"),
     "friction": ("1", "coefficient of friction"),
     "bulk_temperature": ("K", "temperature of the bodies far from the contact"),
-    "critical_temperature": ("K", "temperature above which the lubricant fails"),
-    "failing_share": ("1", "wear is severe if more of the contact is above it"),
+    "critical_temperature": ("K", "contact temperature at which the lubricant fails"),
+    "critical_area_fraction": ("1", "share of the contact above it beyond which wear is severe"),
+    "unmodelled_rise": ("1", "relative rise that is added for what is not modelled"),
     "load": ("N", "normal load on the pin"),
     "velocity": ("m/s", "sliding velocity"),
 }
-"""Unit and meaning of each variable of an answer."""
+"""Unit and long name of each variable of an answer."""
+_CODES = {
+    "verdict": VERDICTS,
+    "origin": ORIGINS,
+    "outcome_along_velocity": tuple(one.name.lower() for one in Outcome),
+    "outcome_along_load": tuple(one.name.lower() for one in Outcome),
+}
+"""Names of the codes 0, 1, 2 … of a variable."""
 
 
 @np.errstate(under="ignore")
@@ -74,7 +103,7 @@ def margin(
     velocity: Any = None,
     **conditions: Unpack[ConditionValues],
 ) -> xr.Dataset:
-    """Judge places of a sweep without a new simulation.
+    """Judge operating points without a new simulation.
 
     Parameters
     ----------
@@ -83,29 +112,30 @@ def margin(
     load, velocity : float, str, array or DataArray
         Loads on the whole pin [N] and sliding velocities [m/s], or text with a unit; they and
         conditions are broadcast against each other. Lists of equal length are pairs, along
-        ``place``. Leave both out for a sweep whose rows have a place of their own. In place of
-        both, a table with the columns ``load [N]`` and ``velocity [m/s]``: its path, or its columns
-        by heading, such as a data frame. It may set conditions row by row; its other columns become
+        ``place``. Leave both out for a sweep whose cases have one point each. In place of both, a
+        table with the columns ``load [N]`` and ``velocity [m/s]``: its path, or its columns by
+        heading, such as a data frame. It may set conditions row by row; its other columns become
         coordinates.
     **conditions
         Conditions to judge by in place of the scene's: ``friction``, ``bulk_temperature``,
-        ``critical_temperature`` and ``share``. A list makes a dimension.
+        ``critical_temperature``, ``critical_area_fraction`` and ``unmodelled_rise``. A list makes
+        a dimension.
 
     Returns
     -------
     Dataset
-        The verdict on a further run, its probability, temperatures, numerical errors and their
-        parts, critical velocity, load and friction, and `Caveat` flags; each with ``units`` and
-        ``long_name``. Attributes state what holds for all places.
+        The verdict on the next specimen, its probability, temperatures, numerical errors and their
+        parts, critical velocity, load and friction, and flags; each with ``units`` and
+        ``long_name``, and codes with ``flag_meanings``. Attributes state what holds for all points.
 
     Examples
     --------
     >>> import pipeline
     >>> found = pipeline.margin("results/first_try.zarr", "400 N", "1.5 m/s")
-    >>> found["verdict"].item()
+    >>> found["verdict"].attrs["flag_meanings"].split()[found["verdict"].item()]
     'mild'
-    >>> bool(0.003 < found["probability"] < 0.004)
-    True
+    >>> found["governing_temperature"].round(1).item()
+    391.7
     """
     ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
     if velocity is None and isinstance(load, _TABLES):
@@ -120,86 +150,100 @@ def margin(
     given = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
-        asked = places or {name: xr.DataArray(_own_place(case, name)) for name in PLANE}
-        arrays, own = xr.broadcast(*asked.values(), *given.values()), case.sweep.conditions
+        asked = places or {name: xr.DataArray(_own_point(case, name)) for name in PLANE}
+        try:
+            arrays = xr.broadcast(*asked.values(), *given.values())
+        except ValueError as error:
+            raise InputError(
+                f"load, velocity and conditions do not fit together: {error}"
+            ) from None
         shape, flat = arrays[0], [one.values.ravel() for one in arrays]
+        each = _each_conditions(case.conditions, [*given], flat[2:], shape.size)
+        loads, velocities = (one.astype(float) for one in flat[:2])
+        at = Operation(
+            loads, velocities, *np.array([[c.friction, c.bulk_temperature] for c in each]).T
+        )
         groups, judges, whole = dict[Any, list[int]](), JudgedCase(case), dict[str, Any]()
-        for k in range(shape.size):
-            groups.setdefault(tuple(str(one[k]) for one in flat[2:]), []).append(k)
+        for k, c in enumerate(each):
+            oil = c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction
+            groups.setdefault(oil, []).append(k)
         for numbers in groups.values():
-            values = (one[numbers[0]] for one in flat[2:])
-            judge = judges.under(judged(own, dict(zip(given, values, strict=True))))
+            judge = judges.under(each[numbers[0]])
             for begin in range(0, len(numbers), _AT_ONCE):
                 part = np.array(numbers[begin : begin + _AT_ONCE])
-                at = [one[part].astype(float) for one in flat[:2]]
-                for name, one in _answers_at(judge, *at).items():
+                for name, one in _answers_at(judge, at.take(part)).items():
                     whole.setdefault(name, np.empty(shape.size, one.dtype))[part] = one
-        whole |= {name: one.astype(float) for name, one in zip(PLANE, flat, strict=False)}
         found = {
             name: shape.copy(data=one.reshape(shape.shape)).drop_attrs()
             for name, one in whole.items()
         }
-        told = _told(found, judge, {name: one for name, one in given.items() if one.ndim})
-        each = {"conditions": "its own conditions at each place"} if len(groups) > 1 else {}
-        return told.assign_attrs(each)
+        described = _described(found, judge, {k: one for k, one in given.items() if one.ndim})
+        several = len(set(map(id, each))) > 1
+        return described.assign_attrs({"conditions": words.OWN_CONDITIONS} if several else {})
 
     return _side_by_side(ds, answer)
+
+
+def _each_conditions(
+    own: Conditions, names: list[str], columns: list[Array], count: int
+) -> list[Conditions]:
+    """Conditions of each point: those of a case, with some replaced; equal ones are one object."""
+    if not names:
+        return [own] * count
+    held = dict[tuple[Any, ...], Conditions]()
+    rows = zip(*(one.tolist() for one in columns), strict=True)
+    return [
+        held.get(row) or held.setdefault(row, replaced(own, dict(zip(names, row, strict=True))))
+        for row in rows
+    ]
 
 
 def _rows(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> xr.Dataset:
     """Judge the rows of a table, each under its own conditions where it states some."""
     columns: dict[str, Any] = {"load": [load for load, _ in points.places]}
     columns["velocity"] = [velocity for _, velocity in points.places]
-    stored = {} if case_dims(ds) else plain_values(sweep_of(ds).conditions)
     for name in dict.fromkeys(name for row in points.conditions for name in row):
-        key = "share" if name == "failing_share" else name
-        usual = conditions.get(key, stored.get(name))
-        cells = [row.get(name, usual) for row in points.conditions]
-        columns[key] = xr.DataArray(np.array(cells, object), dims="place")
+        cells = [row.get(name, conditions.get(name)) for row in points.conditions]
+        columns[name] = xr.DataArray(np.array(cells, object), dims="place")
     found = margin(ds, **{**conditions, **columns})
     others = {f"{k} (given)" if k in found.variables else k: x for k, x in points.others.items()}
     return found.assign_coords({name: ("place", [*cells]) for name, cells in others.items()})
 
 
-def _own_place(case: CaseResults, name: str) -> float:
+def _own_point(case: CaseResults, name: str) -> float:
     """The only load or velocity of a case."""
     values = case.loads if name == "load" else case.velocities
     if len(values) > 1:
-        raise InputError("no place is given, and rows of the sweep have none: give load, velocity")
+        raise InputError("no operating point is given; give a load and a velocity")
     return float(values[0])
 
 
-def _answers_at(judge: Judge, loads: Array, velocities: Array) -> dict[str, Any]:
-    """All variables of `margin` at k places."""
-    for values, axis in ((loads, "load"), (velocities, "velocity")):
+def _answers_at(judge: Judge, at: Operation) -> dict[str, Any]:
+    """All variables of `margin` at k points."""
+    for values, axis in ((at.load, "load"), (at.velocity, "velocity")):
         ends = judge.ranges[axis]
         values[:] = [snap(value, *ends) for value in values.tolist()]
-    found = judge.places(loads, velocities)
-    known = ~np.isnan(found["log_severity"])
-    for axis, through in (("velocity", loads), ("load", velocities)):
-        line = {
-            f"critical_{axis}": np.full(len(loads), np.nan),
-            "outcome_words": np.full(len(loads), "", object),
-        }
+    found = judge.points(at)
+    known = ~np.isnan(found["log_rise_ratio"])
+    for axis in ("velocity", "load"):
+        found[f"critical_{axis}"] = np.full(known.shape, np.nan)
+        found[f"outcome_along_{axis}"] = np.full(known.shape, int(Outcome.UNKNOWN), np.int8)
         if known.any():
-            there = judge.critical(axis, through[known])
-            for name, one in line.items():
-                one[known] = there[name]
-            if axis == "load":  # a ramp passes lower loads
-                lowest = np.where(there["begins_severe"], -np.inf, there["turns"][:, 0])
-                passed = (lowest < loads[known]) & (found["distance"][known] >= 0)
-                found["caveats"][known] += passed * Caveat.RAMP_PASSES_SEVERE
-        found[f"critical_{axis}"] = line[f"critical_{axis}"]
-        found[f"{axis}_outcome"] = line["outcome_words"]
-    found["tested_velocity"] = np.full(len(loads), np.nan)
+            line = judge.critical(axis, at.take(known))
+            for name in (f"critical_{axis}", f"outcome_along_{axis}"):
+                found[name][known] = line[name]
+            if axis == "load":
+                margins = found["temperature_margin"][known]
+                passed = passes_severe(judge, at.take(known), line, margins)
+                found["warning_flags"][known] += (passed * Flag.RAMP_PASSES_SEVERE).astype(np.int16)
+    found["critical_velocity_p50"] = np.full(known.shape, np.nan)
     if known.any() and judge.evidence.specimens:
-        found["tested_velocity"][known] = judge.tested_velocity(loads[known])
-    beside = [
-        ", ".join(judge.evidence.beside(*pair))
-        for pair in zip(loads.tolist(), velocities.tolist(), strict=True)
+        found["critical_velocity_p50"][known] = judge.velocity_of_probability(at.take(known))
+    nearby = [
+        ", ".join(judge.evidence.nearby(*pair))
+        for pair in zip(at.load.tolist(), at.velocity.tolist(), strict=True)
     ]
-    found["tests_beside"] = np.array(beside, object)
-    return found
+    return found | {"nearby_tests": np.array(nearby, object), **at._asdict()}
 
 
 @np.errstate(under="ignore")
@@ -216,9 +260,10 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     Returns
     -------
     Dataset
-        ``critical_velocity(load)`` and ``critical_load(velocity)``, computed, untouched by tests;
-        ``velocity_error(load)`` and its parts; ``tested_velocity(load)`` with the ends of its band;
-        the outcomes ``velocity_outcome(load)`` and ``load_outcome(velocity)``, and all ``turns``.
+        ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
+        ``velocity_error(load)`` and its parts; ``critical_velocity_p05``, ``_p50`` and ``_p95``
+        with tests, NaN outside the velocities of the sweep; the outcomes
+        ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``, and all crossings.
         Varied entries, and conditions given as lists, are further dimensions.
 
     Examples
@@ -233,7 +278,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
 
     def answer(case: CaseResults) -> xr.Dataset:
         if not {*PLANE} <= {*ds["status"].dims}:
-            raise InputError("each row has its own load and velocity, so there is no boundary")
+            raise InputError("each case has its own load and velocity, so there is no boundary")
         judges = JudgedCase(case)
         shape = xr.broadcast(*given.values())[0] if given else xr.DataArray(0)
         arrays = [one.broadcast_like(shape) for one in given.values()]
@@ -241,7 +286,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
         for place in np.ndindex(shape.shape):
             values = {name: one.values[place] for name, one in zip(given, arrays, strict=True)}
             here = {name: xr.DataArray(one) for name, one in values.items() if given[name].ndim}
-            rows.append(_boundary(judges.under(judged(case.sweep.conditions, values)), here))
+            rows.append(_boundary(judges.under(replaced(case.conditions, values)), here))
         return _joined(rows, [shape[dim] for dim in shape.dims])
 
     return _side_by_side(ds, answer)
@@ -251,67 +296,78 @@ def _boundary(judge: Judge, varied: dict[str, xr.DataArray]) -> xr.Dataset:
     loads, velocities = judge.field.loads, judge.field.velocities
     found: dict[str, Any] = {}
     for axis, line, places in (("velocity", "load", loads), ("load", "velocity", velocities)):
-        here = judge.critical(axis, places)
-        found[f"critical_{axis}"] = (line, here[f"critical_{axis}"])
-        found[f"{axis}_outcome"] = (line, here["outcome_words"])
-        found[f"{axis}_outcome_code"] = (line, here["outcome"])
-        found[f"turns_at_{line}"] = (
-            (line, "turn"),
-            np.pad(here["turns"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8],
-        )
+        at = Operation.under(judge.conditions, places, places)
+        here = judge.critical(axis, at)
+        for name in (f"critical_{axis}", f"outcome_along_{axis}"):
+            found[name] = (line, here[name])
+        crossings = np.pad(here["crossings"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8]
+        found[f"crossings_along_{axis}"] = ((line, "crossing"), crossings)
         if oil := find_lubrication(judge.case.sweep.scene, judge.case.sweep.lubricant):
-            at = {line: places, axis: here[f"critical_{axis}"]}
+            on = {line: places, axis: here[f"critical_{axis}"]}
             bulk = judge.conditions.bulk_temperature
-            film = oil.film_parameter(at["load"], at["velocity"], bulk)
+            film = oil.film_parameter(on["load"], on["velocity"], bulk)
             found[f"film_parameter_at_{line}"] = (line, film)
-    critical = found["critical_velocity"][1]
-    parts = judge.velocity_errors(loads, critical)
+    parts = judge.velocity_errors(loads, found["critical_velocity"][1])
     found["velocity_error"] = ("load", total(parts))
-    found |= {
-        f"velocity_error_{part}": ("load", one) for part, one in zip(PARTS, parts, strict=True)
-    }
-    names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
-    for name, share in zip(names, DECIDED, strict=True):
-        found[name] = ("load", judge.tested_velocity(loads, share))
-    return _told(found | {"load": loads, "velocity": velocities}, judge, varied)
+    for part, one in zip(PARTS, parts, strict=True):
+        found[f"velocity_error_{part}"] = ("load", one)
+    at = Operation.under(judge.conditions, loads, loads)
+    for probability in DECIDED:
+        name = f"critical_velocity_p{100 * probability:02.0f}"
+        found[name] = ("load", judge.velocity_of_probability(at, probability))
+    return _described(found | {"load": loads, "velocity": velocities}, judge, varied)
 
 
-def _told(variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArray]) -> xr.Dataset:
-    """Dataset with units, meanings and conditions; attributes say what holds for all of it."""
+def _described(
+    variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArray]
+) -> xr.Dataset:
+    """Dataset with units, long names and conditions; attributes say what holds for all of it."""
     axes = {name: variables.pop(name) for name in PLANE}
+    own = {name: variables.pop(name, None) for name in ("friction", "bulk_temperature")}
     found = xr.Dataset(variables, axes)
     for name, value in plain_values(judge.conditions).items():
-        known = {"failing_share": "share"}.get(name, name)
-        if known not in varied and name != "corrections":
+        if name not in varied and name != "corrections":
             found = found.assign_coords({name: np.nan if value is None else value})
-    found = found.assign_coords(varied)
+    for name, one in varied.items():
+        listed = one if name in one.dims or own.get(name) is None else own[name]
+        found = found.assign_coords({name: listed})
+    return _with_attributes(found).assign_attrs(words.about(judge))
+
+
+def _with_attributes(found: xr.Dataset) -> xr.Dataset:
+    """The dataset with unit and long name of each variable, and the names of codes and flags."""
     for variable in found.variables:
         name = str(variable)
-        unit, meaning = _STATED.get(str(name), ("", ""))
-        about = {"units": unit} if unit else {}
-        found[name].attrs |= about | ({"long_name": meaning} if meaning else {})
-    if "caveats" in found:
-        flags = {"flag_masks": [int(one) for one in Caveat]}
-        flags["flag_meanings"] = " ".join(str(one.name).lower() for one in Caveat)  # type: ignore[assignment]
-        found["caveats"].attrs |= flags
-    for name in ("velocity_outcome_code", "load_outcome_code"):
-        if name in found:
-            found[name].attrs |= {
-                "flag_values": [int(one) for one in Outcome],
-                "flag_meanings": " ".join(one.name.lower() for one in Outcome),
-            }
-    return found.assign_attrs(words.about(judge))
+        unit, meaning = _VARIABLES.get(name, ("", ""))
+        about: dict[str, Any] = {"units": unit} if unit else {}
+        about |= {"long_name": meaning} if meaning else {}
+        if codes := _CODES.get(name):
+            about["flag_values"] = np.arange(len(codes), dtype=np.int8)
+            about["flag_meanings"] = " ".join(codes)
+        if name == "warning_flags":
+            about["flag_masks"] = np.array([*map(int, Flag)], np.int16)
+            about["flag_meanings"] = " ".join(str(one.name).lower() for one in Flag)
+        found[name].attrs |= about
+    return found
 
 
 def _quantities(name: str, value: Any, example: str) -> xr.DataArray:
     """Loads or velocities in SI; a list has the dimension ``place``."""
     if isinstance(value, xr.DataArray):
-        given, unit = value.attrs.get("units"), in_si(name, example, example)
-        factor = in_si(name, f"1 {given}", example) if given else 1.0
-        return (value * factor).drop_attrs() if unit else value
-    if isinstance(value, list | tuple | np.ndarray):
-        return xr.DataArray([in_si(name, one, example) for one in value], dims="place")
-    return xr.DataArray(in_si(name, value, example))
+        one = value.copy(data=_in_si(name, value.values, example, value.attrs.get("units")))
+        return one.drop_attrs()
+    found = _in_si(name, value, example)
+    if found.ndim > 1:
+        raise InputError(f"{name} has {found.ndim} dimensions; give a DataArray, which names them")
+    return xr.DataArray(found, dims=["place"] * found.ndim)
+
+
+def _in_si(name: str, value: Any, example: str, unit: Any = None) -> Array:
+    """Numbers in SI, or texts with a unit, as an array of numbers in SI."""
+    values = np.asarray(value if np.ndim(value) else [value], object)
+    texts = [f"{one} {unit}" if unit and not isinstance(one, str) else one for one in values.flat]
+    numbers = np.array([in_si(name, one, example) for one in texts], float).reshape(values.shape)
+    return numbers if np.ndim(value) else numbers[0]
 
 
 def _side_by_side(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -> xr.Dataset:
@@ -344,22 +400,22 @@ def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
     return found
 
 
-def tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
-    """The tests of a scene at their own conditions, along ``test``: what is computed there.
+def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
+    """Compare the tests of a scene with the model, each at its own conditions, along ``test``.
 
-    ``log_severity`` is y = ln(rise/limit), ``mild`` and ``severe`` are those at the ends of a
-    transition, and ``by_the_others`` is the probability of the outcome by the other tests. The
-    attribute ``levels`` has the y at which a further run is severe by 5, 50 and 95 %.
+    ``log_rise_ratio_mild`` and ``log_rise_ratio_severe`` belong to the ends of a transition, and
+    ``loo_probability`` is the probability of the outcome by the other tests. The attribute
+    ``levels`` has the values of ln(rise ratio) at which severe wear is 5, 50 and 95 % probable.
 
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.tests("results/first_try.zarr")
-    >>> found["load"].values.tolist(), found["severe"].round(2).values.tolist()
+    >>> found = pipeline.compare_tests("results/first_try.zarr")
+    >>> found["load"].values.tolist(), found["log_rise_ratio"].round(2).values.tolist()
     ([750.0, 600.0, 400.0, 200.0], [0.03, -0.03, -0.11, -0.06])
     """
     case = cases_of(ds)[0]
-    judge = JudgedCase(case).under(judged(case.sweep.conditions, conditions))
+    judge = JudgedCase(case).under(judged(case.conditions, conditions))
     evidence = judge.evidence
     pairs = zip(evidence.specimens, evidence.posterior.expected, strict=True)
     share = {id(row): one for rows, one in pairs for row in rows}
@@ -371,23 +427,21 @@ def tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
             "load": test.normal_load, "velocity": test.velocity,
             "friction": own.friction_at(test.velocity) if own else math.nan,
             "bulk_temperature": own.bulk_temperature if own else math.nan,
-            "temperature": row.temperature,
-            "log_severity": row.mild if math.isnan(row.severe) else row.severe,
-            "mild": row.mild, "severe": row.severe,
-            "by_the_others": share.get(id(row), math.nan), "reason": row.reason,
+            "governing_temperature": row.temperature,
+            "log_rise_ratio": row.mild if math.isnan(row.severe) else row.severe,
+            "log_rise_ratio_mild": row.mild, "log_rise_ratio_severe": row.severe,
+            "loo_probability": share.get(id(row), math.nan), "reason": row.reason,
         }.items():  # fmt: skip
             columns.setdefault(name, []).append(value)
     found = xr.Dataset({name: ("test", values) for name, values in columns.items()})
     found = found if columns else xr.Dataset(coords={"test": np.array([], object)})
-    for name in map(str, found.data_vars):
-        unit, meaning = _STATED.get(name, ("", ""))
-        found[name].attrs = {"units": unit, "long_name": meaning}
-    levels = [float(evidence.posterior.level(share)) for share in DECIDED]
-    return found.assign_attrs(words.about(judge), missing_points=0, levels=levels)
+    bulk = np.full(1, judge.conditions.bulk_temperature)
+    levels = [float(evidence.levels(share, bulk)[0]) for share in DECIDED]
+    return _with_attributes(found).assign_attrs(words.about(judge), missing_points=0, levels=levels)
 
 
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
-    """State of each computed point of a sweep's first case, on each patch.
+    """State of each simulated point of a sweep's first case, on each surface realization.
 
     ``state`` is mild, severe, failed or pending, and ``warned`` true at points with a warning.
 
@@ -398,13 +452,12 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     ['mild', 'severe', 'severe', 'severe', 'severe', 'severe']
     """
     case = cases_of(ds)[0]
-    own = judged(case.sweep.conditions, conditions)
+    own = judged(case.conditions, conditions)
     y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
     judge = JudgedCase(case).under(own)
-    severe = y > judge.limit
-    kinds = case.done & severe, case.done, case.status == FAILED
+    kinds = case.done & (y > judge.limit), case.done, case.status == FAILED
     state = np.select(kinds, ("severe", "mild", "failed"), "pending")
     axes = {"load": case.loads, "velocity": case.velocities}
     dims = ("realization", *PLANE)
     found = xr.Dataset({"state": (dims, state), "warned": (dims, warning_flags(case) != 0)}, axes)
-    return found.assign_attrs(words.about(judge), missing_points=case.missing)
+    return _with_attributes(found).assign_attrs(words.about(judge), missing_points=case.missing)

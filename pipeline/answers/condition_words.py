@@ -17,12 +17,12 @@ _SAME = 1e-6  # relative rounding difference of equal frictions
 def heating_words(
     conditions: Conditions, velocity: float | None = None, tests: Iterable[Test] = ()
 ) -> str:
-    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk temperature 25 °C".
 
     If friction depends on velocity, it is that at `velocity` [m/s]. Frictions of `tests` are named
     if one of them had another. A rise beside the model is added, such as "rise +6 %".
     """
-    bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
+    bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
     added = f", rise {signed_percent(conditions.unmodelled_rise)}"
     friction = conditions.friction if velocity is None else conditions.friction_at(velocity)
     beside = _test_frictions(conditions, tests)
@@ -47,12 +47,12 @@ def verdict_conditions(
 ) -> str:
     """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
 
-    The failing share follows if it is not a tenth, and corrections if there are some.
+    The critical area fraction follows if it is not a tenth, and corrections if there are some.
     """
     critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
     said = f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
     share = conditions.critical_area_fraction
-    said += "" if share == USUAL_SHARE else f", failing share {100 * share:.4g} %"
+    said += "" if share == USUAL_SHARE else f", critical area fraction {100 * share:.4g} %"
     return f"{said}; {conditions.corrections.text}" if conditions.corrections else said
 
 

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from dataclasses import replace
+from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 import xarray as xr
 
 from pipeline.quantities import display
-from pipeline.sweep.conditions import (
-    OIL_WORKS,
-    PATHS,
-    Conditions,
-    changed_conditions,
-    changes_of,
-)
+from pipeline.sweep.conditions import OIL_WORKS, PATHS, Conditions
 from pipeline.units import in_si, share_of
 from tribo import InputError
+from tribo.types import Array
 
 _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 NAMES = tuple(PATHS)
@@ -33,50 +29,74 @@ class ConditionValues(TypedDict, total=False):
     friction: Values | None
     bulk_temperature: Values | None
     critical_temperature: Values | None
-    share: Values | None
+    critical_area_fraction: Values | None
     unmodelled_rise: Values | None
 
 
+class Operation(NamedTuple):
+    """Operating points (k,), each with the friction coefficient and bulk temperature it has."""
+
+    load: Array  # [N]
+    velocity: Array  # [m/s]
+    friction: Array
+    bulk_temperature: Array  # [K]
+
+    @classmethod
+    def under(cls, conditions: Conditions, loads: Array, velocities: Array) -> Operation:
+        """Points that all have the friction and bulk temperature of `conditions`."""
+        same = conditions.friction, conditions.bulk_temperature
+        return cls(loads, velocities, *(np.full(loads.shape, one) for one in same))
+
+    def take(self, which: Any) -> Operation:
+        """Some of the points."""
+        return Operation(*(one[which] for one in self))
+
+
 def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:
-    """Conditions of a case, with those `given` by name in place of its own."""
-    values = {name: one.item() for name, one in in_arrays(given).items()}
-    return changed_conditions(own, changes_of(**values))
+    """Conditions of a case, with those `given` by name, single values, in place of its own."""
+    return replaced(own, {name: one.item() for name, one in in_arrays(given).items()})
+
+
+def replaced(own: Conditions, values: Mapping[str, Any]) -> Conditions:
+    """Conditions with some values [SI] replaced; None leaves one as it is."""
+    return replace(own, **{name: one for name, one in values.items() if one is not None})
 
 
 def in_arrays(given: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI: those given as lists have a dimension of their own."""
-    unknown = given.keys() - {*NAMES}
-    if unknown:
+    if unknown := given.keys() - {*NAMES}:
         raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
     return {name: _array(name, value) for name, value in given.items() if value is not None}
 
 
 def _array(name: str, value: Any) -> xr.DataArray:
     if isinstance(value, xr.DataArray):
-        return value.copy(
-            data=np.vectorize(lambda one: _si(name, one), otypes=[object])(value.values)
-        )
-    if isinstance(value, list | tuple | np.ndarray):
+        unit = value.attrs.get("units")
+        data = np.array([_si(name, one, unit) for one in value.values.flat], object)
+        return value.copy(data=data.reshape(value.shape)).drop_attrs()
+    if np.ndim(value) > 1:
+        raise InputError(f"{name} has {np.ndim(value)} dimensions; give a DataArray with names")
+    if np.ndim(value):
         values = [_si(name, one) for one in np.asarray(value, object).tolist()]
-        if len(values) != len(set(map(str, values))):
+        if len(values) != len({*values}):
             raise InputError(f"{name} has a value twice; give each once")
         return xr.DataArray(np.array(values, object), {name: values}, [name])
-    held = np.empty((), object)
-    held[()] = _si(name, value)
-    return xr.DataArray(held)
+    return xr.DataArray(np.array(_si(name, value), object))
 
 
-def _si(name: str, value: Any) -> Any:
-    if value is None:  # that of the scene
+def _si(name: str, value: Any, unit: str | None = None) -> float | None:
+    """A value in SI; None, which stands for that of the scene, stays."""
+    if value is None:
         return None
-    match name:
-        case "bulk_temperature" | "critical_temperature":
-            return _oil_temperature(name, value)
-        case "share" | "unmodelled_rise":
-            return share_of(value)
+    if unit not in (None, "1") and not isinstance(value, str):
+        value = f"{value} {unit}"
+    if name in ("bulk_temperature", "critical_temperature"):
+        return _oil_temperature(name, value)
     try:
-        return float(value)
-    except ValueError:
+        if isinstance(value, bool | np.bool_):
+            raise ValueError
+        return float(value if name == "friction" else share_of(value))
+    except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}; give a number such as 0.1") from None
 
 

@@ -32,7 +32,7 @@ from pipeline.constants import (
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
-PARTS = "interpolation", "preset", "warnings", "surface"
+PARTS = "interpolation", "discretization", "warnings", "surface"
 """Names of the parts, in their order."""
 INTERPOLATION, PRESET, _, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03

@@ -30,6 +30,7 @@ TWINS = 1e-4
 
 The slope between nearer points would be that of rounding, and PCHIP takes it for the curve's.
 """
+_NO_FILM = -50.0  # ln(pressure over that of a fifth of the load), in place of that of no film
 _BEYOND_PARTS = 64  # nodes of a line beyond the computed velocities, on either side
 
 
@@ -125,7 +126,7 @@ class Field:
         at = (self.loads[i] == loads) & (self.velocities[j] == velocities)
         return np.asarray(at & self.is_known[i, j])
 
-    def is_continued(self, loads: Array, velocities: Array) -> Mask:
+    def is_extrapolated(self, loads: Array, velocities: Array) -> Mask:
         """True for those of k places that are beyond the known velocities of a load beside."""
         first, last = self._ends
         sides = [(first[i] <= velocities) & (velocities <= last[i]) for i in self.beside(loads)]
@@ -192,15 +193,24 @@ class Field:
         return self.factor is np.ones_like
 
 
-Outcome = IntEnum("Outcome", "CROSSES MILD SEVERE UNKNOWN ABOVE BELOW SEVERAL", start=0)
-"""Codes of what happens along a line of rising velocity, or of rising load."""
+Outcome = IntEnum(
+    "Outcome",
+    "TRANSITION MILD SEVERE MILD_TO_HIGHEST SEVERE_FROM_LOWEST SEVERAL UNKNOWN OUTSIDE_MODEL "
+    "NO_LINE",
+    start=0,
+)
+"""Codes of what happens along a line of rising velocity, or of rising load.
+
+Wear is mild (severe) over the whole sweep, or up to the highest (down to the lowest) simulated
+place; several are severe wear at one place and mild wear again at a higher one.
+"""
 
 
 class Lines(NamedTuple):
     """Where wear changes along k lines."""
 
     places: Array  # ascending (k, n), then NaN
-    begins_severe: Mask
+    severe_at_start: Mask
     ends_severe: Mask
     low: Array  # lowest and highest computed place (k,), NaN if there is none
     high: Array
@@ -232,7 +242,7 @@ class Lines(NamedTuple):
     @property
     def critical(self) -> Array:
         """Lowest place at which wear turns severe (k,); NaN without one, or if severe before."""
-        return np.where(self.begins_severe, np.nan, np.fmin.reduce(self.places, axis=1))
+        return np.where(self.severe_at_start, np.nan, np.fmin.reduce(self.places, axis=1))
 
     def outcomes(self, ends: tuple[float, float], turns_back: bool = False) -> Indices:
         """Codes of `Outcome` (k,); `ends` are the lowest and highest place of the sweep.
@@ -240,24 +250,27 @@ class Lines(NamedTuple):
         `turns_back` is True if wear may change beyond either end of a line.
         """
         first, last = self.low <= ends[0], self.high >= ends[1]
-        whole = first & last if turns_back else np.where(self.begins_severe, first, last)
+        whole = first & last if turns_back else np.where(self.severe_at_start, first, last)
         count = np.isfinite(self.places).sum(axis=1)
-        throughout = np.where(self.begins_severe, Outcome.SEVERE, Outcome.MILD)
-        beyond = np.where(self.begins_severe, Outcome.BELOW, Outcome.ABOVE)
-        kinds = (count == 1) & ~self.begins_severe, count > 0, np.isnan(self.low), whole
-        codes = Outcome.CROSSES, Outcome.SEVERAL, Outcome.UNKNOWN, throughout
+        throughout = np.where(self.severe_at_start, Outcome.SEVERE, Outcome.MILD)
+        beyond = np.where(self.severe_at_start, Outcome.SEVERE_FROM_LOWEST, Outcome.MILD_TO_HIGHEST)
+        kinds = (count == 1) & ~self.severe_at_start, count > 0, np.isnan(self.low), whole
+        codes = Outcome.TRANSITION, Outcome.SEVERAL, Outcome.UNKNOWN, throughout
         return np.select(kinds, codes, beyond)
 
 
 def film_of(case: CaseResults, bulk: float) -> Field | None:
     """Ln of the pressure in the oil film over that which carries a fifth of the load.
 
-    None if the scene has no film to judge. Above 0 a place is outside the model.
+    None if the scene has no oil whose film could be judged. Above 0 a place is outside the model.
+    Unknown for smooth bodies, balls and crowned pins, of which nothing is stored.
     """
     oil = case.sweep.lubricant
-    if oil is None or not case.sweep.base.has_film or "film_inlet" not in case.ds:
+    if oil is None or not oil.pressure_coefficient or not case.sweep.scene.friction_heat:
         return None
-    names = "film_inlet", "film_pressure"
+    names = [name for name in ("film_inlet", "film_pressure") if name in case.ds]
+    if len(names) < 2 or not case.sweep.base.has_film:
+        return Field(case.loads, case.velocities, np.full(case.status.shape[1:], np.nan))
     values = map(case.array, names)  # −1 where the film is not known
     logs = (np.log(np.where(one > 0, one, np.nan)) for one in values)
     with warnings.catch_warnings():  # points without a result
@@ -266,9 +279,10 @@ def film_of(case: CaseResults, bulk: float) -> Field | None:
     plane = np.full(inlet.shape, np.nan)
     for i, j in np.argwhere(np.isfinite(inlet * pressure)).tolist():
         place = float(case.loads[i]), float(case.velocities[j])
-        plane[i, j] = film_excess(
+        excess = film_excess(
             case.sweep.scene, oil, *place, bulk, float(inlet[i, j]), float(pressure[i, j])
         )
+        plane[i, j] = max(excess, _NO_FILM)
     return Field(case.loads, case.velocities, plane)
 
 

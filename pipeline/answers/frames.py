@@ -8,16 +8,29 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.tables import frame_of, short
 from pipeline.answers.units import usual_unit
 from pipeline.answers.words import ABOUT, percent
 from pipeline.store.schema import PLANE
 
-_TOLD = ("conditions", "model_error", "notes")
+_TOLD = ("conditions", "model_error", "not_included", "notes")
 _ROWS = (
-    "verdict", "probability", "temperature", "temperature_error", "distance", "critical_velocity",
+    "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
+    "critical_velocity",
 )  # fmt: skip
+
+
+_HEADINGS = {
+    "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
+    "critical_velocity_p95": "95 %", "velocity_error": "numerical error",
+    "velocity_error_surface": "surface sampling error", "outcome_along_velocity": "outcome",
+    "outcome_along_load": "outcome", "film_parameter_at_load": "film parameter Λ",
+    "film_parameter_at_velocity": "film parameter Λ",
+    "loo_probability": "leave-one-out probability",
+}  # fmt: skip
+_PERCENT = ("loo_probability",)
 
 
 def answer_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
@@ -34,13 +47,27 @@ def answer_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
     axes = [name for name in ("load", "velocity") if name not in dims and name not in names]
     places = [name for name in axes if {*found[name].dims} <= {*found[names[0]].dims}]
     wanted = [*dict.fromkeys([*first, *places, *names])]
-    spread = xr.Dataset({name: found[name].variable for name in wanted})
+    spread = xr.Dataset({name: _shown(found[name]) for name in wanted})
     spread = spread.assign_coords({dim: found[dim] for dim in spread.dims if dim in found.coords})
     spread = spread if spread.sizes else spread.expand_dims("place")
     frame = spread.to_dataframe().reset_index()
     columns = [*(dim for dim in dims if dim in frame and dim != "place"), *wanted]
     heads = [_heading(name, found) for name in columns]
     return frame_of(heads, frame[columns].itertuples(index=False, name=None))
+
+
+def _shown(one: xr.DataArray) -> xr.Variable:
+    """A variable with text for its codes and flags."""
+    if "flag_values" in one.attrs:
+        return one.copy(data=words.code_text(one)).variable
+    if "flag_masks" in one.attrs:
+        pairs = [*zip(one.attrs["flag_masks"], one.attrs["flag_meanings"].split(), strict=True)]
+        texts = [
+            ", ".join(name for mask, name in pairs if flags & int(mask))
+            for flags in one.values.ravel().tolist()
+        ]
+        return one.copy(data=np.array(texts, object).reshape(one.shape)).variable
+    return one.variable
 
 
 def whole_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
@@ -66,17 +93,17 @@ def boundary_frame(found: xr.Dataset, by: str = "load") -> pd.DataFrame:
             *(str(name) for name in found if found[name].dims[-1:] == (by,)),
         ]
     )
-    left_out = re.compile("velocity_error_.*|.*_code")
+    left_out = re.compile("velocity_error_.*")
     return answer_frame(found, *(name for name in names if not left_out.fullmatch(name)))
 
 
 def _heading(name: str, found: xr.Dataset) -> str:
     unit = found[name].attrs.get("units", "") if name in found.variables else ""
-    is_error = "error" in name or name == "distance"
+    is_error = "error" in name or name == "temperature_margin"
     if name in found.dims and name not in PLANE and unit:
         unit = usual_unit(found[name])
     if unit == "K" and not is_error:
         unit = "°C"
     if unit == "1":
-        unit = "%" if is_error else ""
-    return name.replace("_", " ") + f" [{unit}]" * bool(unit)
+        unit = "%" if is_error or name in _PERCENT else ""
+    return _HEADINGS.get(name, name.replace("_", " ")) + f" [{unit}]" * bool(unit)

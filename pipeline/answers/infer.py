@@ -31,9 +31,9 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     Returns
     -------
     Dataset
-        ``critical_temperature``; ``spread``, its standard deviation on another rig, with the
-        model's bias in it, and ``own_spread`` on this one; ``at_least`` and ``at_most``, where only
-        mild or only severe tests bound it: its 5 or 95 % quantile.
+        ``critical_temperature``; ``spread_another_rig``, its standard deviation on another rig,
+        with the model's bias in it, and ``spread_this_rig`` on this one; ``at_least`` and
+        ``at_most``, where only mild or only severe tests bound it: its 5 or 95 % quantile.
 
     Examples
     --------
@@ -72,8 +72,8 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     centre = above * math.exp(mean)
     values = {
         "critical_temperature": bulk + centre,
-        "spread": centre * math.hypot(spread, _TAILS * judge.evidence.prior.bias),
-        "own_spread": centre * spread,
+        "spread_another_rig": centre * math.hypot(spread, _TAILS * judge.evidence.prior.bias),
+        "spread_this_rig": centre * spread,
         "at_least": math.nan if is_severe else ends[0],
         "at_most": math.nan if is_mild else ends[1],
     }

@@ -1,8 +1,8 @@
-"""The judge of one case: all that is said of a place, under one object of conditions.
+"""The judge of one case: all that is stated of operating points, under their conditions.
 
-y = ln(rise/limit) is computed, with its numerical error e. A further run is mild if it is severe
-with a probability of at most 5 % at y + e, severe if with at least 95 % at y − e, else not decided.
-No verdict stands against a test that dominates the place, or that has no result yet.
+y = ln(rise ratio) is computed, with its numerical error e. The next specimen is mild if severe wear
+has a probability of at most 5 % at y + e, severe if at least 95 % at y − e, else undecided. No
+verdict stands against a test that rules it out, or that has no result yet.
 """
 
 from __future__ import annotations
@@ -16,37 +16,36 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers import words
+from pipeline.answers.conditions import Operation
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
-from pipeline.answers.field import Field, Lines, film_of
+from pipeline.answers.field import Field, Lines, Outcome, film_of
+from pipeline.answers.pchip import Pchip
 from pipeline.answers.preset_error import velocity_error
 from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.answers.tests import Evidence, evidence_of, forbidden
+from pipeline.answers.tests import Evidence, evidence_of, ruled_out
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED, FARTHEST
-from pipeline.sweep.conditions import Conditions, known_critical_temperature, rise_limit
+from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
-MILD, SEVERE, NOT_DECIDED, OUTSIDE, UNKNOWN = (
-    "mild",
-    "severe",
-    "not decided",
-    "outside",
-    "not known",
-)
-"""Verdicts on a further run."""
+MILD, UNDECIDED, SEVERE, OUTSIDE, UNKNOWN = range(5)
+"""Codes of verdicts on the next specimen."""
+VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
+"""Names of these codes."""
+SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
+ORIGINS = "simulated", "interpolated", "extrapolated"
+_MOST_FILMS = 24  # bulk temperatures for each of which a film is computed
 
 
-class Caveat(IntFlag):
-    """What limits the answer on one place."""
+class Flag(IntFlag):
+    """What limits the answer on one operating point."""
 
-    INTERPOLATED = 1
-    EXTRAPOLATED = 2  # beyond the computed velocities
-    RAMP_PASSES_SEVERE = 4  # wear is severe at lower loads, through which a ramp passes
-    AT_EDGE = 8  # the contact touches the window's edge at the points around
-    FILM_NOT_KNOWN = 16
-    TESTS_FORBID = 32  # a test dominates the place, or has no result yet
+    RAMP_PASSES_SEVERE = 1  # wear is severe at lower loads, through which a ramp passes
+    CONTACT_AT_EDGE = 2  # the contact reaches the edge of the window at the points around
+    FILM_UNKNOWN = 4
+    RULED_OUT = 8  # a test rules the verdict out, or one without a result may
 
 
 class JudgedCase:
@@ -63,34 +62,59 @@ class JudgedCase:
         return self._held[key]
 
     def under(self, conditions: Conditions) -> Judge:
-        """The judge under `conditions`."""
+        """The judge under `conditions`, of which points may have another friction and bulk."""
         known_critical_temperature(conditions)
         c = conditions
         specimen = self._once(
             ("specimen", c.critical_area_fraction, c.corrections),
             lambda: specimen_of(self.case, c, self._flags),
         )
-        oil = (c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction)
+        oil = c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction
         evidence = self._once(
-            ("evidence", *oil, c.corrections),
-            lambda: evidence_of(self.case, specimen, c),
+            ("evidence", *oil, c.corrections), lambda: evidence_of(self.case, specimen, c)
         )
-        film = self._once(
-            ("film", c.bulk_temperature), lambda: film_of(self.case, c.bulk_temperature)
-        )
-        return Judge(self.case, c, specimen, evidence, film, self.promised)
+        return Judge(self, c, specimen, evidence)
+
+    def film_excess(self, at: Operation) -> Array | None:
+        """Ln of the film's pressure over that which carries a fifth of the load (k,); NaN unknown.
+
+        None if no film is to be judged.
+        """
+        if not at.load.size:
+            return np.zeros(0)
+        each, back = np.unique(at.bulk_temperature, return_inverse=True)
+        nodes = each if len(each) <= _MOST_FILMS else np.linspace(each[0], each[-1], _MOST_FILMS)
+        films = [self._once(("film", x), lambda x=x: film_of(self.case, x)) for x in nodes.tolist()]
+        if films[0] is None:
+            return None
+        if len(nodes) == len(each):
+            found = np.full(at.load.shape, np.nan)
+            for k, film in enumerate(films):
+                here = back == k
+                found[here] = film(at.load[here], at.velocity[here])
+            return found
+        planes = np.array([film(at.load, at.velocity) for film in films])
+        return Pchip(nodes, planes).at(at.bulk_temperature, np.arange(len(at.load)))
 
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """What is said of places of one case, under its conditions."""
+    """What is stated of operating points of one case, under its conditions."""
 
-    case: CaseResults
+    judged_case: JudgedCase
     conditions: Conditions
     specimen: Specimen
     evidence: Evidence
-    film: Field | None  # None if no film is to be judged
-    promised: float | None  # relative error of critical velocities due to the preset
+
+    @property
+    def case(self) -> CaseResults:
+        """The results."""
+        return self.judged_case.case
+
+    @property
+    def promised(self) -> float | None:
+        """Relative error of critical velocities due to the preset; None if unknown."""
+        return self.judged_case.promised
 
     @property
     def field(self) -> Field:
@@ -99,151 +123,182 @@ class Judge:
 
     @functools.cached_property
     def limit(self) -> float:
-        """ln(limit of the rise)."""
-        limit = rise_limit(self.conditions)
-        return math.log(limit) if limit > 0 else -math.inf
+        """ln(allowable rise) at the friction and bulk temperature of the conditions."""
+        one = np.ones(1)
+        return float(self.limits(Operation.under(self.conditions, one, one))[0])
+
+    def limits(self, at: Operation) -> Array:
+        """ln(allowable rise) of points (k,)."""
+        critical = known_critical_temperature(self.conditions)
+        heating = at.friction * (1 + self.conditions.unmodelled_rise)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log((critical - at.bulk_temperature) / heating))
 
     @functools.cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Lowest and highest load [N] and velocity [m/s] of the sweep, without 0."""
-        found = {}
-        for axis in ("load", "velocity"):
-            here = getattr(self.case, f"{'loads' if axis == 'load' else 'velocities'}")
-            scene = self.case.sweep.loads if axis == "load" else self.case.sweep.velocities
-            values = [*here.tolist(), *(value for value in scene if value > 0)]
-            found[axis] = min(values), max(values)
-        return found
+        case, sweep = self.case, self.case.sweep
+        axes = {"load": (case.loads, sweep.loads), "velocity": (case.velocities, sweep.velocities)}
+        values = {
+            k: [*here.tolist(), *(x for x in all if x > 0)] for k, (here, all) in axes.items()
+        }
+        return {name: (min(one), max(one)) for name, one in values.items()}
 
-    def errors(self, loads: Array, velocities: Array) -> Array:
-        """Relative errors of the rise by part (4, k)."""
-        return rise_errors(self.specimen, self.promised, loads, velocities)
+    @property
+    def lacks_film(self) -> bool:
+        """True if a film is to be judged, but unknown at a point that is done."""
+        field = self.field
+        at = Operation.under(
+            self.conditions, *(x.ravel() for x in np.meshgrid(*self._axes, indexing="ij"))
+        )
+        return bool((self.films(at)[1] & field.is_known.ravel()).any())
 
-    def films(self, loads: Array, velocities: Array) -> tuple[Mask, Mask]:
-        """Where a film carries more of the load than the model allows, and where none is known."""
-        if self.film is None:
-            return np.zeros(loads.shape, bool), np.zeros(loads.shape, bool)
-        found = self.film(loads, velocities)
+    @property
+    def _axes(self) -> tuple[Array, Array]:
+        return self.field.loads, self.field.velocities
+
+    def films(self, at: Operation) -> tuple[Mask, Mask]:
+        """Where a film carries more of the load than the model allows, and where it is unknown."""
+        found = self.judged_case.film_excess(at)
+        if found is None:
+            return np.zeros(at.load.shape, bool), np.zeros(at.load.shape, bool)
         return np.nan_to_num(found, nan=-1.0) > 0, np.isnan(found)
 
-    def places(self, loads: Array, velocities: Array) -> dict[str, Any]:
-        """Answers on k places by name, each (k,); without lines through them."""
-        moving = np.where(velocities > 0, velocities, np.nan)
-        rise, posterior = self.field(loads, moving), self.evidence.posterior
-        reason = self._reasons(loads, velocities, rise)
+    def points(self, at: Operation) -> dict[str, Any]:
+        """Answers on points by name, each (k,); without lines through them."""
+        moving = np.where(at.velocity > 0, at.velocity, np.nan)
+        rise = self.field(at.load, moving)
+        reason = self._reasons(at, rise)
         known = np.array([not one for one in reason], bool)
-        y = np.where(known, rise - self.limit, np.nan)
-        parts = np.where(known, self.errors(loads, moving), np.nan)
+        rise = np.where(known, rise, np.nan)
+        y = rise - self.limits(at)
+        parts = np.where(known, rise_errors(self.specimen, self.promised, at.load, moving), np.nan)
         width = total(parts)
         ends = np.where(np.isfinite(width), np.log1p(width), 0.0)
-        low, middle, high = (posterior.probability(one) for one in (y - ends, y, y + ends))
+        low, middle, high = self.evidence.probabilities(
+            (y - ends, y, y + ends), at.bulk_temperature
+        )
         low = np.where(np.isnan(width) & known, 0.0, low)
         high = np.where(np.isnan(width) & known, 1.0, high)
-        outside, no_film = self.films(loads, moving)
-        told = forbidden(self.case, self.evidence, self.conditions, loads, velocities)
-        open_mild, open_severe = self.evidence.open_sides
-        kinds = ~known, outside, high <= DECIDED[0], low >= DECIDED[-1]
-        verdict = np.select(kinds, (UNKNOWN, OUTSIDE, MILD, SEVERE), NOT_DECIDED)
-        no_mild, no_severe = told.mild | open_mild, told.severe | open_severe
-        against = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
-        waiting = words.waiting(self.evidence)
-        for k in np.flatnonzero(against).tolist():
-            is_open = open_mild if verdict[k] == MILD else open_severe
-            reason[k] = waiting if is_open else f"{told.names[k]} forbids it"
-        verdict = np.where(against, NOT_DECIDED, verdict)
-        conditions = self.conditions
-        with np.errstate(invalid="ignore"):
-            temperature = conditions.contact_temperature(np.exp(np.where(known, rise, np.nan)))
-            heat = temperature - conditions.bulk_temperature
-        computed = known & self.field.is_point(loads, velocities)
-        continued = known & ~computed & self.field.is_continued(loads, moving)
-        edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
-        caveats = (
-            (known & ~computed & ~continued) * Caveat.INTERPOLATED
-            + continued * Caveat.EXTRAPOLATED
-            + (known & (self.field.bilinear(edge.astype(float), loads, moving) > 0))
-            * Caveat.AT_EDGE
-            + (known & no_film) * Caveat.FILM_NOT_KNOWN
-            + against * Caveat.TESTS_FORBID
+        outside, no_film = self.films(at._replace(velocity=moving))
+        verdict = np.select(
+            (~known, outside, high <= DECIDED[0], low >= DECIDED[-1]),
+            (UNKNOWN, OUTSIDE, MILD, SEVERE),
+            UNDECIDED,
         )
+        against = self._withhold(verdict, reason, at)
+        verdict = np.where(against, UNDECIDED, verdict).astype(np.int8)
+        heating = (1 + self.conditions.unmodelled_rise) * np.exp(rise)
+        critical = known_critical_temperature(self.conditions)
+        simulated = known & self.field.is_point(at.load, at.velocity)
+        beyond = known & ~simulated & self.field.is_extrapolated(at.load, moving)
+        edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
+        edge = known & (self.field.bilinear(edge.astype(float), at.load, moving) > 0)
+        flags = edge * Flag.CONTACT_AT_EDGE + (known & no_film) * Flag.FILM_UNKNOWN
         gone = outside | ~known
-        answers = {
-            "verdict": verdict.astype(object),
+        heat = at.friction * heating
+        return {
+            "verdict": verdict,
             "probability": np.where(gone, np.nan, middle),
             "probability_low": np.where(gone, np.nan, low),
             "probability_high": np.where(gone, np.nan, high),
-            "log_severity": y,
-            "temperature": temperature,
+            "log_rise_ratio": y,
+            "governing_temperature": at.bulk_temperature + heat,
+            "temperature_margin": critical - (at.bulk_temperature + heat),
             "temperature_error": heat * width,
-            "distance": known_critical_temperature(conditions) - temperature,
+            **{
+                f"temperature_error_{part}": heat * one
+                for part, one in zip(PARTS, parts, strict=True)
+            },
+            "critical_friction": (critical - at.bulk_temperature) / heating,
+            "origin": np.select(
+                (~known, simulated, beyond), (-1, SIMULATED, EXTRAPOLATED), INTERPOLATED
+            ).astype(np.int8),
+            "warning_flags": (flags + against * Flag.RULED_OUT).astype(np.int16),
+            "reason": reason,
         }
-        answers |= {f"error_{part}": heat * one for part, one in zip(PARTS, parts, strict=True)}
-        above = known_critical_temperature(conditions) - conditions.bulk_temperature
-        friction = above / (1 + conditions.unmodelled_rise) / np.exp(np.where(known, rise, np.nan))
-        return answers | {"critical_friction": friction, "caveats": caveats, "reason": reason}
 
-    def _reasons(self, loads: Array, velocities: Array, rise: Array) -> Any:
-        """Why nothing is known of a place; empty if it is."""
-        found = np.full(loads.shape, "", object)
-        for name, values in (("load", loads), ("velocity", velocities)):
+    def _withhold(self, verdict: Array, reason: Any, at: Operation) -> Mask:
+        """Points at which tests do not allow the verdict; `reason` gets why, in words."""
+        told = ruled_out(self.case, self.evidence, self.conditions, at)
+        open_mild, open_severe = self.evidence.withheld
+        no_mild, no_severe = told.mild | bool(open_mild), told.severe | bool(open_severe)
+        against = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
+        for k in np.flatnonzero(against).tolist():
+            why = open_mild if verdict[k] == MILD else open_severe
+            reason[k] = why or f"{told.names[k]} rules it out"
+        return np.asarray(against)
+
+    def _reasons(self, at: Operation, rise: Array) -> Any:
+        """Why nothing is known of a point; empty if it is."""
+        found = np.full(at.load.shape, "", object)
+        for name, values in (("load", at.load), ("velocity", at.velocity)):
             low, high = self.ranges[name]
             if name == "velocity" and self.case.from_rest:
                 low = 0.0
             for k in np.flatnonzero(~((low <= values) & (values <= high) & (values > 0))).tolist():
                 found[k] = words.beyond(name, values[k], low, high)
-        missing = np.isnan(rise) & (found == "")
-        found[missing] = "too few points about it are done: run the sweep to its end"
+        found[np.isnan(rise) & (found == "")] = words.TOO_FEW
         return found
 
-    def critical(self, axis: str, places: Array) -> dict[str, Any]:
-        """Where wear turns severe along `axis`, through k `places` on the other one."""
-        each, back = np.unique(places, return_inverse=True)
-        levels = np.full(each.shape, self.limit)
-        if axis == "velocity":
-            lines = self.field.along_velocity(each, levels)
-        else:
-            lines = self.field.along_load(each, levels)
-        found, outside = self._inside(axis, each, lines)
+    def critical(self, axis: str, at: Operation) -> dict[str, Any]:
+        """Where wear becomes severe along `axis`, through points on the other one."""
+        through = at.load if axis == "velocity" else at.velocity
+        levels = self.limits(at)
+        pairs = np.stack([through, levels, at.bulk_temperature])
+        _, first, back = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
+        at, through, levels = at.take(first), through[first], levels[first]
+        find = self.field.along_velocity if axis == "velocity" else self.field.along_load
+        lines = find(through, levels)
+        found, outside = self._inside(axis, at, lines)
         turns_back = axis == "velocity" and self.conditions.has_friction_curve
         codes = lines.outcomes(self.ranges[axis], turns_back)
-        texts = words.outcomes(lines, codes, axis, outside)
+        codes = np.where(outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
         if len(self.field.velocities if axis == "velocity" else self.field.loads) == 1:
-            texts[:] = ""  # there is no line
+            codes[:] = Outcome.NO_LINE
         whole = {
-            f"critical_{axis}": found, "outcome": codes, "outcome_words": texts,
-            "turns": lines.places, "begins_severe": lines.begins_severe,
+            f"critical_{axis}": found, f"outcome_along_{axis}": codes,
+            "crossings": lines.places, "severe_at_start": lines.severe_at_start,
         }  # fmt: skip
-        return {name: one[back] for name, one in whole.items()}
+        return {name: one[back.ravel()] for name, one in whole.items()}
 
-    def _inside(self, axis: str, places: Array, lines: Lines) -> tuple[Array, Mask]:
+    def _inside(self, axis: str, at: Operation, lines: Lines) -> tuple[Array, Mask]:
         """Critical values, NaN where a film carries too much; and which lines are outside."""
 
-        def outside(at: Array) -> Mask:
-            known, found = np.isfinite(at), np.zeros(at.shape, bool)
-            pair = (places, at) if axis == "velocity" else (at, places)
-            found[known] = self.films(*(one[known] for one in pair))[0]
+        def outside(values: Array) -> Mask:
+            known, found = np.isfinite(values), np.zeros(values.shape, bool)
+            found[known] = self.films(at._replace(**{axis: values}).take(known))[0]
             return found
 
-        critical = lines.critical
-        gone = outside(critical)
+        gone = outside(lines.critical)
         ends = outside(lines.low) & outside(lines.high)
-        return np.where(gone, np.nan, critical), gone | (np.isnan(critical) & ends)
+        return (
+            np.where(gone, np.nan, lines.critical), gone | (np.isnan(lines.critical) & ends),
+        )  # fmt: skip
 
-    def tested_velocity(self, loads: Array, share: float = 0.5) -> Array:
-        """Velocities (k,) at which a further run is severe with a probability of `share` [m/s].
+    def velocity_of_probability(self, at: Operation, probability: float = 0.5) -> Array:
+        """Velocities (k,) at which severe wear has this probability, at the loads of points [m/s].
 
-        It is the first such velocity, for a share above a half the last. NaN where there is none up
-        to 3 times beyond the computed velocities, or where a film carries too much.
+        It is the first such velocity, for a probability above a half the last. NaN where there is
+        none among the velocities of the sweep, or where a film carries too much.
         """
-        each, back = np.unique(loads, return_inverse=True)
-        level = self.limit + self.evidence.posterior.level(share)
-        lines = self.field.along_velocity(each, np.full(each.shape, level), FARTHEST)
+        levels = self.limits(at) + self.evidence.levels(probability, at.bulk_temperature)
+        lines = self.field.along_velocity(at.load, levels, FARTHEST)
         last = np.where(lines.ends_severe, np.fmax.reduce(lines.places, axis=1), np.nan)
-        at = last if share > 0.5 else lines.critical
-        known = np.isfinite(at)
-        known[known] = ~self.films(each[known], at[known])[0]
-        return np.where(known, at, np.nan)[back]
+        found = last if probability > 0.5 else lines.critical
+        low, high = self.ranges["velocity"]
+        with np.errstate(invalid="ignore"):
+            known = np.isfinite(found) & (low <= found) & (found <= high)
+        known[known] = ~self.films(at._replace(velocity=found).take(known))[0]
+        return np.where(known, found, np.nan)
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""
-        parts = self.errors(loads, velocities)
+        parts = rise_errors(self.specimen, self.promised, loads, velocities)
         return velocity_errors(self.field, parts, self.promised, loads, velocities)
+
+
+def passes_severe(judge: Judge, at: Operation, line: dict[str, Any], margin: Array) -> Mask:
+    """Mild points at whose velocity wear is severe at a lower load, through which a ramp passes."""
+    lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
+    return np.asarray((lowest < at.load) & (margin >= 0))

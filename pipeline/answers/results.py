@@ -31,6 +31,7 @@ from pipeline.store.schema import (
     PLANE,
     SAMPLING,
     TEST_STEP,
+    VARIABLES,
     split_arrays,
     test_variable,
 )
@@ -179,6 +180,11 @@ class CaseResults:
     _arrays: dict[str, Array] = field(default_factory=dict, repr=False)
 
     @property
+    def conditions(self) -> Conditions:
+        """Conditions by which the scene judges the case."""
+        return self.sweep.conditions
+
+    @property
     def loads(self) -> Array:
         """Ascending loads [N]."""
         return np.asarray(self.ds["load"].values, float)
@@ -193,6 +199,7 @@ class CaseResults:
         if name not in self._arrays:
             if name not in self.ds:
                 raise InputError(f"the dataset has no {name}; take all of its variables")
+            _require_unit(self.ds[name])
             values = self.ds[name].transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
             self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
         return self._arrays[name]
@@ -363,6 +370,17 @@ def _require_sweep(ds: xr.Dataset) -> None:
             raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
 
 
+def _require_unit(one: xr.DataArray) -> None:
+    """Raise an `InputError` for a variable that is not decoded, or not in the unit of the store."""
+    known = VARIABLES.get(str(one.name).rpartition("/")[2])
+    if packed := {"scale_factor", "add_offset"} & {*one.attrs}:
+        raise InputError(f"{one.name} of the dataset is packed ({min(packed)}); decode it")
+    unit = one.attrs.get("units")
+    if known and known.units and unit not in (None, known.units):
+        wanted = known.units
+        raise InputError(f"{one.name} of the dataset is in {unit}; convert it to {wanted}")
+
+
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]]:
     """Yield the points of each test of a sweep."""
     rows = defaultdict[tuple[Any, ...], deque[int]](deque)
@@ -378,6 +396,8 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]
         named = {
             k: one.isel({d: 0 for d in one.dims if d not in inner}) for k, one in named.items()
         }
+        for one in named.values():
+            _require_unit(one)
         held = {
             name: one.transpose(*inner, missing_dims="ignore").values for name, one in named.items()
         }

@@ -1,15 +1,16 @@
-"""The tests of a scene at their own conditions, and what they forbid by dominance."""
+"""The tests of a scene at their own conditions, and what they rule out by dominance."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.answers.conditions import Operation
 from pipeline.answers.likelihood import Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
@@ -57,7 +58,7 @@ class Evidence:
 
     @functools.cached_property
     def specimens(self) -> list[list[ComparedTest]]:
-        """Tests that count, those of one specimen together."""
+        """Tests with a result within the model; both ends of a run by stages are one specimen."""
         grouped = dict[str, list[ComparedTest]]()
         for row in self.rows:
             if not (row.reason or row.is_outside):
@@ -69,29 +70,40 @@ class Evidence:
         """Bias and scatter of the model, after the tests."""
         return update(tuple(map(outcome_of, self.specimens)), self.prior)
 
+    def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
+        """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
+        return [self.posterior.probability(y) for y in ys]
+
+    def levels(self, probability: float, bulks: Array) -> Array:
+        """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
+        return np.full(bulks.shape, self.posterior.level(probability))
+
     @property
-    def waiting(self) -> list[ComparedTest]:
+    def without_result(self) -> list[ComparedTest]:
         """Tests without a y: they wait, have failed, or cannot be compared."""
         return [row for row in self.rows if row.reason]
 
     @property
-    def open_sides(self) -> tuple[bool, bool]:
-        """Whether no place is mild, and none is severe, as a test without a y might forbid it."""
-        kinds = {row.test.outcome for row in self.waiting}
-        return bool(kinds & {"severe", None}), bool(kinds & {"mild", None})
+    def withheld(self) -> tuple[str, str]:
+        """Why no point is mild, and why none is severe; empty if verdicts are given.
+
+        A test without a y might rule them out.
+        """
+        kinds, why = {row.test.outcome for row in self.without_result}, waiting_text(self)
+        return why * bool(kinds & {"severe", None}), why * bool(kinds & {"mild", None})
 
     @property
-    def misfits(self) -> Iterator[str]:
+    def outliers(self) -> Iterator[str]:
         """Yield a line for each test outside the model, and each that the others find unlikely."""
         for row in self.rows:
             if row.is_outside:
-                yield f"{row} says nothing of the model: an oil film carried too much of the load"
+                yield f"{row} is not used: an oil film carried more than 20 % of the load"
         for rows, share in zip(self.specimens, self.posterior.expected, strict=True):
             if share < UNLIKELY:
                 names = " and ".join(map(str, rows))
-                yield f"{names}: the other tests give it less than 1 %; is it a slip?"
+                yield f"outlier: {names} has a probability of less than 1 % by the other tests"
 
-    def beside(self, load: float, velocity: float) -> Iterator[str]:
+    def nearby(self, load: float, velocity: float) -> Iterator[str]:
         """Yield each test within 10 % of a load [N] and a velocity [m/s], with its conditions."""
         for row in self.rows:
             test, own = row.test, row.conditions
@@ -104,8 +116,15 @@ class Evidence:
             yield f"{test.outcome or 'transition'}, {place} at {at} and bulk {bulk}"
 
 
-def outcome_of(rows: list[ComparedTest], shift: float | Array = 0.0) -> Outcome:
-    """What one specimen says: the easiest place where it was severe, the hardest mild one."""
+def waiting_text(evidence: Evidence) -> str:
+    """Which tests have no result yet, and why; empty if all have one."""
+    rows = evidence.without_result
+    others = f" and {len(rows) - 1} more" * (len(rows) > 1)
+    return f"{rows[0]}{others} {rows[0].reason}" if rows else ""
+
+
+def outcome_of(rows: list[ComparedTest]) -> Outcome:
+    """One specimen as an interval of y: from its hardest mild point to its easiest severe one."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.inf)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=-math.inf)
     return Outcome(severe, mild)
@@ -157,33 +176,33 @@ def _is_outside(case: CaseResults, test: Test, point: TestPoint, own: Conditions
     return film_excess(test.case.scene, oil, *place, bulk, inlet, pressure) > 0
 
 
-class Forbidden(NamedTuple):
-    """Places at which tests forbid mild wear, and severe wear (k,), and the names of the tests."""
+class RuledOut(NamedTuple):
+    """Points at which tests rule out mild wear, and severe wear (k,), and the tests' names."""
 
     mild: Mask
     severe: Mask
     names: list[str]
 
 
-def forbidden(
-    case: CaseResults, evidence: Evidence, conditions: Conditions, loads: Array, velocities: Array
-) -> Forbidden:
-    """Places that a test dominates.
+def ruled_out(
+    case: CaseResults, evidence: Evidence, conditions: Conditions, at: Operation
+) -> RuledOut:
+    """What tests rule out at points by dominance.
 
-    A severe test dominates a place that is no easier: load, velocity, friction and bulk temperature
-    are no lower, all else equal. It does so even if a film carried much of its load: wear was
-    severe in spite of it. A mild test is the mirror of it, unless a film carried too much. A
-    transition without a step does both, where something differs.
+    A severe test rules out mild wear where load, velocity, friction and bulk temperature are no
+    lower, with the same oil and all else equal, a film or none. A mild test rules out severe wear
+    where they are no higher, unless a film carried too much of its load. A transition without a
+    step does both, where something differs.
     """
-    masks = {kind: np.zeros(len(loads), bool) for kind in ("severe", "mild")}
-    names = [list[str]() for _ in loads]
-    here = [loads, velocities, conditions.friction * conditions.friction_factor(velocities)]
-    here.append(np.full(len(loads), conditions.bulk_temperature))
+    masks = {kind: np.zeros(len(at.load), bool) for kind in ("severe", "mild")}
+    names = [list[str]() for _ in at.load]
+    here = [
+        at.load, at.velocity, at.friction * conditions.friction_factor(at.velocity),
+        at.bulk_temperature,
+    ]  # fmt: skip
     for row in evidence.rows:
         own, test = row.conditions, row.test
-        if own is None or with_own(own, conditions) != conditions:
-            continue
-        if test.case.scene != case.sweep.scene:
+        if own is None or test.case.scene != case.sweep.scene:
             continue
         for kind, place in (("severe", test.places[-1]), ("mild", test.places[0])):
             if test.outcome not in (kind, None) or (kind == "mild" and row.is_outside):
@@ -197,7 +216,7 @@ def forbidden(
             masks[kind] |= holds
             for k in np.flatnonzero(holds).tolist():
                 names[k].append(str(row))
-    return Forbidden(masks["severe"], masks["mild"], [", ".join(dict.fromkeys(n)) for n in names])
+    return RuledOut(masks["severe"], masks["mild"], [", ".join(dict.fromkeys(n)) for n in names])
 
 
 def _apart(a: Array, b: float) -> Array:

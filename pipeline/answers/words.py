@@ -11,35 +11,30 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.condition_words import unmodelled_rise_words, verdict_conditions
-from pipeline.answers.field import Lines, Outcome
 from pipeline.answers.preset_error import error_in_words
 from pipeline.answers.specimen import specimen_of
+from pipeline.answers.tests import waiting_text
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
-from pipeline.sweep.left_out import (
-    UNKNOWN_FILM,
-    caveat_on_turns,
-    cold_tracks,
-    doubt_lines,
-    note_on_ends,
-)
+from pipeline.sweep.left_out import UNKNOWN_FILM, cold_tracks, doubt_lines, has_sharp_ends
 from pipeline.words import join_notes, split_notes
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
-from tribo.simulation.lubrication import find_lubrication
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array
 
 if TYPE_CHECKING:
     from pipeline.answers.judge import Judge
     from pipeline.answers.tests import Evidence
 
-OUTSIDE = "outside the model: the oil film carries more than a fifth of the load"
-FILM_NOT_KNOWN = "whether an oil film carries much of the load is not known here"
-_EXACT = "inputs such as the steel's conductivity are taken as exact (irg help model)"
-_APART = 0.05  # relative distance of the velocities with tests from which a line names it
+OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+OWN_CONDITIONS = "given for each point"
+TOO_FEW = "too few points nearby are done; finish the run, or add points there"
+_SHIFT = 0.05  # relative distance of the velocities with tests from which a line names it
 
-
-ABOUT = ("conditions", "model_error", "patches", "tests", "misfits", "waiting", "notes")
+ABOUT = (
+    "conditions", "model_error", "realizations", "tests", "outliers", "tests_without_result",
+    "not_included", "notes",
+)  # fmt: skip
 """Attributes of an answer, which are coordinates where cases differ in them."""
 
 
@@ -49,32 +44,44 @@ def about(judge: Judge) -> dict[str, str | int]:
     return {
         "conditions": verdict_conditions(judge.conditions, None, judge.case.sweep.tests),
         "model_error": model_error(evidence),
-        "patches": len(judge.specimen.apart),
+        "realizations": len(judge.specimen.apart),
         "tests": len(evidence.specimens),
-        "misfits": join_notes(evidence.misfits) or "",
-        "waiting": waiting(evidence),
+        "outliers": join_notes(evidence.outliers) or "",
+        "tests_without_result": waiting_text(evidence),
+        "not_included": not_included(judge),
         "notes": join_notes(_notes(judge)) or "",
     }
 
 
+def not_included(judge: Judge) -> str:
+    """What is not included on the unsafe side, where a scene has it, on one line."""
+    sweep = judge.case.sweep
+    parts = ["sharp pin ends (severe wear at 9 to 23 % lower velocity)"] * has_sharp_ends(sweep)
+    if cold_tracks(sweep):
+        warmer = _with_earlier_turns(judge)
+        parts.append("heat from earlier revolutions" + f" (severe {warmer})" * bool(warmer))
+    parts.append("uncertain inputs")
+    if not judge.evidence.specimens:
+        bias = 100 * judge.evidence.prior.bias
+        parts.append(f"a model bias beyond the assumed {bias:.3g} %, as no test confirms it")
+    return ", ".join(parts)
+
+
 def _notes(judge: Judge) -> Iterator[str]:
-    """Limits that all answers of a case have."""
+    """Limits that all answers of a case have, beside `not_included`."""
     case, sweep = judge.case, judge.case.sweep
-    has_film = sweep.scene.pin.length is None and find_lubrication(sweep.scene, sweep.lubricant)
     lines = [
         case.note_on_failed, sweep.caveat, *doubt_lines(sweep, answered=True),
-        unmodelled_rise_words(judge.conditions), note_on_ends(sweep),
-        UNKNOWN_FILM if has_film else None,
-        caveat_on_turns(sweep, _with_earlier_turns(judge)), _EXACT,
+        unmodelled_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip
     yield from filter(None, lines)
 
 
 def _with_earlier_turns(judge: Judge) -> str:
-    """From where wear is severe with heat of earlier turns that is left out; empty if unknown."""
+    """From where wear is severe with heat of earlier revolutions; empty if unknown."""
     case, tracks = judge.case, cold_tracks(judge.case.sweep)
-    if not tracks or not {*NEEDED} <= {*case.ds}:
+    if not {*NEEDED} <= {*case.ds}:
         return ""
     parts = judge.conditions.corrections or Corrections()
     parts = replace(parts, motion=case.sweep.scene.motion, **tracks)
@@ -83,8 +90,8 @@ def _with_earlier_turns(judge: Judge) -> str:
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, judge.limit))
     said = []
     for k in (0, -1):
-        if lines.begins_severe[k]:
-            said.append(f"at every velocity computed at {field.loads[k]:g} N")
+        if lines.severe_at_start[k]:
+            said.append(f"at all simulated velocities at {field.loads[k]:g} N")
         elif math.isfinite(lines.critical[k]):
             said.append(f"from {lines.critical[k]:.3g} m/s at {field.loads[k]:g} N")
     return ", ".join(said)
@@ -95,55 +102,54 @@ def model_error(evidence: Evidence) -> str:
     low, high = (100 * math.expm1(-evidence.posterior.level(p)) for p in (0.95, 0.05))
     signed = [f"{x:+.0f}" if abs(x) >= 10 else f"{x:+.2g}" for x in (low, high)]
     count = len(evidence.specimens)
-    tests = "no test" if not count else f"{count} test{'s' * (count > 1)}"
-    return f"{' to '.join(signed)} % of the rise (90 %), by {tests} and the prior".replace("-", "−")
-
-
-def waiting(evidence: Evidence) -> str:
-    """Which tests have no result yet, and why; empty if all have one."""
-    rows = evidence.waiting
-    others = f" and {len(rows) - 1} more" * (len(rows) > 1)
-    return f"{rows[0]}{others} {rows[0].reason}" if rows else ""
+    tests = f"{count} test{'s' * (count > 1)} and " * bool(count)
+    said = f"{' to '.join(signed)} % of the temperature rise (90 % range, from {tests}the prior)"
+    return said.replace("-", "−")
 
 
 def beyond(name: str, value: float, low: float, high: float) -> str:
     """Why nothing is known at a load or velocity beyond those of the sweep."""
     unit = UNITS[name]
-    return f"{name} is {value:g} {unit}; the sweep has {low:g} to {high:g} {unit}"
+    return f"{name} {value:g} {unit} is outside the sweep ({low:g} to {high:g} {unit})"
 
 
-def outcomes(lines: Lines, codes: Indices, axis: str, outside: Mask) -> Array:
-    """What wear does along each line, in words."""
-    found = np.full(codes.shape, "", object)
-    for k, code in enumerate(codes.tolist()):
-        low, high = (f"{end[k]:.4g} {UNITS[axis]}" for end in (lines.low, lines.high))
-        found[k] = {
-            Outcome.CROSSES: "crosses",
-            Outcome.MILD: "mild throughout",
-            Outcome.SEVERE: "severe throughout",
-            Outcome.UNKNOWN: "not known yet",
-            Outcome.ABOVE: f"mild at every {axis} computed (to {high})",
-            Outcome.BELOW: f"severe at every {axis} computed (from {low})",
-        }.get(code) or _ranges(lines.places[k], bool(lines.begins_severe[k]), axis)
-    found[outside] = OUTSIDE
-    return found
+# One point or one boundary: from codes to text
 
 
-def _ranges(places: Array, begins_severe: bool, axis: str) -> str:
-    """Ranges of severe wear, from the places at which wear changes."""
-    ends = ["" if begins_severe else None, *(f"{x:.3g}" for x in places if math.isfinite(x)), ""]
-    ends = [one for one in ends if one is not None]
-    unit, parts = UNITS[axis], []
-    for begin, end in zip(ends[::2], ends[1::2], strict=False):
-        parts.append(
-            f"from {begin} to {end} {unit}" if begin and end
-            else f"from {begin} {unit} on" if begin else f"up to {end} {unit}"
-        )  # fmt: skip
-    return f"severe {' and '.join(parts)}"
+def code_text(variable: xr.DataArray) -> Any:
+    """Names of the codes of a variable, such as "outside the model"; empty for others."""
+    names = variable.attrs["flag_meanings"].replace("outside_model", "outside_the_model").split()
+    found = np.array([one.replace("_", " ") for one in names] + [""], object)
+    codes = np.asarray(variable.values)
+    return np.asarray(found[np.where(codes < 0, len(names), codes)], object)
+
+
+def verdict_text(here: xr.Dataset) -> str:
+    """The verdict on one point, as text."""
+    return str(code_text(here["verdict"])[()])
+
+
+_OUTCOMES = {
+    "mild": "mild over the whole sweep",
+    "severe": "severe over the whole sweep",
+    "mild to highest": "mild up to the highest simulated {axis}",
+    "severe from lowest": "severe down to the lowest simulated {axis}",
+    "several": "severe at one {axis} and mild again at a higher one",
+    "unknown": "unknown because too few points are done",
+    "outside the model": OUTSIDE,
+}
+
+
+def outcome_texts(found: xr.Dataset, axis: str) -> Any:
+    """Outcome of each line along `axis`, as text; empty where there is no line."""
+    codes = code_text(found[f"outcome_along_{axis}"])
+    texts = {"transition": "transition", "no line": "", "": ""}
+    texts |= {name: text.format(axis=axis) for name, text in _OUTCOMES.items()}
+    return np.vectorize(texts.__getitem__, otypes=[object])(codes)
 
 
 def percent(probability: float) -> str:
-    """A probability in words: a percentage, or "less than 1 %"."""
+    """A probability as text: a percentage, or "less than 1 %"."""
     if probability < LEAST_STATED:
         return f"less than {100 * LEAST_STATED:g} %"
     if probability > 1 - LEAST_STATED:
@@ -152,134 +158,135 @@ def percent(probability: float) -> str:
 
 
 def sentence(here: xr.Dataset) -> str:
-    """The verdict on one place, and how likely severe wear is."""
-    verdict, distance = here["verdict"].item(), here["distance"].item()
-    if verdict == "outside":
-        heat = display(here["temperature"].item(), "°C", 4)
-        return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; the contact is at {heat}"
-    likely = percent(here["probability"].item())
+    """The verdict on one point, and the probability of severe wear."""
+    verdict, margin = verdict_text(here), here["temperature_margin"].item()
+    if verdict == "outside the model":
+        heat = display(here["governing_temperature"].item(), "°C", 4)
+        return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {heat}"
     low, high = here["probability_low"].item(), here["probability_high"].item()
     within = f" ({percent(low)} to {percent(high)})" * (percent(low) != percent(high))
     if math.isnan(here["temperature_error"].item()):
-        within = ", numerical error not known"
-    side = "below" if distance >= 0 else "above"
-    where = f"{abs(distance):.3g} K {side} the critical temperature"
-    tests = here["tests_beside"].item()
-    tested = f"; tested there: {tests}" * bool(tests)
-    return f"{verdict.capitalize()}: severe wear is {likely} likely{within}, {where}{tested}"
+        within = ", numerical error unknown"
+    side = "below" if margin >= 0 else "above"
+    where = f"{abs(margin):.3g} K {side} the critical temperature"
+    tests = f"; tested nearby: {here['nearby_tests'].item()}" * bool(here["nearby_tests"].item())
+    likely = f"probability of severe wear {percent(here['probability'].item())}"
+    return f"{verdict.capitalize()}: {likely}{within}, {where}{tests}"
+
+
+_PARTS = {
+    "interpolation": "interpolation", "discretization": "discretization", "warnings": "warnings",
+    "surface": "surface sampling",
+}  # fmt: skip
 
 
 def error_text(here: xr.Dataset) -> str:
     """The numerical error of a temperature and its parts."""
-    parts = {
-        name.removeprefix("error_"): here[name].item()
-        for name in map(str, here)
-        if name.startswith("error_")
-    }
+    parts = {text: here[f"temperature_error_{name}"].item() for name, text in _PARTS.items()}
     known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part > 0)
     if unknown := " and ".join(name for name, part in parts.items() if math.isnan(part)):
-        return f"not known, because a part is not: {unknown}" + f" ({known})" * bool(known)
+        return f"unknown, because a part is unknown: {unknown}" + f" ({known})" * bool(known)
     return f"± {here['temperature_error'].item():.2g} K: {known}"
 
 
-def decided_by(here: xr.Dataset) -> str:
-    """What would decide an undecided verdict; empty if it is decided, or a test forbids it."""
-    if here["verdict"].item() != "not decided" or here["reason"].item():
+def to_decide(here: xr.Dataset) -> str:
+    """What would decide an undecided verdict; empty if it is decided, or ruled out by a test."""
+    if verdict_text(here) != "undecided" or here["reason"].item():
         return ""
     if 0.05 < here["probability"].item() < 0.95:
-        beside = here["tests_beside"].item()
-        return "a change of conditions or of the scene" if beside else "a test at this point"
+        tested = here["nearby_tests"].item()
+        return "change the conditions or the scene" if tested else "run a test at this point"
     remedies = {
-        "interpolation": "more points near it", "preset": "a finer preset",
-        "warnings": "what its warnings ask for", "surface": "more patches (sweep.realizations)",
+        "interpolation": "simulate more points nearby", "discretization": "use a finer preset",
+        "warnings": "do what the warnings of its points ask for",
+        "surface": "simulate more surface realizations (sweep.realizations)",
     }  # fmt: skip
-    sizes = {name: here[f"error_{name}"].item() for name in remedies}
+    sizes = {name: here[f"temperature_error_{name}"].item() for name in remedies}
     return remedies[
         max(sizes, key=lambda name: math.inf if math.isnan(sizes[name]) else sizes[name])
     ]
 
 
 def margin_lines(here: xr.Dataset) -> Iterator[str]:
-    """Lines on one place."""
-    if here["verdict"].item() == "not known":
-        yield f"Not known: {here['reason'].item()}"
+    """Lines on one point."""
+    if verdict_text(here) == "unknown":
+        yield f"Unknown: {here['reason'].item()}"
         return
     yield sentence(here)
-    yield from (f"  {name:18}  {text}" for name, text in margin_facts(here))
+    yield from not_included_lines(here)
+    yield from (f"  {name:22}  {text}" for name, text in margin_facts(here))
     yield from (f"warning: {text}" for text in margin_warnings(here))
 
 
+def not_included_lines(found: xr.Dataset) -> Iterator[str]:
+    """The line below a verdict or a boundary on what is not included on the unsafe side."""
+    yield from (f"not included: {one}" for one in told(found, "not_included"))
+
+
 def margin_facts(here: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Yield the name and the value, in words, of each quantity of one place."""
-    flagged = _flags(here)
-    origin = "extrapolated beyond the computed points" if "extrapolated" in flagged else (
-        "interpolated between computed points" if "interpolated" in flagged else "computed there"
-    )  # fmt: skip
-    yield "judged at", told(here, "conditions")[0]
-    yield "temperature", f"{display(here['temperature'].item(), '°C', 4)}, {origin}"
-    yield "numerical error", error_text(here)
-    yield "model's own error", told(here, "model_error")[0]
+    """Yield the name and the value, as text, of each quantity of one point."""
+    origin = {
+        "simulated": "simulated at this point",
+        "interpolated": "interpolated between simulated points",
+        "extrapolated": "extrapolated beyond the simulated points by a power law in velocity",
+    }[str(code_text(here["origin"])[()])]
+    yield "conditions", told(here, "conditions")[0]
+    heat = display(here["governing_temperature"].item(), "°C", 4)
+    yield "governing temperature", f"{heat}, {origin}"
+    yield "numerical error (95 %)", error_text(here)
+    yield "model error", told(here, "model_error")[0]
     for axis in ("velocity", "load"):
-        value, outcome = here[f"critical_{axis}"].item(), here[f"{axis}_outcome"].item()
+        value, outcome = here[f"critical_{axis}"].item(), str(outcome_texts(here, axis)[()])
         if not outcome:
             continue
-        said = f"{value:.4g} {UNITS[axis]}, {value / here[axis].item():.3g} times the {axis}"
-        said += f"; {outcome}" * (outcome != "crosses")
+        ratio = f"{value / here[axis].item():.3g} times the operating {axis}"
+        said = f"{value:.4g} {UNITS[axis]}, {ratio}" + f"; {outcome}" * (outcome != "transition")
         yield f"critical {axis}", outcome if math.isnan(value) else said
-        tested = here["tested_velocity"].item()
+        tested = here["critical_velocity_p50"].item()
         if axis == "velocity" and not math.isnan(tested):
-            yield "with tests", f"{tested:.4g} m/s, where 50 % are severe"
+            yield "with tests", f"{tested:.4g} m/s (severe wear is 50 % probable)"
     yield "critical friction", f"{here['critical_friction'].item():.3g}"
     if here["reason"].item():
-        yield "no verdict", here["reason"].item()
-    if decider := decided_by(here):
-        yield "would decide it", decider
+        yield "verdict withheld", here["reason"].item()
+    if advice := to_decide(here):
+        yield "to decide", advice
 
 
 def margin_warnings(here: xr.Dataset) -> Iterator[str]:
-    """Yield what limits the answer on one place."""
-    flagged = _flags(here)
-    if "film_not_known" in flagged:
-        yield FILM_NOT_KNOWN
+    """Yield what limits the answer on one point."""
+    flagged = flags_of(here)
     if "ramp_passes_severe" in flagged:
-        yield "wear is severe at lower loads at this velocity, through which a ramp passes"
-    if "at_edge" in flagged:
-        yield "the contact touches the window's edge nearby: give more window.pixels"
+        yield "wear is severe at lower loads at this velocity, through which a load ramp passes"
+    if "contact_at_edge" in flagged:
+        yield "the contact reaches the edge of the window nearby; increase window.pixels"
 
 
-def _flags(here: xr.Dataset) -> set[str]:
-    """Names of the flags of one place."""
-    about = here["caveats"].attrs
+def flags_of(found: xr.Dataset) -> set[str]:
+    """Names of the flags that are set at any point."""
+    about = found["warning_flags"].attrs
     pairs = zip(about["flag_meanings"].split(), about["flag_masks"], strict=True)
-    return {name for name, mask in pairs if int(here["caveats"].item()) & mask}
+    flags = int(np.bitwise_or.reduce(found["warning_flags"].values.ravel()))
+    return {name for name, mask in pairs if flags & int(mask)}
 
 
 def next_run_line(found: xr.Dataset) -> str:
-    """Sentence on the velocities at which a further run is 5, 50 and 95 % likely to be severe.
+    """Sentence on the velocities at which severe wear is 5, 50 and 95 % probable.
 
-    They are stated at the lowest and the highest load of a boundary. Those beyond the sweep are
-    stated where 50 % are within it.
+    They are stated at the lowest and the highest load of a boundary.
     """
-    said, (lowest, highest) = [], found["velocity"].values[[0, -1]].tolist()
+    said = []
     for load in dict.fromkeys(found["load"].values[[0, -1]].tolist()):
         here = found.sel(load=load)
-        names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
-        low, middle, high = (here[name].item() for name in names)
-        is_inside, ends = lowest <= middle <= highest, {"5 %": low, "95 %": high}
-        if is_inside:
-            centre = f"at {middle:.3g} m/s"
-        elif math.isnan(middle):
-            centre = "at no velocity of the sweep"
-        else:
-            centre = f"below {lowest:.3g} m/s" if middle < lowest else f"above {highest:.3g} m/s"
-        known = {k: x for k, x in ends.items() if lowest <= x <= highest or is_inside}
-        likely = ", ".join(f"{k}: {x:.3g} m/s" for k, x in known.items() if math.isfinite(x))
-        said.append(f"{centre} at {load:g} N" + f" ({likely})" * bool(likely))
-    return f"severe wear is 50 % likely {'; '.join(said)}"
+        low, middle, high = (here[f"critical_velocity_p{p}"].item() for p in ("05", "50", "95"))
+        known = {"5 %": low, "95 %": high}
+        ends = ", ".join(f"{k}: {x:.3g} m/s" for k, x in known.items() if math.isfinite(x))
+        centre = "no velocity in the sweep" if math.isnan(middle) else f"{middle:.3g} m/s"
+        said.append(f"at {centre} at {load:g} N" + f" ({ends})" * bool(ends))
+    return f"severe wear is 50 % probable {'; '.join(said)}"
 
 
 def reason_lines(found: xr.Dataset) -> Iterator[str]:
-    """Why places have no verdict, each reason once, with its first place."""
+    """Why points have no verdict, each reason once, with its first point."""
     places = [
         found[name].broadcast_like(found["reason"]).values.ravel() for name in ("load", "velocity")
     ]
@@ -292,59 +299,71 @@ def reason_lines(found: xr.Dataset) -> Iterator[str]:
             yield f"{here[0][0]:g} N at {here[0][1]:g} m/s{more}: {reason}"
 
 
+def row_warnings(found: xr.Dataset) -> Iterator[str]:
+    """Warnings on several points, each once."""
+    yield from (f"warning: at some points {text}" for text in margin_warnings(found))
+
+
 def boundary_lines(found: xr.Dataset) -> Iterator[str]:
-    """Lines to print below a boundary: errors, tests, missing points."""
+    """Lines to print below a boundary: what is not included, errors, tests, missing points."""
+    yield from not_included_lines(found)
     yield from error_lines(found)
-    yield from apart_lines(found)
+    yield from shift_lines(found)
     yield from common_lines(found)
 
 
 def error_lines(found: xr.Dataset) -> Iterator[str]:
-    """Lines on the numerical error of a boundary and on the model's own."""
+    """Lines on the numerical error of a boundary and on the model error."""
     errors = found["velocity_error"].values
     if np.isfinite(errors).any():
         surface = found["velocity_error_surface"].values
-        part = f", surface {_percents(surface)}" * bool(np.nanmax(surface))
-        yield f"numerical error: ± {_percents(errors)} of the critical velocity (95 %){part}"
+        part = f", of which surface sampling {_percents(surface)}" * bool(np.nanmax(surface))
+        yield f"numerical error (95 %): ± {_percents(errors)} of the critical velocity{part}"
     else:
-        yield "numerical error: not known"
+        yield "numerical error: unknown"
     yield model_error_line(found)
 
 
 def model_error_line(found: xr.Dataset) -> str:
     """Line on how far the model may be off: in the first case, and how many others there are."""
     first, *others = told(found, "model_error")
-    return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
+    return f"model error: {first}" + f", and {len(others)} more" * bool(others)
 
 
-def apart_lines(found: xr.Dataset) -> Iterator[str]:
+def shift_lines(found: xr.Dataset) -> Iterator[str]:
     """Line on how far the boundary with tests is from the computed one, unless it is near."""
-    ratios = (found["tested_velocity"] / found["critical_velocity"]).values.ravel()
+    ratios = (found["critical_velocity_p50"] / found["critical_velocity"]).values.ravel()
     ratios = ratios[np.isfinite(ratios)]
-    apart = float(np.median(ratios)) - 1 if ratios.size else 0.0
-    if abs(apart) > _APART:
-        side = "higher" if apart > 0 else "lower"
-        yield f"the tests lie {100 * abs(apart):.0f} % {side} than computed, in velocity"
+    shift = float(np.median(ratios)) - 1 if ratios.size else 0.0
+    if abs(shift) > _SHIFT:
+        side = "higher" if shift > 0 else "lower"
+        size = f"{100 * abs(shift):.0f} %"
+        yield f"with tests, the boundary lies {size} {side} in velocity than computed"
 
 
 def common_lines(found: xr.Dataset) -> Iterator[str]:
     """Lines below any answer: tests that do not fit or wait, missing points, limits."""
     yield from test_lines(found)
     if missing := found.attrs["missing_points"]:
-        yield f"{missing} points are pending or failed and were left out"
+        yield f"{missing} points are pending or failed and were not used"
     yield from split_notes(told(found, "notes"))
 
 
 def test_lines(found: xr.Dataset) -> Iterator[str]:
     """Lines on tests that do not fit the others, and on those without a result."""
-    yield from split_notes(told(found, "misfits"))
-    yield from (f"not every verdict is given: {why}" for why in told(found, "waiting"))
+    yield from split_notes(told(found, "outliers"))
+    yield from withheld_lines(found)
 
 
-def judged_at(found: xr.Dataset) -> list[str]:
+def withheld_lines(found: xr.Dataset) -> Iterator[str]:
+    """Lines on verdicts that are withheld, as tests have no result."""
+    yield from (f"some verdicts are withheld: {why}" for why in told(found, "tests_without_result"))
+
+
+def conditions_lines(found: xr.Dataset) -> list[str]:
     """The line with the conditions of an answer; those of the first where rows differ in them."""
     each = told(found, "conditions")
-    return [f"judged at {one}" + f"; {len(each) - 1} more" * (len(each) > 1) for one in each[:1]]
+    return [f"conditions: {one}" + f"; {len(each) - 1} more" * (len(each) > 1) for one in each[:1]]
 
 
 def told(found: xr.Dataset, name: str) -> list[str]:

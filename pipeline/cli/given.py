@@ -17,7 +17,7 @@ from pipeline.cli.output import tell
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ALIKE
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import VARIANT, dimension_of
 from pipeline.units import to_si
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _FILES = ("disk.roughness.file", "loading.file", "sweep.along")
-CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
-"""Options on conditions, named as in `pipeline.at` and `changes_of`."""
+CONDITIONS = tuple(CONDITION_ENTRIES)
+"""Options on conditions, named as in `pipeline.margin`."""
 _NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
 """Numerical choices, which an accuracy replaces."""
 _OF_CONDITIONS = {path: name for name, path in PATHS.items()}

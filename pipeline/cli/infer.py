@@ -34,17 +34,17 @@ def infer(options: argparse.Namespace) -> Result:
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
-        raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
+        raise InputError(f"{flags_of(ignored)} applies only with --contact-width")
     if not sweep.tests:
         raise InputError(
-            f"the scene {sweep.name} has no tests; give it a [[measured]] with load and velocity, "
-            "or a [[tested]] with an outcome"
+            f"scene {sweep.name} has no tests; add a [[measured]] with load and velocity, or a "
+            "[[tested]] with an outcome"
         )
     least = replace(sweep._alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
     with working("simulating the tests") as progress, writing(options.kept, least) as store:
         compute_here(store, source=stored_tests_of(sweep), report=progress)
     ds = computed_dataset(store)
-    return _inferred_result(pipeline.infer(ds), pipeline.tests(ds))
+    return _inferred_result(pipeline.infer(ds), pipeline.compare_tests(ds))
 
 
 def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
@@ -52,13 +52,14 @@ def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
     values = {str(name): one.item() for name, one in found.items()}
     count = counted(tests.sizes["test"], "test", "tests")
     if not math.isnan(values["at_least"]):
-        said = f"critical temperature at least {display(values['at_least'], '°C', 3)} (95 %)"
+        said = f"critical temperature: at least {display(values['at_least'], '°C', 3)} (95 %)"
     elif not math.isnan(values["at_most"]):
-        said = f"critical temperature at most {display(values['at_most'], '°C', 3)} (95 %)"
+        said = f"critical temperature: at most {display(values['at_most'], '°C', 3)} (95 %)"
     else:
         said = (
-            f"critical temperature {display(values['critical_temperature'], '°C', 4)}, "
-            f"± {values['spread']:.2g} K on another rig, ± {values['own_spread']:.2g} K on this one"
+            f"critical temperature {display(values['critical_temperature'], '°C', 4)}; standard "
+            f"deviation {values['spread_another_rig']:.2g} K for another rig, "
+            f"{values['spread_this_rig']:.2g} K for this one"
         )
     frame = answer_frame(tests)
     text = [f"{said}, from {count}", "", short(frame), *words.common_lines(tests)]
@@ -68,7 +69,7 @@ def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     """Result for ``--contact-width``: the specific wear rate that gives this contact width."""
     if options.load is None or options.velocity is None:
-        raise InputError("--contact-width needs a load and a velocity; give --load and --velocity")
+        raise InputError("--contact-width also needs --load and --velocity")
     sweep = _hold_for(sweep, options.load, options.duration)
     *_, end = sweep.scene.all_stations(options.load)
     with working("seeking the wear rate, one simulation after the other"):

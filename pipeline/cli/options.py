@@ -192,8 +192,8 @@ CONDITIONS = OptionGroup("conditions, instead of the scene's", (
         str,
     ),
     several(
-        "--share SHARE", "share of the contact above the critical temperature beyond which wear is "
-        "severe, such as 10%%; 0 for the highest temperature", str,
+        "--critical-area-fraction F", "share of the contact above the critical temperature beyond "
+        "which wear is severe, such as 10%%; 0 for the highest temperature", str,
     ),
 ))  # fmt: skip
 

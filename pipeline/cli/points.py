@@ -32,7 +32,7 @@ def point(options: argparse.Namespace) -> Result:
     sweep = one_scene_in(options)
     require_bearable_load(sweep, load, "--load")
     if velocity <= 0:
-        raise InputError(f"velocity is {velocity:g} m/s; give a velocity above 0")
+        raise InputError(f"velocity is {velocity:g} m/s; it must be above 0")
     velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
     places = replace(
         sweep._take_surface(options.realization)._alone(),
@@ -44,7 +44,7 @@ def point(options: argparse.Namespace) -> Result:
     source = stored_tests_of(sweep) if places.tests else None
     count = len(velocities) + sum(len(one.places) for one in places.tests)
     if source is None and count > _MANY:
-        tell(f"{count} points are simulated, with those of tests")
+        tell(f"{count} points will be simulated, including those of tests")
     with working("simulating") as progress, writing(None, places) as store:
         wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
         compute_here(store, wanted, source, progress)
@@ -55,7 +55,7 @@ def _margin_result(ds: xr.Dataset, place: Place) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     contact = _contact_frame(ds.sel(load=[place[0]], velocity=[place[1]]))
     if scene_sweep(ds).conditions.critical_temperature is None:
-        text, frame = ["mild or severe is not known without temperature.critical"], contact
+        text, frame = ["without temperature.critical there is no verdict"], contact
     else:
         found = pipeline.margin(ds, *place)
         text = [*words.margin_lines(found), *words.common_lines(found)]
@@ -73,9 +73,10 @@ def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
 
 
 _CONTACT = {
-    "max_temperature": "highest temperature [°C]", "failed_fraction": "failed share [%]",
-    "pin_heat_share": "pin's heat share [%]", "contact_width": "contact width [µm]",
-    "contact_fraction": "contact area [%]", "mean_pressure": "mean pressure [GPa]",
+    "max_temperature": "highest temperature [°C]", "failed_fraction": "failed area fraction [%]",
+    "pin_heat_share": "heat into the pin [%]", "contact_width": "contact width [µm]",
+    "contact_fraction": "real contact area of the window [%]",
+    "mean_pressure": "mean pressure [GPa]",
     "max_pressure": "highest pressure [GPa]", "wear_depth_max": "wear depth [µm]",
     "wear_volume": "wear volume [mm³]", "time": "time [s]",
     "sliding_distance": "sliding distance [m]",

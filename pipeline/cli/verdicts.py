@@ -50,18 +50,18 @@ def _margin_text(found: xr.Dataset, is_one: bool, has_all: bool) -> list[str | p
             lines += [f"{', '.join(own)}:"] * bool(own)
             lines += words.margin_lines(here)
         return [*lines, *words.common_lines(found)]
-    verdicts, counts = np.unique(found["verdict"].values.astype(str), return_counts=True)
+    verdicts, counts = np.unique(words.code_text(found["verdict"]).astype(str), return_counts=True)
     said = ", ".join(f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True))
     lines += [f"{counted(int(counts.sum()), 'operating point', 'operating points')}: {said}"]
-    lines += words.judged_at(found)
+    lines += [*words.conditions_lines(found), *words.not_included_lines(found)]
     frame = margin_frame(found)
-    worst = frame if has_all else frame.sort_values("distance [K]").head(_MOST_ROWS)
+    worst = frame if has_all else frame.sort_values("temperature margin [K]").head(_MOST_ROWS)
     lines += ["", worst, ""]
-    lines += [f"{len(frame) - len(worst)} more rows: --all, or -o TABLE.csv"] * (
+    lines += [f"{len(frame) - len(worst)} more rows: use --all, or -o TABLE.csv"] * (
         len(worst) < len(frame)
     )
-    lines += words.reason_lines(found)
-    lines += [f"the model's own error: {one}" for one in words.told(found, "model_error")[:1]]
+    lines += [*words.reason_lines(found), *words.row_warnings(found)]
+    lines += [f"model error: {one}" for one in words.told(found, "model_error")[:1]]
     return [*lines, *words.common_lines(found)]
 
 
@@ -76,23 +76,23 @@ def boundary(options: argparse.Namespace) -> Result:
     ds = dataset_in(options)
     if options.by == "test":
         return _tests(ds, options)
-    with working("finding the boundary"):
+    with working("computing the boundary"):
         found = pipeline.boundary(ds, **conditions_in(options))
     parts = [name for name in map(str, found) if found[name].dims[-1:] == (options.by,)]
     shown = short(boundary_frame(found, options.by))
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
     left = len(shown) - len(few)
-    rests = [f"{left} more rows: --all, or -o TABLE.csv"] * bool(left)
-    rule = [f"judged at {one}" for one in words.told(found, "conditions")]
-    text = [*wrapped(rule[:1]), "", few, "", *wrapped([*rests, *words.boundary_lines(found)])]
+    rests = [f"{left} more rows: use --all, or -o TABLE.csv"] * bool(left)
+    rule = words.conditions_lines(found)
+    text = [*wrapped(rule), "", few, "", *wrapped([*rests, *words.boundary_lines(found)])]
     return Result(text=text, warned=pipeline.warned(ds), frames=[whole_frame(found, *parts)])
 
 
 def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
     """The tests of a scene, each at its own conditions, beside what is computed there."""
-    found = pipeline.tests(ds, **conditions_in(options))
+    found = pipeline.compare_tests(ds, **conditions_in(options))
     if not found.sizes["test"]:
-        raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
+        raise InputError("the scene has no tests; add [[measured]] or [[tested]] to it")
     table = answer_frame(found)
     lines: list[Any] = ["tests, each at its own friction and bulk temperature", short(table)]
     return Result(

@@ -22,7 +22,7 @@ from scipy.ndimage import distance_transform_edt
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.units import value_words
 from pipeline.constants import DECIDED
@@ -51,7 +51,7 @@ _NAMES = (
 )
 """Name of each region and its colour, by verdict."""
 COMPUTED = "computed boundary, numerical error"
-UNDECIDED = "undecided: severe wear 5 to 95 % probable"
+UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
 """Labels in legends."""
 _WIDE = 3.0  # width of a name over its height
 _LEAST_ROOM = 0.1  # around a name, over the width of a usual figure
@@ -98,7 +98,7 @@ def diagram(
     bulk = float(found["bulk_temperature"].values.flat[0])
     tests, entry, caption = mark_tests(axes, case, bulk)
     marked = [*tests, *places]
-    each = [f"judged at {one}" for one in words.told(found, "conditions")]
+    each = [f"conditions: {one}" for one in words.told(found, "conditions")]
     legend = Legend()
     if several:
         x, y, plane = _plane(ds, case, conditions)
@@ -185,12 +185,12 @@ def _captions(
         ends = float(film.min()), float(film.max())
         regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
         yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
-    yield from (f"not every verdict is given: {why}" for why in words.told(found, "waiting"))
+    yield from words.withheld_lines(found)
 
 
 def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     """Shade the plane by verdict, and hatch what is outside the model."""
-    verdict = plane["verdict"].values.astype(str)
+    verdict = plane["verdict"].values
     low, high = plane["probability_low"].values, plane["probability_high"].values
     mild, _, severe = DECIDED
     # Within a region its edge is where the probability passes; a test may cut it at a node.
@@ -199,8 +199,8 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     outside, legend = (verdict == OUTSIDE).astype(float), Legend()
     for values, levels, gid in (
         (highest, (-1.0, mild), "mild"),
-        (highest, (mild, 2.0), "not decided"),
-        (lowest, (severe, 2.0), "severe"),  # upon what is not decided
+        (highest, (mild, 2.0), "undecided"),
+        (lowest, (severe, 2.0), "severe"),  # upon what is undecided
     ):
         if ((values > levels[0]) & (values < levels[1])).any():
             filled = axes.contourf(x, y, values, levels, colors=[TINTS[gid]], zorder=0)
@@ -208,10 +208,10 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     if outside.any():
         look: dict[str, Any] = {"colors": ["white"], "hatches": ["///"], "zorder": 0.5}
         hatched = axes.contourf(x, y, outside, [0.5, 1.5], **look)
-        hatched.set(gid=OUTSIDE, edgecolor=GREY, linewidth=[0.0])
+        hatched.set(gid="outside", edgecolor=GREY, linewidth=[0.0])
         legend["outside the model: oil film"] = Patch(fc="none", ec=GREY, hatch="///")
-    if (verdict == NOT_DECIDED).any():
-        legend[UNDECIDED] = Patch(**style.BAND)
+    if (verdict == UNDECIDED).any():
+        legend[UNDECIDED_LABEL] = Patch(**style.BAND)
     return legend
 
 
@@ -227,10 +227,10 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
         has_tests = zero_line(axes, x, y, above, "boundary with tests", **style.BOUNDARY)
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
-    severity = plane["log_severity"].clip(-_STEEPEST, _STEEPEST).where(inside).values
+    severity = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).where(inside).values
     look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
     if zero_line(axes, x, y, severity, "boundary", **look):
-        apart = abs(plane["distance"]) - plane["temperature_error"].fillna(0.0)
+        apart = abs(plane["temperature_margin"]) - plane["temperature_error"].fillna(0.0)
         beside = apart.where(inside).values
         if (beside < 0).any():
             low = np.nanmin(beside) - 1.0
@@ -285,7 +285,7 @@ def _mark_points(
 ) -> Legend:
     """Mark the points of a single load or velocity, open where they are mild."""
     at = (xr.DataArray(case.loads, dims="load"), xr.DataArray(case.velocities, dims="velocity"))
-    y = pipeline.margin(ds, *at, **conditions)["log_severity"].transpose(*PLANE).values
+    y = pipeline.margin(ds, *at, **conditions)["log_rise_ratio"].transpose(*PLANE).values
     legend = Legend()
     for gid, where, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
         rows, columns = np.nonzero(where)
@@ -319,7 +319,7 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
 
 def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
     """Draw the transition of each case in its own colour; return the entries of the legend."""
-    planes = plane["log_severity"].clip(-_STEEPEST, _STEEPEST).stack(case=dims)
+    planes = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).stack(case=dims)
     planes = planes.transpose("case", *PLANE)
     shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, planes.sizes["case"]))
     legend = Legend()

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
-from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import sweep_of
 from pipeline.answers.units import value_words
 from pipeline.answers.words import ABOUT
@@ -21,9 +21,9 @@ from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
 from tribo import InputError
 
-MARKS: dict[str, tuple[str, dict[str, Any]]] = {
+MARKS: dict[int, tuple[str, dict[str, Any]]] = {
     MILD: ("mild", {"marker": "o", "mfc": "white", "mec": BLUE}),
-    NOT_DECIDED: ("not decided", {"marker": "D", "mfc": TINTS["severe"], "mec": VERMILION}),
+    UNDECIDED: ("undecided", {"marker": "D", "mfc": TINTS["severe"], "mec": VERMILION}),
     SEVERE: ("severe", {"marker": "s", "mfc": VERMILION, "mec": VERMILION}),
     OUTSIDE: ("outside the model", {"marker": "X", "mfc": "white", "mec": GREY}),
 }
@@ -49,7 +49,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     The temperature margin has its numerical error; at the right stands the probability of severe
     wear. The most critical row is bold: that with the highest probability.
     """
-    margin, error = (found[name].values for name in ("distance", "temperature_error"))
+    margin, error = (found[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
     names = row_names(found)
@@ -93,8 +93,8 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     )  # fmt: skip
     style.write_title(axes, title)
     lines = [f"most critical: {names[decides]}"]
-    lines += words.judged_at(found)
-    lines += [f"the model's own error: {one}" for one in words.told(found, "model_error")[:1]]
+    lines += words.conditions_lines(found)
+    lines += [f"model error: {one}" for one in words.told(found, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 
@@ -102,7 +102,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
 def deciding_row(found: xr.Dataset) -> int:
     """Position of the row that is most likely severe; of equal ones that with the least margin."""
     likely = np.nan_to_num(found["probability"].values, nan=-1.0)
-    return int(np.lexsort((-found["distance"].values, likely))[-1])
+    return int(np.lexsort((-found["temperature_margin"].values, likely))[-1])
 
 
 def row_names(found: xr.Dataset) -> list[str]:

@@ -30,13 +30,13 @@ BLUE, VERMILION, GREEN, SKY = (
     "#0072B2", "#D55E00", "#009E73", "#56B4E9",
 )  # fmt: skip
 """Okabe and Ito's palette, distinguishable with any colour vision."""
-TINTS = {"mild": "#F1F7FB", "not decided": "#FBE3D2", "severe": "#F0BE9B"}
+TINTS = {"mild": "#F1F7FB", "undecided": "#FBE3D2", "severe": "#F0BE9B"}
 """Shades of regions, which differ in grey, too: luminance 0.96, 0.90, 0.78."""
 ASKED = "#6A1B9A"  # marks of operating points
 THIN, THICK = 0.9, 2.2  # width of thin and heavy lines [pt]
 BIG, FAINT = 1.9, 0.35  # factor on the size of prominent marks; opacity of faint ones
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
-BAND: dict[str, Any] = {"fc": TINTS["not decided"], "ec": "none"}
+BAND: dict[str, Any] = {"fc": TINTS["undecided"], "ec": "none"}
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 """White outline for words over lines and marks; a box would hide these."""
 

@@ -15,12 +15,13 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.figures import style
-from pipeline.figures.diagram import UNDECIDED
+from pipeline.figures.diagram import UNDECIDED_LABEL
 from pipeline.figures.markers import legend_of_tests, mark_test
 from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
 _ROOM = 0.3  # above and below the rows of tests
+_Y = "log_rise_ratio"
 _BESIDE = 1.15  # factor between the outermost values and the axis' ends
 
 
@@ -33,22 +34,23 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     """
     if several := case_dims(ds):
         raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
-    found = pipeline.tests(ds, **conditions)
+    found = pipeline.compare_tests(ds, **conditions)
     if not found.sizes["test"]:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene"
         )
     known = found.isel(test=found["reason"].values == "")
     if not known.sizes["test"]:
-        raise InputError(f"no test of the scene has a result: {found.attrs['waiting']}")
+        why = found.attrs["tests_without_result"]
+        raise InputError(f"no test of the scene has a result: {why}")
     low, middle, high = map(math.exp, found.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * known.sizes["test"]))
     legend: dict[str, Any] = {
-        UNDECIDED: axes.axvspan(low, high, **style.BAND),
+        UNDECIDED_LABEL: axes.axvspan(low, high, **style.BAND),
         "boundary with tests (50 %)": axes.axvline(middle, **style.BOUNDARY),
         "computed boundary": axes.axvline(1.0, color=BLACK, lw=style.THIN),
     }
-    pairs = np.exp(np.stack([known["mild"].values, known["severe"].values], axis=1))
+    pairs = np.exp(np.stack([known[f"{_Y}_mild"].values, known[f"{_Y}_severe"].values], axis=1))
     outcomes = known["outcome"].values.tolist()
     for place, pair in enumerate(pairs):
         ends = pair[np.isfinite(pair)]
@@ -64,7 +66,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     axes.set(xlabel="computed rise ratio of the test")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests at their own conditions")
-    caption = f"the model's own error: {words.told(found, 'model_error')[0]}"
+    caption = f"model error: {words.told(found, 'model_error')[0]}"
     if missing := found.sizes["test"] - len(pairs):
         caption += f"\n{missing} of {found.sizes['test']} tests: no result"
     style.legend_below(

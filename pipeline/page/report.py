@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
-from pipeline.answers.judge import MILD, NOT_DECIDED, OUTSIDE, SEVERE
+from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import case_dims, open_sweep, sweep_of
 from pipeline.answers.tables import cells_of, short, writable_path, write_text
 from pipeline.figures import style
@@ -45,7 +45,7 @@ from tribo import InputError
 HEADLINES = {
     MILD: "Mild wear",
     SEVERE: "Severe wear (scuffing)",
-    NOT_DECIDED: "Not decided",
+    UNDECIDED: "Not decided",
     OUTSIDE: "Outside the model",
 }
 """The verdict in the words of the headline."""
@@ -68,7 +68,8 @@ _PAPER = (
 )
 _NARROW = 0.075  # width of figures on a telephone [m]
 _NO_INPUTS = ("fidelity", "measured", "tested", "sweep", "title", "caveat", "extends", "without")
-_DRAWN = ("log_severity", "mild", "severe", "by_the_others")  # which the figure of tests shows
+_Y = "log_rise_ratio"
+_DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
 _MOST_TOLD = 12  # loads of a boundary that are told in place of a figure
 
 
@@ -209,12 +210,12 @@ def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answe
     place = here["load"].item(), here["velocity"].item()
     headline = f"{HEADLINES[here['verdict'].item()]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
     facts = dict(words.margin_facts(here))
-    said = [_verdict(here)]
+    said = [_verdict(here), *map(_sentence, words.not_included_lines(here))]
     critical = f"critical velocity at {place[0]:.4g} N: {facts.get('critical velocity')}"
     said += [_sentence(critical)] * ("critical velocity" in facts)
-    said += [f"No verdict: {here['reason'].item()}."] * bool(here["reason"].item())
-    decider = words.decided_by(here)
-    said += [f"To decide it: {decider}."] * bool(decider)
+    said += [f"The verdict is withheld: {here['reason'].item()}."] * bool(here["reason"].item())
+    decider = words.to_decide(here)
+    said += [f"To decide it, {decider}."] * bool(decider)
     said += map(_sentence, _plain(words.common_lines(here)))
     table = Grid(
         "The operating point in numbers", ["quantity", "value"], [*map(list, facts.items())]
@@ -222,7 +223,7 @@ def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answe
     warned = [Items([*words.margin_warnings(here)])] * any(words.margin_warnings(here))
     first, *others = _plane(ds, conditions, [place])
     sections: list[Section] = [first, ("Operating point", [table, *warned]), *others]
-    return Answer(here["verdict"].item(), headline, said, sections)
+    return Answer(words.verdict_text(here), headline, said, sections)
 
 
 def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answer:
@@ -231,19 +232,24 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         several = ", ".join(map(str, found.sizes))
         raise InputError(f"a report has rows along one dimension, not along {several}; select one")
     decides, names = deciding_row(found), row_names(found)
-    verdicts = found["verdict"].values.tolist()
+    codes, verdicts = found["verdict"].values.tolist(), words.code_text(found["verdict"]).tolist()
     headline = (
-        f"{HEADLINES.get(verdicts[decides], 'Not known')} at the most critical operating point: "
+        f"{HEADLINES.get(codes[decides], 'Unknown')} at the most critical operating point: "
         f"{names[decides]}"
     )
     alt = "; ".join(
         f"{name}: {here}" + ("" if math.isnan(reserve) else f", {reserve:.3g} K")
-        for name, here, reserve in zip(names, verdicts, found["distance"].values, strict=True)
+        for name, here, reserve in zip(
+            names, verdicts, found["temperature_margin"].values, strict=True
+        )
     )
     caption = "Temperature margin of each row: critical minus governing temperature."
     picture = _picture(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
     grid = _grid(margin_frame(found), "Operating points; the deciding one is bold", decides)
-    notes = [*words.judged_at(found), *words.reason_lines(found), *words.common_lines(found)]
+    notes = [
+        *words.conditions_lines(found), *words.not_included_lines(found),
+        *words.reason_lines(found), *words.row_warnings(found), *words.common_lines(found),
+    ]  # fmt: skip
     notes = [*map(_sentence, _plain(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, Items(notes)])]
     if {*PLANE} <= {*ds["status"].dims}:
@@ -255,7 +261,7 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     counts = Counter(verdicts)
     told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
     said = [f"Operating points: {told}."]
-    if verdicts[decides] in HEADLINES:
+    if codes[decides] in HEADLINES:
         (row,) = found.sizes
         said.insert(0, _verdict(found.isel({row: decides})))
     return Answer(verdicts[decides], headline, said, sections)
@@ -277,8 +283,8 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         if all(low <= at <= high for at, (low, high) in zip(place, ends, strict=True))
     ]
     first = found.isel({dim: 0 for dim in found["critical_velocity"].dims if dim != "load"})
-    columns = (first[k].values for k in ("load", "critical_velocity", "velocity_outcome"))
-    each = zip(*columns, strict=True)
+    columns = first["load"].values, first["critical_velocity"].values
+    each = zip(*columns, words.outcome_texts(first, "velocity"), strict=True)
     told = (
         f"{load:g} N: {outcome if math.isnan(speed) else f'{speed:.3g} m/s'}"
         for load, speed, outcome in itertools.islice(each, _MOST_TOLD)
@@ -287,7 +293,7 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
         f"normal load. Computed velocity at which wear turns severe, by load: {'; '.join(told)}"
     )
-    caption = _sentence(words.judged_at(found)[0])
+    caption = _sentence(words.conditions_lines(found)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
     if missing := found.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
@@ -295,20 +301,21 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
     picture = _picture(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
     )
-    title = "Where wear turns severe, by load; tested: where a further run is severe by 5, 50, 95 %"
+    title = "Critical velocity, computed, and with tests: severe wear is 5, 50 and 95 % probable"
     crosses = bool(found["critical_velocity"].notnull().all())
-    is_plain = crosses and len({*found["velocity_outcome"].values.ravel()}) == 1
-    grid = _grid(short(boundary_frame(found), ["velocity outcome"] * is_plain), title)
+    is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
+    grid = _grid(short(boundary_frame(found), ["outcome"] * is_plain), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
-    lines = _errors(*words.error_lines(found), *words.apart_lines(found))
-    return [*sections, ("Errors", [Items(lines)])]
+    lines = _errors(*words.error_lines(found), *words.shift_lines(found))
+    missing = [*map(_sentence, words.not_included_lines(found))]
+    return [*sections, ("Errors", [Items([*missing, *lines])])]
 
 
 def _errors(*lines: str) -> list[str]:
     """Sentences on errors: how large each is, and where it comes from."""
-    origins = {"numerical": _NUMERICAL, "the model": _OF_MODEL}
+    origins = {"numerical": _NUMERICAL, "model error": _OF_MODEL}
     found = list[str]()
     for line in lines:
         origin = [text for begin, text in origins.items() if line.startswith(begin)]
@@ -318,13 +325,13 @@ def _errors(*lines: str) -> list[str]:
 
 def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
     """Yield tests beside what is computed for them."""
-    found = pipeline.tests(ds, **conditions)
+    found = pipeline.compare_tests(ds, **conditions)
     told = "What is computed for each test, beside its outcome."
     alt = f"{told} The table below has the numbers."
     yield _picture(lambda: draw_tests(ds, conditions), told, alt)
     table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
-    y = found["log_severity"].values
-    computed = ["" if math.isnan(one) else SEVERE if one > 0 else MILD for one in y]
+    y = found["log_rise_ratio"].values
+    computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
     table.insert(2, "computed", computed)
     yield _grid(table, "Tests, each at its own conditions, beside what is computed")
     if lines := [*words.test_lines(found)]:

@@ -242,7 +242,6 @@ def _pair(value: Any) -> tuple[float, float]:
 def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
     values = {name: entry_at(tables, path) for name, path in PATHS.items()}
-    values["critical_area_fraction"] = values.pop("share")
     values["corrections"] = corrections_of(tables, scene)
     # Of a scene without [model], the rise beside it has its default.
     known = {name: one for name, one in values.items() if one is not None}

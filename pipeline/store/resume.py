@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.sweep.case import Test
 from pipeline.sweep.codec import differences, encode
-from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import wanted_slots
 from pipeline.sweep.sweep import Sweep, variant_words
@@ -18,7 +18,7 @@ from tribo import InputError
 _ENTRIES = {
     "pixels.shape": "window.pixels", "pixels.spacing": "window.pixel_size",
     "roughness": "disk.roughness", "pin.material": "material of the pin",
-    "disk": "material of the disk", **FIELDS,
+    "disk": "material of the disk", **PATHS,
 }  # fmt: skip
 """Entries of the scene file, by the beginning of an object's path where the two differ."""
 

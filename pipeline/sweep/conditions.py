@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -17,22 +16,17 @@ PATHS = {
     "friction": "friction.coefficient",
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
-    "share": "temperature.failing_share",
+    "critical_area_fraction": "temperature.failing_share",
     "unmodelled_rise": "model.rise",
 }
-"""Entries of the scene file that act after the simulation, by the names of `changes_of`."""
+"""Entries of the scene file that act after the simulation, by the conditions' names."""
 DIMENSIONS = {dimension_of(path): path for path in PATHS.values()}
 """Those entries by the name of the dimension that several values make."""
-FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
-"""Entries of the scene file that act after the simulation, by the names of `plain_values`."""
-CONDITION_ENTRIES = {
-    name: FIELDS[name]
-    for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share")
-}
+CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "unmodelled_rise"}
 """Conditions that rows of tables may set, and their entries in a scene."""
 UNITS = {
     "friction": "1", "bulk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1", "unmodelled_rise": "1",
+    "critical_area_fraction": "1", "unmodelled_rise": "1",
 }  # fmt: skip
 """Units of those of `plain_values` that are numbers."""
 OF_TESTS = "friction", "bulk_temperature", "corrections"
@@ -51,7 +45,7 @@ def plain_values(conditions: Conditions) -> dict[str, Any]:
         "critical_temperature": conditions.critical_temperature,
         "unmodelled_rise": conditions.unmodelled_rise,
         "corrections": corrections and corrections.as_dict(),
-        "failing_share": conditions.critical_area_fraction,
+        "critical_area_fraction": conditions.critical_area_fraction,
     }
     return {k: v for k, v in values.items() if v is not None or k != "corrections"}
 
@@ -77,19 +71,6 @@ def rise_limit(conditions: Conditions) -> float:
     return verdict.rise_limit(conditions)
 
 
-def changes_of(**given: Any) -> dict[str, Any]:
-    """Changes for `changed_conditions`, from values by the names in `PATHS` that are not None."""
-    return {name: value for name, value in given.items() if value is not None}
-
-
 def with_own(conditions: Conditions, own: Conditions) -> Conditions:
     """The `conditions` with what each test has of its own taken from `own`."""
     return replace(conditions, **{name: getattr(own, name) for name in OF_TESTS})
-
-
-def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Conditions:
-    """Conditions with some values replaced; `changes` has them by name, as `changes_of` does."""
-    values = dict(changes)
-    if "share" in values:
-        values["critical_area_fraction"] = values.pop("share")
-    return replace(conditions, **values)

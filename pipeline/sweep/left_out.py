@@ -10,8 +10,8 @@ from pipeline.shipped import typed_name
 from pipeline.sweep.sweep import Sweep
 from tribo import Corrections, Track
 
-UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
-"""Caveat where Λ is stated for a ball or a crowned pin."""
+UNKNOWN_FILM = "the share of the load carried by the oil film is unknown here (irg help physics)"
+"""Note for smooth bodies, balls and crowned pins in oil."""
 
 
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
@@ -32,17 +32,6 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     return {name: Track.under(pin, materials[name], around) for name in cold}
 
 
-def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of a track's earlier turns is left out; None if none is left out.
-
-    `severe` states, if known, where wear is severe with that heat.
-    """
-    if not cold_tracks(sweep):
-        return None
-    effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
-    return f"earlier turns are left out: with them wear {effect}"
-
-
 def note_on_turns(sweep: Sweep) -> str | None:
     """Note on how to include the heat of a track's earlier turns; None if none is left out."""
     tracks = cold_tracks(sweep)
@@ -58,15 +47,20 @@ def note_on_turns(sweep: Sweep) -> str | None:
     )
 
 
-def note_on_ends(sweep: Sweep) -> str | None:
-    """Note that severe wear begins earlier at the sharp ends of a cylinder.
-
-    None for other pins, and for a pin that turns.
-    """
+def has_sharp_ends(sweep: Sweep) -> bool:
+    """True for a cylinder, at whose sharp ends severe wear begins earlier, unless it turns."""
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.velocities)
-    if sweep.scene.pin.length is None or pin_turns:
+    return sweep.scene.pin.length is not None and not pin_turns
+
+
+def note_on_ends(sweep: Sweep) -> str | None:
+    """Note that severe wear begins earlier at the sharp ends of a cylinder; None for others."""
+    if not has_sharp_ends(sweep):
         return None
-    return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"
+    return (
+        "the pin's sharp ends are not modelled; severe wear starts there at 9–23 % lower velocity "
+        "(irg help physics)"
+    )
 
 
 def doubt_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:

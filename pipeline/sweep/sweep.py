@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.case import Case, Test
 from pipeline.sweep.codec import digest
-from pipeline.sweep.conditions import Conditions, changed_conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import AREAS, Variant, Variants, surfaces
@@ -240,14 +240,14 @@ class Sweep:
         return replace(self, cases=cases, variants=variants)
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
-        """The sweep with the conditions of all cases replaced as by `changed_conditions`.
+        """The sweep with the conditions of all cases replaced by `changes`, values by name.
 
         Tests keep their own: answers take the oil's limit for them too.
         """
         if not changes:
             return self
         base, *cases = (
-            replace(case, conditions=changed_conditions(case.conditions, changes))
+            replace(case, conditions=replace(case.conditions, **changes))
             for case in (self.base, *self.cases)
         )
         judged = {**self.judged, **changes}

@@ -1,6 +1,15 @@
 """The answer on one place as plain values, for tests of closed forms."""
 
+import numpy as np
+
 import pipeline
+
+
+def named(variable):
+    """Names of the codes of a variable with flags, as its attributes state them."""
+    about = variable.attrs
+    names = dict(zip(about["flag_values"].tolist(), about["flag_meanings"].split(), strict=True))
+    return np.vectorize(lambda code: names.get(code, ""), otypes=[object])(variable.values)
 
 
 class Asked:
@@ -13,15 +22,25 @@ class Asked:
         return self.found[name].item()
 
     @property
+    def verdict(self):
+        """The verdict, as text."""
+        return str(named(self.found["verdict"])[()])
+
+    @property
+    def origin(self):
+        """Where the result is from, as text."""
+        return str(named(self.found["origin"])[()])
+
+    @property
     def flags(self):
-        """Names of the caveats that hold."""
-        about = self.found["caveats"].attrs
+        """Names of the flags that are set."""
+        about = self.found["warning_flags"].attrs
         pairs = zip(about["flag_meanings"].split(), about["flag_masks"], strict=True)
-        return {name for name, mask in pairs if int(self.caveats) & mask}
+        return {name for name, mask in pairs if int(self.warning_flags) & mask}
 
     @property
     def patches(self):
-        return self.found.attrs["patches"]
+        return self.found.attrs["realizations"]
 
     @property
     def notes(self):

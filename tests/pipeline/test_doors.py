@@ -9,6 +9,7 @@ import pytest
 
 import pipeline
 from tests.helpers import page_sweeps, synthetic
+from tests.helpers.asked import named
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
@@ -74,8 +75,8 @@ def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
     asked = np.transpose([*places(STORES[name](), 100)])
     ds = STORES[name]().assign_attrs(without_tests="yes")
     found = pipeline.margin(ds, [*asked[0]], [*asked[1]])
-    known = found.isel(place=(found["verdict"] != "not known") & (abs(found["distance"]) > 1e-6))
-    assert ((known["distance"] < 0) == (known["probability"] > 0.5)).all()
+    known = found.isel(place=abs(found["temperature_margin"]) > 1e-6)
+    assert ((known["temperature_margin"] < 0) == (known["probability"] > 0.5)).all()
     known = known["place"] if "place" in known.coords else known["verdict"]
     assert len(known) > (3 if name == "one column" else 80)
 
@@ -89,13 +90,13 @@ def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
     asked, seen = np.transpose([*places(STORES[name](), 120)]), set()
     # The end of a drawn region is known only to within a cell of the figure's grid.
     around = [
-        pipeline.margin(ds, [*(factor * asked[0])], [*(factor * asked[1])])["verdict"].values
+        named(pipeline.margin(ds, [*(factor * asked[0])], [*(factor * asked[1])])["verdict"])
         for factor in (0.98, 1.0, 1.02)
     ]
     for load, velocity, *verdicts in zip(*asked, *around, strict=True):
         painted = [
             verdict
-            for verdict in ("mild", "not decided", "severe")  # each upon those before
+            for verdict in ("mild", "undecided", "severe")  # each upon those before
             for path in regions.get(f"{verdict} region", ())
             if path.contains_point((velocity, load))
         ]
@@ -111,7 +112,8 @@ def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
 def test_the_ends_of_the_band_are_5_and_95_percent_of_margins(name):
     found, asked = pipeline.boundary(ds := STORES[name]()), 0
     for bound, share in (
-        ("tested_velocity_low", 0.05), ("tested_velocity", 0.5), ("tested_velocity_high", 0.95),
+        ("critical_velocity_p05", 0.05), ("critical_velocity_p50", 0.5),
+        ("critical_velocity_p95", 0.95),
     ):  # fmt: skip
         velocities, ends = found[bound].values, found["velocity"].values[[0, -1]]
         inside = (velocities >= ends[0]) & (velocities <= ends[1])
@@ -149,15 +151,15 @@ def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
         (alone,) = irg("point", scene, *place, "--json")
         (within,) = irg("margin", plane, *place, "--json")
         (row,) = np.flatnonzero((table["load"] == load) & (table["velocity"] == velocity))
-        own = {"temperature [°C]": table["temperature"].values[row] - 273.15}
-        own["verdict"] = table["verdict"].values[row]
+        own = {"governing temperature [°C]": table["governing_temperature"].values[row] - 273.15}
+        own["verdict"] = named(table["verdict"])[row].replace("_", " ")
         for door in (alone, own):
-            hot = door["temperature [°C]"]
-            assert hot == pytest.approx(within["temperature [°C]"], **SAME)
-            assert door["verdict"] in (within["verdict"], "not decided")
+            hot = door["governing temperature [°C]"]
+            assert hot == pytest.approx(within["governing temperature [°C]"], **SAME)
+            assert door["verdict"] in (within["verdict"], "undecided")
             verdicts.add(door["verdict"])
     assert {"mild", "severe"} <= verdicts
     store, along = plane.with_name("rows.zarr"), f"--set=sweep.along={plane.with_name('rows.csv')}"
     assert f"next: irg margin {store}" in irg("run", scene, along, "-o", store)
     page = Path(irg("report", store).splitlines()[0]).read_text(encoding="utf-8")
-    assert re.findall("<td[^>]*>(mild|severe|not decided)</td>", page) == [*table["verdict"].values]
+    assert re.findall("<td[^>]*>(mild|severe|undecided)</td>", page) == [*named(table["verdict"])]

@@ -12,7 +12,7 @@ import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.store.schema import test_variable as variable_at_tests
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.asked import asked, named
 from tribo.simulation.film import film_excess, film_inlet
 
 SAID = "utside the model: the oil film carries more than a fifth of the load"
@@ -96,13 +96,13 @@ def test_a_place_outside_has_a_temperature_and_no_verdict(store, irg, tmp_path):
     out, within = (["--load", "400 N", "--velocity", v] for v in ("2.1 m/s", "1.9 m/s"))
     said = irg("margin", "out.zarr", *out)
     assert said.startswith(f"O{SAID}; the contact is at ")
-    assert "likely" not in said.splitlines()[0]
+    assert "probability" not in said.splitlines()[0]
     assert irg("margin", "out.zarr", *within).startswith("Not decided: severe wear is")
     (row,) = irg("margin", "out.zarr", *out, "--json")
-    assert (row["verdict"], row["probability"]) == ("outside", None)
-    assert row["temperature [°C]"] > 100
+    assert (row["verdict"], row["probability"]) == ("outside the model", None)
+    assert row["governing temperature [°C]"] > 100
     found = pipeline.margin(store, [400.0, 400.0], [1.0, 2.1])
-    assert found["verdict"].values.tolist() == ["mild", "outside"]
+    assert named(found["verdict"]).tolist() == ["mild", "outside_model"]
 
 
 def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg, tmp_path):
@@ -110,12 +110,12 @@ def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg,
     inside = found["critical_velocity"].dropna("load")
     assert 0 < inside.size < found.sizes["load"]  # the film grows with velocity: low loads go
     assert inside["load"].min() > 400.0
-    assert f"o{SAID}" in str(found["velocity_outcome"].sel(load=200.0).item())
+    assert named(found["outcome_along_velocity"].sel(load=200.0)) == "outside_model"
     # A velocity at which the whole line of loads is outside has no outcome, either.
     fastest = float(found["velocity"][-1])
     ends = found["load"].values[[0, -1]]
     assert {asked(store, float(load), fastest).verdict for load in ends} == {"outside"}
-    assert f"o{SAID}" in str(found["load_outcome"].sel(velocity=fastest).item())
+    assert named(found["outcome_along_load"].sel(velocity=fastest)) == "outside_model"
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
     assert "outside the model: oil film" in drawn
@@ -133,7 +133,7 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     every = filmed(inlet=1e9)
     counted = pipeline.margin(own, 700.0, 0.6).attrs["model_error"]
     assert "by 2 tests" in counted  # not those at 400 N, 2.25 m/s and 200 N, 3.75 m/s
-    assert "by no test" in pipeline.margin(every, 700.0, 0.5).attrs["model_error"]
+    assert "from the prior" in pipeline.margin(every, 700.0, 0.5).attrs["model_error"]
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: own)
     said = " ".join(irg("boundary", "out.zarr").split())
     assert "(transition, 200 N, 3.75 m/s) says nothing of the model: an oil film" in said

@@ -86,13 +86,13 @@ def slippery():
     return with_fields(ds, conditions=replace(sweep_of(ds).conditions, corrections=falling))
 
 
-CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = Outcome
+CROSSES, MILD, SEVERE, ABOVE, BELOW, SEVERAL, UNKNOWN, *_ = Outcome
 SEVERE_NEARLY_EVERYWHERE = {"friction": 0.3}
 OTHERS = (
     {"friction": 0.05},
     {"friction": 0.07, "bulk_temperature": 330.0, "critical_temperature": 400.0},
-    {"share": 0.4, "friction": 0.12},
-    {"share": 0.0, "friction": 0.08},
+    {"critical_area_fraction": 0.4, "friction": 0.12},
+    {"critical_area_fraction": 0.0, "friction": 0.08},
 )
 ASKED = [
     pytest.param(name, changes, id=f"{name}, {changes}")
@@ -136,9 +136,9 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, chang
             deciding_rise(sweep, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
             for sweep in (ds, truth)
         )
-        all_turns = crossings[f"turns_at_{axis}"].values
+        all_turns = crossings[f"crossings_along_{along}"].values
         all_turns = all_turns.reshape(-1, all_turns.shape[-1])
-        outcomes = crossings[f"{along}_outcome_code"].values.ravel()
+        outcomes = crossings[f"outcome_along_{along}"].values.ravel()
         if len(partial) > 1:  # patches of one specimen, whose mean is no point of either
             continue
         lines = zip(partial, true, all_turns, outcomes, strict=True)
@@ -181,9 +181,11 @@ def test_margins_say_what_the_boundary_says(name, changes):
         margin = ask(ds, float(loads[i]), float(velocities[j]), **changes)
         severe = true[:, i, j]
         assert margin.patches == len(severe)
-        assert (margin.distance < 0) == severe.all() or len(severe) > 1
+        assert (margin.temperature_margin < 0) == severe.all() or len(severe) > 1
         for axis, along, place in (("load", "velocity", i), ("velocity", "load", j)):
             line = crossings.isel({axis: place})
             critical = line[f"critical_{along}"].item()
             np.testing.assert_allclose(getattr(margin, f"critical_{along}"), critical, rtol=1e-12)
-            assert getattr(margin, f"{along}_outcome") == line[f"{along}_outcome"].item()
+            assert (
+                getattr(margin, f"outcome_along_{along}") == line[f"outcome_along_{along}"].item()
+            )

@@ -120,11 +120,11 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     assert "pin radius 4 mm:" in said
     (one, other) = irg("margin", swept, *place, "--json")
     assert (one["pin radius [mm]"], other["pin radius [mm]"]) == (2.0, 4.0)
-    assert one["distance [K]"] < other["distance [K]"]
+    assert one["temperature margin [K]"] < other["temperature margin [K]"]
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
     table = pipeline.margin(swept, folder / "duty.csv")
-    assert table["distance"].values.ravel().tolist() == pytest.approx(
-        [one["distance [K]"], other["distance [K]"]], rel=1e-12
+    assert table["temperature_margin"].values.ravel().tolist() == pytest.approx(
+        [one["temperature margin [K]"], other["temperature margin [K]"]], rel=1e-12
     )
 
 

@@ -48,11 +48,17 @@ def test_it_acts_as_more_friction_does(kind):
     ds = KINDS[kind]()
     rubbed = {"friction": ADDED * sweep_of(ds).conditions.friction}
     plain, boundary, like = (pipeline.boundary(ds, **own) for own in ({}, RISE, rubbed))
-    for name in ("critical_velocity", "critical_load", "tested_velocity"):
+    for name in ("critical_velocity", "critical_load", "critical_velocity_p50"):
         np.testing.assert_allclose(boundary[name], like[name], rtol=1e-12)
         assert not plain[name].equals(boundary[name])
     margin, same = (asked(ds, 600.0, 1.2, **own) for own in (RISE, rubbed))
-    for name in ("temperature", "distance", "probability", "probability_high", "critical_velocity"):
+    for name in (
+        "governing_temperature",
+        "temperature_margin",
+        "probability",
+        "probability_high",
+        "critical_velocity",
+    ):
         assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-9)
     both = pipeline.temperatures(ds, **RISE), pipeline.temperatures(ds, **rubbed)
     xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)

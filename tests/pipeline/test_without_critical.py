@@ -60,7 +60,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     (row,) = irg("point", scene, *place, "--json")
     assert "verdict" not in row
     assert row["highest temperature [°C]"] > 25
-    assert "not known without temperature.critical" in irg("point", scene, *place)
+    assert "without temperature.critical there is no verdict" in irg("point", scene, *place)
     judged = irg("point", scene, *place, "--critical-temperature", "145 degC")
     assert "K below the critical" in judged.replace("\n    ", " ")
     out = str(tmp_path / "out.zarr")

@@ -12,7 +12,7 @@ from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.simulation.lubrication import find_lubrication
 
-CROSSES, MILD, SEVERE, UNKNOWN = range(4)
+TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 6
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def curved(load, velocity, quantile=1.0):
 
 @pytest.mark.parametrize("share", [0.1, 0.0])  # 0 is the maximum temperature
 def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
-    crossings = boundary(sweep, share=share)
+    crossings = boundary(sweep, critical_area_fraction=share)
     limit = synthetic.limit()
     expected = synthetic.critical_velocity(LOADS, limit, share)
     np.testing.assert_allclose(crossings["critical_velocity"], expected, rtol=1e-13)
@@ -58,15 +58,16 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
     for conditions in ({"critical_temperature": 3000.0}, {"friction": 0}):
         cold = boundary(sweep, **conditions)
         assert np.isnan(cold["critical_velocity"]).all()
-        assert (cold["velocity_outcome_code"] == MILD).all()
-        assert (cold["load_outcome_code"] == MILD).all()
+        assert (cold["outcome_along_velocity"] == MILD).all()
+        assert (cold["outcome_along_load"] == MILD).all()
     hot = boundary(sweep, critical_temperature=300.0)
     assert np.isnan(hot["critical_load"]).all()
-    assert (hot["load_outcome_code"] == SEVERE).all()
+    assert (hot["outcome_along_load"] == SEVERE).all()
     crossings = boundary(sweep)
-    assert (crossings["velocity_outcome_code"] == CROSSES).all()
+    assert (crossings["outcome_along_velocity"] == TRANSITION).all()
     assert (
-        crossings["load_outcome_code"].values.tolist() == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
+        crossings["outcome_along_load"].values.tolist()
+        == [MILD] * 3 + [TRANSITION] * 10 + [SEVERE] * 2
     )
 
 
@@ -76,14 +77,17 @@ def test_only_the_last_step_counts():
     hot = ds.assign(rise_quantile=ds["rise_quantile"].where(~earlier, 1e4))
     assert boundary(hot).equals(boundary(synthetic.sweep()))
     unfinished = ds.assign(rise_quantile=ds["rise_quantile"].where(earlier))
-    assert (boundary(unfinished)["velocity_outcome_code"] == UNKNOWN).all()
+    assert (boundary(unfinished)["outcome_along_velocity"] == UNKNOWN).all()
 
 
 def test_deciding_temperature_is_that_of_the_closed_form(sweep):
-    places, judged = (LOADS[::4], VELOCITIES[[0, 7, 14]]), {"friction": 0.2, "share": 0.05}
+    places, judged = (
+        (LOADS[::4], VELOCITIES[[0, 7, 14]]),
+        {"friction": 0.2, "critical_area_fraction": 0.05},
+    )
     found = pipeline.margin(sweep, *places, bulk_temperature=310.0, **judged)
     expected = 310.0 + 0.2 * synthetic.rise(*places, 0.95)
-    np.testing.assert_allclose(found["temperature"], expected, rtol=1e-12)
+    np.testing.assert_allclose(found["governing_temperature"], expected, rtol=1e-12)
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
@@ -109,21 +113,24 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
     )
     found = boundary(synthetic.sweep(measured=tests))
     np.testing.assert_array_equal(found["critical_velocity"], boundary(plain)["critical_velocity"])
-    ratio = found["tested_velocity"] / found["critical_velocity"]
+    ratio = found["critical_velocity_p50"] / found["critical_velocity"]
     assert ratio.values == pytest.approx((0.9 ** (1 / 0.7)), rel=0.04)
-    said = (
-        f"the tests lie {100 * (1 - float(ratio.median())):.0f} % lower than computed, in velocity"
-    )
+    off = f"{100 * (1 - float(ratio.median())):.0f} %"
+    said = f"with tests, the boundary lies {off} lower in velocity than computed"
     assert said in boundary_lines(found)
-    band = [found[f"tested_velocity_{end}"].values for end in ("low", "high")]
-    assert np.all(band[0][2:-2] < found["tested_velocity"].values[2:-2])
-    assert np.nanmax(band[1] / found["tested_velocity"]) < 1.3
+    band = [found[f"critical_velocity_p{end}"].values for end in ("05", "95")]
+    assert np.all(band[0][2:-2] < found["critical_velocity_p50"].values[2:-2])
+    assert np.nanmax(band[1] / found["critical_velocity_p50"]) < 1.3
     said = next_run_line(found)
-    assert said.startswith(f"severe wear is 50 % likely at {found['tested_velocity'][0]:.3g} m/s")
+    assert said.startswith(
+        f"severe wear is 50 % probable at {found['critical_velocity_p50'][0]:.3g} m/s"
+    )
 
 
 def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_it():
     found = boundary(synthetic.sweep(velocities=(1.0, 1.5, 2.0)))
-    assert found["tested_velocity"][0] > 3.0
+    assert np.isnan(found["critical_velocity_p50"][0])
     said = next_run_line(found)
-    assert said.startswith("severe wear is 50 % likely above 2 m/s at 200 N; at 1.2")
+    assert said.startswith(
+        "severe wear is 50 % probable at no velocity in the sweep at 200 N; at 1.2"
+    )

@@ -19,7 +19,7 @@ def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
 @pytest.mark.parametrize("place", [("751 N", "4 m/s"), ("750 N", "4.001 m/s")])
 def test_a_place_beyond_by_more_than_rounding_is_refused(place):
     here = asked(synthetic.sweep(), *place)
-    assert here.verdict == "not known"
+    assert here.verdict == "unknown"
     assert "the sweep has" in here.reason
 
 

@@ -34,7 +34,7 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
     for load, velocity in ((600.0, 1.0), (625.0, 1.0), (300.0, 3.5)):
         margin = asked(ds, load, velocity)
         expected = temperature(FALLING, load, velocity)
-        assert margin.temperature == pytest.approx(expected, abs=1e-6)
+        assert margin.governing_temperature == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():
@@ -50,7 +50,7 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
         return synthetic.rise(load, velocity, quantile)
 
     ds = synthetic.sweep(measured=tuple(tests[:3]), tested=tuple(tests[3:]), conditions=conditions)
-    found = pipeline.tests(ds)["temperature"].values
+    found = pipeline.compare_tests(ds)["governing_temperature"].values
     for test, hot in zip(tests, found, strict=True):
         friction = test.friction or 0.1 * float(FALLING.friction.at(test.velocity))
         warm = 298.15 + friction * float(rise(test.normal_load, test.velocity, 0.9))
@@ -60,14 +60,16 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
 def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the_closed_form():
     ds = with_fields(swept(BACK), model_bias=0.0, model_scatter=0.001, preset="reference")
     crossings = pipeline.boundary(ds)
-    assert (crossings["velocity_outcome_code"] == 6).any()
+    assert (crossings["outcome_along_velocity"] == 5).any()
     fine = np.geomspace(0.5, 6.0, 20001)
     for load in (200.0, 250.0, 600.0):
         severe = temperature(BACK, load, fine) > 418.15
         turns = fine[1:][severe[1:] != severe[:-1]]
         found = crossings.sel(load=load)
-        assert found["velocity_outcome"].item().startswith("severe up to") == severe[0]
-        assert found["turns_at_load"].dropna("turn").values == pytest.approx(turns, rel=1e-3)
+        assert np.isnan(found["critical_velocity"].item()) == severe[0]
+        assert found["crossings_along_velocity"].dropna("crossing").values == pytest.approx(
+            turns, rel=1e-3
+        )
         for velocity in (0.51, 1.0, 2.5, 4.0, 5.9):
             margin = asked(ds, load, velocity)
             first = np.nan if severe[0] else turns[0]

@@ -98,7 +98,9 @@ def test_a_first_patch_without_a_point_does_not_hide_the_others():
 
 
 def test_where_the_highest_temperature_decides_the_hottest_patch_does():
-    np.testing.assert_allclose(factor(patches(), share=0.0), max(LIFTS), rtol=1e-12)
+    np.testing.assert_allclose(
+        factor(patches(), critical_area_fraction=0.0), max(LIFTS), rtol=1e-12
+    )
 
 
 def test_one_patch_is_shown_alone():
@@ -134,9 +136,9 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
     spread = np.sum((levels - levels.mean()) ** 2)
     deviation = math.sqrt((7 * 0.03**2 + spread) / (6 + count))
     expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
-    rise = found.temperature - synthetic.CONDITIONS["bulk_temperature"]
-    assert found.error_surface / rise == pytest.approx(expected, rel=1e-12)
-    parts = [getattr(found, f"error_{part}") for part in PARTS]
+    rise = found.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    assert found.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
+    parts = [getattr(found, f"temperature_error_{part}") for part in PARTS]
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
 
 
@@ -159,10 +161,10 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     ds = patches(sampling=0.03)
     found = pipeline.boundary(ds).sel(load=400.0)
     here = asked(ds, 400.0, found["critical_velocity"].item())
-    rise = here.temperature - synthetic.CONDITIONS["bulk_temperature"]
-    parts = np.array([getattr(here, f"error_{part}") for part in PARTS])
+    rise = here.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    parts = np.array([getattr(here, f"temperature_error_{part}") for part in PARTS])
     parts = parts / rise / synthetic.VELOCITY_EXPONENT
-    parts[1] = here.error_preset / rise / RISE_SHARE  # promised of the velocity itself
+    parts[1] = here.temperature_error_discretization / rise / RISE_SHARE
     assert found["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
     assert found["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
@@ -170,8 +172,8 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
 def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
     relative = []
     for share in (0.1, 0.0):
-        found = asked(patches(), 400.0, 2.0, share=share)
-        relative.append(found.error_surface / (found.temperature - 298.15))
+        found = asked(patches(), 400.0, 2.0, critical_area_fraction=share)
+        relative.append(found.temperature_error_surface / (found.governing_temperature - 298.15))
     assert relative[1] / relative[0] == pytest.approx(math.sqrt(len(LIFTS)), rel=1e-9)
 
 
@@ -187,5 +189,7 @@ def test_a_test_is_computed_on_the_first_patch_and_stands_on_the_level_of_the_sp
 
 def test_the_specimen_of_patches_that_differ_a_lot_is_decided_by_more_patches():
     here = asked(patches((1.0, 1.4), sampling=0.1), 400.0, 1.9)
-    assert here.verdict == "not decided"
-    assert here.error_surface == max(getattr(here, f"error_{part}") for part in PARTS)
+    assert here.verdict == "undecided"
+    assert here.temperature_error_surface == max(
+        getattr(here, f"temperature_error_{part}") for part in PARTS
+    )

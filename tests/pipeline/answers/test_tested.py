@@ -92,7 +92,7 @@ def test_while_a_test_has_no_result_no_verdict_is_given_that_it_may_forbid(state
     ds = synthetic.with_tests(ds, status=state)
     found = [asked(ds, 500.0, v) for v in (0.5, 4.0)]
     for margin, usual in zip(found, ("mild", "severe"), strict=True):
-        assert margin.verdict == ("not decided" if usual in closed else usual)
+        assert margin.verdict == ("undecided" if usual in closed else usual)
         if usual in closed:
             assert margin.reason.startswith("test 1 (")
             assert "irg run" in margin.reason
@@ -105,7 +105,7 @@ def test_a_dataset_without_the_points_of_its_tests_says_so():
     ds = swept(at(0.0))
     lost = ds.drop_vars([name for name in ds.coords if str(name).startswith("test")])
     margin = asked(lost, 500.0, 0.5)
-    assert margin.verdict == "not decided"
+    assert margin.verdict == "undecided"
     assert "waits for its point" in margin.reason
 
 
@@ -126,7 +126,7 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
     ds = swept(*mild, severe)
     there = asked(ds, 300.0, 0.9)
     assert there.probability_high <= 0.05
-    assert (there.verdict, "forbids it" in there.reason) == ("not decided", True)
+    assert (there.verdict, "forbids it" in there.reason) == ("undecided", True)
     assert asked(ds, 200.0, 0.6).verdict == "mild"
     held = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", hold=30.0, **own)
     assert asked(swept(*mild, held), 300.0, 0.9).verdict == "mild"  # not alike
@@ -136,7 +136,7 @@ def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
     severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
     mild = bare_test(700.0, 3.8, outcome="mild")
     ds = swept(*severe, mild)
-    assert asked(ds, 700.0, 3.8).verdict == "not decided"
+    assert asked(ds, 700.0, 3.8).verdict == "undecided"
     assert asked(ds, 750.0, 4.0).verdict == "severe"
 
 
@@ -168,9 +168,9 @@ def test_friction_and_bulk_move_the_place_alone_and_the_oil_moves_its_tests_too(
 def test_a_test_that_the_others_make_unlikely_is_named():
     tests = [at(y) for y in (0.0, 0.02, -0.02, 0.01, -0.01)]
     slip = at(-1.0, "severe", number="slip")
-    (said,) = pipeline.boundary(swept(*tests, slip)).attrs["misfits"].split(" | ")
+    (said,) = pipeline.boundary(swept(*tests, slip)).attrs["outliers"].split(" | ")
     assert said.startswith("test slip (severe, 400 N, ")
-    assert pipeline.boundary(swept(*tests)).attrs["misfits"] == ""
+    assert pipeline.boundary(swept(*tests)).attrs["outliers"] == ""
 
 
 def inferring(*tests, critical=418.15):
@@ -188,7 +188,7 @@ def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_
     found = pipeline.infer(inferring(*tests, critical=start))
     assert found["critical_temperature"].item() == pytest.approx(temperature, abs=1.0)
     assert np.isnan([found["at_least"], found["at_most"]]).all()
-    assert 2.0 < found["own_spread"] < found["spread"] < 15.0
+    assert 2.0 < found["spread_this_rig"] < found["spread"] < 15.0
 
 
 def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
@@ -202,5 +202,5 @@ def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
 
 def test_the_boundary_of_a_scene_without_a_crossing_is_mild_with_tests_or_without():
     ds = swept(at(0.0))
-    assert (pipeline.boundary(ds, friction=0.0)["velocity_outcome_code"] == Along.MILD).all()
+    assert (pipeline.boundary(ds, friction=0.0)["outcome_along_velocity"] == Along.MILD).all()
     assert asked(ds, 400.0, 2.0, friction=0.0).probability == pytest.approx(0.0, abs=1e-12)

@@ -103,14 +103,16 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
     said, alone = irg(*point), irg(*point, "--without-tests")
-    assert re.search(r"model's own error   .* of the rise \(90 %\), by [12] tests? and the", said)
-    assert "of the rise (90 %), by no test and the prior" in alone
-    assert "not every verdict is given" not in alone
+    assert re.search(
+        r"model error   .* of the temperature rise \(90 % range, from [12] tests? and", said
+    )
+    assert "(90 % range, from the prior)" in alone.replace("\n    ", " ")
+    assert "some verdicts are withheld" not in alone
     other_surface = irg(*point, "--set", "sweep.realizations=[3, 4]", "--realization", 4)
     assert re.search(r"of the rise \(90 %\), by [12] tests? and the", other_surface)
     (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
-    assert other["temperature [°C]"] == row["temperature [°C]"]
+    assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
     irg("run", tested, "-o", "results/tested.zarr")
     (stored,) = irg(*point, "--json")  # the tests are those of the store
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
@@ -118,7 +120,14 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
 
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     point = ("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
-    options = ("--friction", 0.13, "--bulk-temperature", "50 degC", "--share", 0.05)
+    options = (
+        "--friction",
+        0.13,
+        "--bulk-temperature",
+        "50 degC",
+        "--critical-area-fraction",
+        0.05,
+    )
     same = (
         "friction.coefficient=0.13",
         "temperature.bulk=50 degC",
@@ -128,10 +137,10 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         irg(*point, *words)[0] for words in (options, [f"--set={entry}" for entry in same])
     )
     assert by_option == by_setting
-    assert by_option["failed share [%]"] > 5
+    assert by_option["failed area fraction [%]"] > 5
     (document,) = irg(*point, "--friction", 0)
-    assert document["highest temperature [°C]"] == document["temperature [°C]"] == 25
-    assert (document["failed share [%]"], document["verdict"]) == (0, "mild")
+    assert document["highest temperature [°C]"] == document["governing temperature [°C]"] == 25
+    assert (document["failed area fraction [%]"], document["verdict"]) == (0, "mild")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.asked import asked, named
 
 DUTY = "flank;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
 
@@ -29,11 +29,13 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     for row, place in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
         here = asked(store, *place)
         assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == place
-        assert float(row["distance [K]"]) == pytest.approx(here.distance, rel=1e-5)
+        assert float(row["temperature margin [K]"]) == pytest.approx(
+            here.temperature_margin, rel=1e-5
+        )
         assert float(row["critical velocity [m/s]"]) == pytest.approx(here.critical_velocity, 1e-5)
         assert row["verdict"] == here.verdict
     assert (first["flank"], first["remark"]) == ("1", "cold start")
-    assert beyond["verdict"] == "not known"
+    assert beyond["verdict"] == "unknown"
     assert "load is 9000 N; the sweep has" in beyond["reason"]
 
 
@@ -82,9 +84,11 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
     own = {"bulk_temperature": "60 degC", "friction": 0.12}
     for row, conditions in enumerate((own, {})):
         here = asked(store, 400.0, 1.2, **conditions)
-        assert table["distance"].values[row] == pytest.approx(here.distance, rel=1e-9)
-        assert table["verdict"].values[row] == here.verdict
-    assert table["distance"][0] < table["distance"][1] - 35
+        assert table["temperature_margin"].values[row] == pytest.approx(
+            here.temperature_margin, rel=1e-9
+        )
+        assert named(table["verdict"])[row] == here.verdict
+    assert table["temperature_margin"][0] < table["temperature_margin"][1] - 35
 
 
 def test_further_columns_are_kept_and_the_limit_of_a_row_judges_it(store, tmp_path, irg):
@@ -94,9 +98,11 @@ def test_further_columns_are_kept_and_the_limit_of_a_row_judges_it(store, tmp_pa
     (record,) = irg("margin", "out.zarr", "--points", points, "--json")
     here = asked(store, 400.0, 1.2, critical_temperature="100 degC")
     assert record["part"] == "A"
-    assert record["distance [K]"] == pytest.approx(here.distance, rel=1e-9)
+    assert record["temperature margin [K]"] == pytest.approx(here.temperature_margin, rel=1e-9)
     assert record["probability low"] == pytest.approx(here.probability_low, rel=1e-9)
-    assert record["error preset [K]"] == pytest.approx(here.error_preset, rel=1e-9)
+    assert record["temperature error discretization [K]"] == pytest.approx(
+        here.temperature_error_discretization, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("head", ["pin.radius [mm]", "wear.specific_wear_rate"])
@@ -131,7 +137,7 @@ def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tes
     assert irg("margin", "out.zarr", *place, *own).splitlines()[1].endswith(f"  {held}")
     said = irg("margin", "out.zarr", *place, "--friction", 0.12, "--without-tests")
     assert "  friction 0.12, bulk 25 °C, critical temperature 145 °C" in said
-    assert irg("boundary", "out.zarr", *own).startswith(f"judged at {held}")
+    assert irg("boundary", "out.zarr", *own).startswith(f"conditions: {held}")
 
 
 def test_the_rows_of_a_table_state_their_own_conditions(store, tmp_path, irg):
@@ -158,7 +164,7 @@ def test_a_long_table_shows_the_worst_points(store, tmp_path, irg):
     assert max(map(len, lines)) <= 100
     assert "12 more rows: --all, or -o TABLE.csv" in said
     record = irg("margin", "out.zarr", "--points", points, "--json")
-    worst = min(record, key=lambda one: one["distance [K]"])
+    worst = min(record, key=lambda one: one["temperature margin [K]"])
     shown = [line.split() for line in lines if line.split()[:1] and line.split()[0].isdigit()]
     assert f"{worst['load [N]']:g}" in [row[1] for row in shown if len(row) > 2]
     assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24
@@ -166,12 +172,12 @@ def test_a_long_table_shows_the_worst_points(store, tmp_path, irg):
 
 def test_a_failing_share_of_a_row_is_judged_and_a_probability_said_in_words(store, tmp_path, irg):
     points = tmp_path / "duty.csv"
-    points.write_text("load [N],velocity [m/s],failing share [%]\n400,1.2,10\n400,2.2,1\n")
+    points.write_text("load [N],velocity [m/s],critical area fraction [%]\n400,1.2,10\n400,2.2,1\n")
     assert "less than 1 %" in irg("margin", "out.zarr", "--points", points)
     first, second = irg("margin", "out.zarr", "--points", points, "--json")
-    usual, few = asked(store, 400.0, 1.2), asked(store, 400.0, 2.2, share=0.01)
+    usual, few = asked(store, 400.0, 1.2), asked(store, 400.0, 2.2, critical_area_fraction=0.01)
     for row, here in ((first, usual), (second, few)):
-        assert row["distance [K]"] == pytest.approx(here.distance, rel=1e-9)
+        assert row["temperature margin [K]"] == pytest.approx(here.temperature_margin, rel=1e-9)
         assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
 
 

@@ -52,7 +52,9 @@ REFUSALS = {
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
                    "velocity is -1 m/s; the sweep has"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
-    "failing share": (irg("boundary", "tiny.zarr", "--share", "0,1"), '"0,1": give a share'),
+    "area fraction": (
+        irg("boundary", "tiny.zarr", "--critical-area-fraction", "0,1"), '"0,1": give a share'
+    ),
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
     # files that are read and would be written

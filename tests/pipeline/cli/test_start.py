@@ -44,8 +44,10 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "3 of 3 points done" in streams.out
     doubts = streams.err.splitlines()  # without the progress
     assert len(doubts) == 1
-    assert doubts[0].startswith("irg: warning: pin.length: sharp pin ends, not computed: severe at")
-    assert main(["boundary", str(tmp_path / "small.zarr"), "-q", "--share", "3"]) == 2
+    assert doubts[0].startswith("irg: warning: pin.length: the pin's sharp ends are not modelled")
+    assert (
+        main(["boundary", str(tmp_path / "small.zarr"), "-q", "--critical-area-fraction", "3"]) == 2
+    )
     assert "share is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
     assert "3 of 3 points done" in capsys.readouterr().err

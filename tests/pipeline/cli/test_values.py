@@ -24,8 +24,10 @@ def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
     assert "friction 0.12 (tests 0.091 to 0.103), bulk 25 °C, critical temperature 150 °C" in said
     same = irg("boundary", "out.zarr", "--critical-temperature=150 degC", "--friction=0.12")
     assert said == same
-    several = irg("boundary", "out.zarr", "--share=5%", "--share=10%")
-    assert "by 4 tests and the prior, and 1 more" in several
+    several = irg(
+        "boundary", "out.zarr", "--critical-area-fraction=5%", "--critical-area-fraction=10%"
+    )
+    assert "and 1 more" in several
     assert "is given twice" in irg(
         "boundary", "out.zarr", "--at=friction.coefficient=0.1", "--friction=0.12", code=2
     )

@@ -50,7 +50,7 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     assert "computed boundary, numerical error" in words
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert axes.get_title() == "White oil on ground steel"
-    assert "the model's own error: " in legend.get_title().get_text()
+    assert "model error: " in legend.get_title().get_text()
     left, right = axes.get_xlim()
     assert (left, right) == (1.0, 4.0)
 
@@ -146,7 +146,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
-    assert title.startswith("boundary by pin radius; judged at ")
+    assert title.startswith("boundary by pin radius; conditions: ")
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))

@@ -70,11 +70,11 @@ def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
     judged, numerical, error, marks, _ = legend.get_title().get_text().split("\n")
     assert judged == (
-        "judged at friction 0.1 (tests 0.091 to 0.103), bulk 25 °C, critical temperature 145 °C"
+        "conditions: friction 0.1 (tests 0.091 to 0.103), bulk temperature 25 °C, critical"
     )
     assert re.fullmatch("numerical error: ± .* % of the critical velocity .95 %.", numerical)
     assert re.fullmatch(
-        "the model's own error: .* % of the rise .90 %., by 4 tests and the prior", error
+        "model error: .* % of the temperature rise .90 % range, from 4 tests and the prior.", error
     )
     assert marks == "dots: simulated points; ×: 3 points are pending or failed"
     assert labels(legend) == [

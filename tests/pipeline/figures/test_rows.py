@@ -26,15 +26,15 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
     places = {
         float(y): float(x)
         for line in axes.lines
-        if line.get_label() in ("mild", "not decided", "severe")
+        if line.get_label() in ("mild", "undecided", "severe")
         for x, y in zip(*line.get_data(), strict=True)
     }
-    assert places == pytest.approx(dict(enumerate(found["distance"].values[:3])))
+    assert places == pytest.approx(dict(enumerate(found["temperature_margin"].values[:3])))
     assert deciding_row(found) == 2
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]
     told = [one.get_text() for one in axes.texts]
-    assert told[3:] == ["more than 99 %", "not known"]
+    assert told[3:] == ["more than 99 %", "unknown"]
 
 
 def test_many_rows_have_some_labels_and_rows_without_a_verdict_are_refused():

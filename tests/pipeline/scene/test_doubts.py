@@ -128,7 +128,7 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
 
 
 def test_sharp_ends_turn_severe_at_lower_velocities():
-    ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % less", note_on_ends(SMOOTH))
+    ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % lower", note_on_ends(SMOOTH))
     # Rises are 4 to 11 % higher, and grow about as the square root of velocity (PHYSICS.md).
     falls = [100 * (1 - (1 + rise) ** -2.0) for rise in (0.04, 0.11)]
     assert falls == pytest.approx([int(nearest), int(farthest)], rel=0.25)
