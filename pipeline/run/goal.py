@@ -25,8 +25,7 @@ from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
 
 _ROOM = 0.8  # largest share of an accuracy that a preset may take
-ROOM, ROOM_AT_ADDRESS = 4, 32
-"""Patches of a new store in a folder, and on an object store, where it cannot get more."""
+_LEAST_PATCHES = 4  # of a new store: to make room for more takes as long as some points
 _ADVICE = {
     "interpolation": "give more sweep.velocities and sweep.loads",
     "preset": "run it into another store, which may take a finer preset",
@@ -94,7 +93,7 @@ class GoalRun:
     """A run whose goal is the relative error `accuracy` of the boundary of each scene of a sweep.
 
     `sweep` has the preset and the patches that this takes. `before` is the sweep of the store, if
-    there is one. A new store has room for at least as many patches as `room`.
+    there is one. `is_fixed` is True if no further patches can be simulated.
     """
 
     def __init__(
@@ -103,7 +102,6 @@ class GoalRun:
         before: Sweep | None,
         accuracy: float | str,
         report: Report,
-        room: int = ROOM,
     ) -> None:
         self.accuracy = share_of(accuracy)
         if isinstance(accuracy, bool) or not 0 < self.accuracy < 1:
@@ -116,11 +114,11 @@ class GoalRun:
         own = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
         error = percent(velocity_error(chosen) or 0.0)
         report(Progress(f"preset {chosen.preset} (up to {error}){own}"))
-        self._is_fixed, self._report = bool(why_fixed(chosen)), report
+        self.is_fixed, self._report = bool(why_fixed(chosen)), report
         patches = [len(x.variants.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
-        if not self._is_fixed:
-            self.sweep = chosen._with_patches(max(*patches, room))
+        if not self.is_fixed:
+            self.sweep = chosen._with_patches(max(*patches, _LEAST_PATCHES))
         self.is_on_first_patch = True
 
     @property
@@ -135,8 +133,8 @@ class GoalRun:
         cases = cases_of(ascending(store_dataset(store)))
         found, to_come, most = list[tuple[Point, int]](), 0, 0
         has_seeds, axes = "realization" in self.sweep.variants.axes, self._seeds
-        seeds = axes if self._is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
-        for case, search in searches(cases, self.accuracy, self._is_fixed, len(seeds)):
+        seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
+        for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
             places = search.next_places()
             most = max(most, *(place.patch + 1 for place in places)) if places else most
             to_come += search.to_come()
@@ -144,7 +142,7 @@ class GoalRun:
                 at = float(search.loads[load]), float(search.velocities[velocity])
                 seed = (("realization", seeds[patch]),) if has_seeds else ()
                 found.append((Point(*at, (*case.name, *seed)), patch))
-        if most > len(axes) and not self._is_fixed:
+        if most > len(axes) and not self.is_fixed:
             # Those to come, too: to grow the store takes as long as some points.
             self.sweep = self.sweep._with_patches(min(MOST_PATCHES, most + most // 2))
         first = [point for point, patch in found if not patch]

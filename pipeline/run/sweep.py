@@ -18,7 +18,7 @@ from pipeline.machine import cores
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import compute
-from pipeline.run.goal import ROOM, ROOM_AT_ADDRESS, GoalRun
+from pipeline.run.goal import GoalRun
 from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import Watch
@@ -127,8 +127,13 @@ def run_sweep(
     sweep, goal = sweep_of(sweep), None
     require_free_names(sweep)  # before a folder is made
     if accuracy is not None:
-        room = ROOM if isinstance(place_of(out), Folder) else ROOM_AT_ADDRESS
-        goal = GoalRun(sweep, find_sweep(out), accuracy, progress or silent, room)
+        goal = GoalRun(sweep, find_sweep(out), accuracy, progress or silent)
+        if not (goal.is_fixed or isinstance(place_of(out), Folder)):
+            raise InputError(
+                f"{out} is an object store, whose plane is fixed, and an accuracy may need further "
+                "surface realizations; run it into a folder, or list the seeds: "
+                "sweep.realizations = [1, 2, 3]"
+            )
         sweep = goal.sweep
     cluster = Cluster(workers, client, patience, dashboard)
     return run_points(sweep, out, goal, cluster, progress, retry_failed, source)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,14 +37,27 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         stations=before.stations,
         fields=before.fields,
         former=_former_tests(before, sweep),
-        loads=tuple(in_order([*before.loads, *sweep.loads])),
-        velocities=tuple(in_order([*before.velocities, *sweep.velocities])),
+        loads=_union("sweep.loads", before.loads, sweep.loads),
+        velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
     )
     if [*before.variants.axes] != [*sweep.variants.axes]:  # the scene has all cases of the store
         return joined
     union, own = before.variants.union(sweep.variants), sweep.variants.by_name
     cases = tuple((sweep if name in own else before).case(name) for name in union.names)
     return replace(joined, variants=union, cases=cases)
+
+
+def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:
+    """Values of both in ascending order; `InputError` for two that are equal within rounding."""
+    values = in_order([*old, *new])
+    for low, high in itertools.pairwise(values):
+        if math.isclose(low, high, rel_tol=1e-9):
+            stored, given = (low, high) if low in old else (high, low)
+            raise InputError(
+                f"{name}: {given!r} in the scene equals {stored!r} in the store within rounding; "
+                f"give {stored!r}"
+            )
+    return tuple(values)
 
 
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[Test, ...]:

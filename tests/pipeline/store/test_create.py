@@ -279,7 +279,7 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
 
 
 def several(**changes):
-    return tiny.sweep(loads=(150.0,), velocities=(0.5, 1.0), **changes)
+    return tiny.sweep(**{"loads": (150.0,), "velocities": (0.5, 1.0)} | changes)
 
 
 def test_surfaces_are_added_to_those_that_are_there(path, monkeypatch):
@@ -322,8 +322,13 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
         ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
         ({}, {"variants": surfaces((9,))}, "none in the store, realization in"),
         ({"variants": surfaces((0, 1))}, {}, "realization in the store, none in"),
+        (
+            {},
+            {"loads": (150.0, 150.0 * (1 + 1e-12))},
+            r"loads: 150.00000000\d+ in the scene equals 150.0 in the store within rounding",
+        ),
     ],
-    ids=["fields later", "other surfaces", "fewer surfaces"],
+    ids=["fields later", "other surfaces", "fewer surfaces", "equal within rounding"],
 )
 def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
     commit(path, several(**made), ())
