@@ -52,7 +52,7 @@ ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
 """Temperatures at which these units are 0 [K]."""
 _OTHERS = {
     "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9",
-    "MJ/(m³ K)": "1e6", "N m": "1",
+    "MJ/(m³ K)": "1e6", "N m": "1", "°": "0.017453292519943295",
 }  # fmt: skip
 """Units that no scene uses, and their sizes in SI."""
 UNITS = {

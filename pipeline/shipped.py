@@ -36,7 +36,7 @@ PAGES_BY_TASK = {
     "use tests of a laboratory": ("your-tests",),
     "know how sure and how fast answers are": ("choosing", "measured"),
     "understand the model": ("model", "physics", "paper"),
-    "look up": ("glossary", "dataset"),
+    "look up": ("library", "glossary", "dataset"),
     "change the code": ("maintainers",),
 }
 """Names of the pages that ``irg help`` prints, by what a reader wants to do."""

@@ -11,6 +11,7 @@ from pathlib import Path
 import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, parse
+from pipeline.scene.library import library_page
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from pipeline.words import did_you_mean
 from tribo import InputError
@@ -33,11 +34,10 @@ def new(options: argparse.Namespace) -> Result:
 
 
 def help_(options: argparse.Namespace) -> Result:
-    """Answer ``irg help``: print a page, the help of a command, or the names of all pages."""
-    topic, pages = options.topic, shipped_pages()
+    """Answer ``irg help``: print a page, the help of a command, or pages with a word."""
+    topic, pages = options.topic, _pages()
+    titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in pages.items()}
     if topic is None:
-        texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
-        titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [
             line
             for task, names in PAGES_BY_TASK.items()
@@ -46,16 +46,48 @@ def help_(options: argparse.Namespace) -> Result:
                 *(f"  irg help {name:12} {titles[name]}" for name in names if name in titles),
             )
         ]
-        return Result(titles, [*lines, "Help on a command: irg COMMAND --help"])
-    names = [command.name for command in commands()]
+        more = ["Help on a command: irg COMMAND --help", "Pages with a word: irg help gear"]
+        return Result(titles, [*lines, *more])
     page = page_name(Path(topic))
     if page not in pages:
-        if topic in names:
+        if topic in (command.name for command in commands()):
             parse([topic, "--help"])
-        meant = did_you_mean(topic, [*pages, *names])
-        raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
-    text = pages[page].read_text(encoding="utf-8")
+        return _search(topic, pages)
     if sys.stdout.isatty() and not options.json:
-        pydoc.pager(text)
+        pydoc.pager(pages[page])
         return Result({}, ())
-    return Result({"page": page, "text": text}, [text.removesuffix("\n")])
+    return Result({"page": page, "text": pages[page]}, [pages[page].removesuffix("\n")])
+
+
+def _pages() -> dict[str, str]:
+    """Text of each page by name, with that of the library, which is made."""
+    texts = {name: path.read_text(encoding="utf-8") for name, path in shipped_pages().items()}
+    return texts | {"library": library_page()}
+
+
+def _search(topic: str, pages: dict[str, str]) -> Result:
+    """Pages and scenes that have a word, those with the word in a heading first."""
+    word = re.compile(rf"\b{re.escape(re.sub('s$', '', topic))}s?\b", re.IGNORECASE)
+    found = list[tuple[int, str, str]]()
+    for name, text in pages.items():
+        heads = [" ".join(one) for one in re.findall(r"(?m)^(?:#+ (.+)|\*\*(.+?)\*\*)", text)]
+        heads = [one.strip() for one in heads if word.search(one)]
+        if count := len(word.findall(text)) + _HEAD * len(heads):
+            where = heads[0] if heads else f"{count} times in the text"
+            found.append((count, f"irg help {name}", where))
+    for name, path in shipped_scenes().items():
+        text = path.read_text(encoding="utf-8")
+        head = " ".join(line for line in text.splitlines() if line.startswith(("#", "title")))
+        if word.search(f"{name.replace('_', ' ')} {head}"):
+            title = text.partition("\n")[0].removeprefix("# ")
+            found.append((_HEAD, f"irg new {name}.toml --from {name}", title))
+    if not found:
+        names = [command.name for command in commands()]
+        meant = did_you_mean(topic, [*pages, *names])
+        raise InputError(f'no page, scene or command has "{topic}"{meant}; irg help lists them')
+    found.sort(key=lambda one: -one[0])
+    lines = [f"{command}: {where}" for _, command, where in found]
+    return Result({command: where for _, command, where in found}, lines)
+
+
+_HEAD = 10  # occurrences in a text that one in a heading outweighs

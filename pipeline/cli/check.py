@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 import numpy as np
+import pandas as pd
 
 import pipeline
 from pipeline.answers.condition_words import unmodelled_rise_words
@@ -19,7 +20,16 @@ from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.doubts import notes_on_scene
-from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.scene.facts import (
+    Facts,
+    RowFacts,
+    Span,
+    cases_alone,
+    facts_of,
+    facts_of_all,
+    require_bearable_load,
+    row_facts,
+)
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
 from pipeline.sweep.left_out import UNKNOWN_FILM
@@ -34,9 +44,14 @@ from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
+    cases, along = cases_alone(sweep, _MOST_ROWS), sweep.variants.labels("load") is not None
+    for _, case in cases:
+        key = "sweep.along" if along else "sweep.loads"
+        require_bearable_load(case, max(case.loads), key)
     require_free_names(sweep)
-    facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
+    facts = facts_of_all(cases) if along else facts_of(sweep)
+    rows_of_sweep = [row_facts(*one) for one in cases] if along else []
+    memory, machine = worker_bytes(sweep), machine_memory()
     needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
     if memory > machine:
         raise InputError(
@@ -45,7 +60,7 @@ def check(options: argparse.Namespace) -> Result:
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
     rows = [
-        *_meaning_rows(sweep, facts, needed),
+        *_meaning_rows(sweep, facts, rows_of_sweep, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
         *((one.grade, one.text) for one in notes_on_scene(sweep)),
         *((one.grade, one.text) for one in sweep.doubts),
@@ -54,24 +69,47 @@ def check(options: argparse.Namespace) -> Result:
     frame = frame_of(_HEADS, rows)
     shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
+    table = [_row_frame(rows_of_sweep), ""] if along else []
     document = {
         "title": sweep.title,
         "preset": sweep.preset,
         "contact": asdict(facts),  # in SI
         "cost": {**asdict(cost), "worker_bytes": memory},
+        "rows": [asdict(one) for one in rows_of_sweep],  # in SI
         "statements": records([frame]),
     }
-    return Result(document, [sweep.title, "", shown, *on_sources], frames=[frame])
+    return Result(document, [sweep.title, "", *table, shown, *on_sources], frames=[frame])
 
 
 _HEADS = "subject", "meaning"
+_MOST_ROWS = 200  # of a sweep along a table, that are described
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
+def _row_frame(rows: Sequence[RowFacts]) -> pd.DataFrame:
+    """Table of the contacts in the rows of a sweep, each at its own load and velocity."""
+    heads = (
+        "row", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
+        "slide–roll ratio", "Λ",
+    )  # fmt: skip
+    found = [
+        (
+            one.row, one.load, *(float(f"{number:.4g}") for number in (
+                one.half_width, one.pressure, one.pin_velocity, one.disk_velocity,
+                one.slide_roll_ratio, one.film_parameter,
+            )),
+        )
+        for one in rows
+    ]  # fmt: skip
+    return frame_of(heads, found)
+
+
+def _meaning_rows(
+    sweep: Sweep, facts: Facts, rows: Sequence[RowFacts], memory: str
+) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
@@ -89,7 +127,7 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
-    yield from _film_rows(sweep)
+    yield from _film_rows(sweep, [one.film_parameter for one in rows])
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
     u = "of the disk u" if sweep.scene.motion else "V"
@@ -116,8 +154,11 @@ def _pixels(scene: Scene) -> int:
     return math.prod(scene.pixels.shape)
 
 
-def _film_rows(sweep: Sweep) -> Iterator[_Row]:
-    """Yield rows on the oil film, or on the entry that is missing to compute it."""
+def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
+    """Yield rows on the oil film, or on the entry that is missing to compute it.
+
+    `parameters` are the film parameters of the sweep's rows, if each has its own place.
+    """
     if sweep.lubricant is None:
         return
     bulk = sweep.conditions.bulk_temperature
@@ -129,7 +170,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
         yield "oil", f"{viscosity}; its film is not known without {missing}"
         return
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
-    span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
+    span = Span.of(parameters or lubrication.film_parameter(loads[:, None], velocities, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
     yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
 from pipeline.quantities import display
-from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
+from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, cases_alone, facts_of
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import number_at
 from pipeline.sweep.case import Test
@@ -23,6 +23,7 @@ _LONGEST = 1 / 3  # largest correlation length over the side of the window
 _REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 _MOST_CASES = 12  # cases that are looked at, each in some 0.1 s
+_MOST_NAMED = 6  # of them, with one doubt
 _Doubt = tuple[str, str]
 """Path of the doubtful entry, empty if it is not a single one, and the reason in words."""
 Loading = Ramp | Stages | MeasuredLoad
@@ -49,27 +50,36 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 
 def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
-    """Doubts of all cases of a sweep, those of values first; each says how many cases have it.
+    """Doubts of all cases of a sweep, those of values first; each says which cases have it.
 
     Of many cases a few are looked at, evenly spaced; of the values of an entry all are.
     """
     values = [*_unusual_values(sweep)]
     noted = [one for one in sweep.notes if one.grade == "warning" and one.place not in dict(values)]
-    names = sweep.variants.given
-    chosen = names[:: math.ceil(len(names) / _MOST_CASES)]
-    found = dict[str, list[Remark]]()
-    for name in chosen:
-        case = sweep if len(names) == 1 else sweep._take(name)
-        with suppress(Exception):  # of a user's own law, which fails where it is simulated
-            for one in doubts(case, facts_of(case)):
-                found.setdefault(one.place or one.words, []).append(one)
+    chosen, found = cases_alone(sweep, _MOST_CASES), dict[str, dict[str, Remark]]()
+    for label, case in chosen:
+        for one in doubts(case, facts_of(case)):
+            # Cases that differ in the numbers of a doubt share it.
+            kind = one.place or re.sub(r"[\d.]+", "", one.words)
+            found.setdefault(kind, {})[label] = one
     of_cases = list[Remark]()
-    for first, *others in found.values():
-        count = 1 + len(others)
-        more = f" (in {count} of {len(chosen)} cases)" * (count < len(chosen))
-        of_cases.append(first._replace(words=first.words + more))
+    for held in found.values():
+        first = next(iter(held.values()))
+        of_cases.append(first._replace(words=first.words + _those_of(held, len(chosen))))
     valued = (Remark(place, "warning", words) for place, words in values)
     return *valued, *noted, *of_cases
+
+
+def _those_of(held: Mapping[str, Remark], count: int) -> str:
+    """Which of `count` cases have a doubt, in words; empty if all have the same."""
+    texts = {one.words for one in held.values()}
+    if len(held) == count and len(texts) == 1:
+        return ""
+    labels = [*held]
+    more = f" and {len(labels) - _MOST_NAMED} more" * (len(labels) > _MOST_NAMED)
+    named = f"{', '.join(labels[:_MOST_NAMED])}{more}" if len(held) < count else "all rows"
+    alike = f"; numbers are of {labels[0]}" * (len(texts) > 1)
+    return f" (in {named}{alike})"
 
 
 def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.quantities import display, display_sides
 from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.variants import PLACE_UNITS
 from tribo import InputError, Scene, contact_modulus
-from tribo.simulation.lubrication import SurfaceFacts, surface_facts
+from tribo.simulation.lubrication import SurfaceFacts, find_lubrication, surface_facts
 from tribo.types import Array
 from tribo.wear import wear_over
 
@@ -46,6 +47,68 @@ class Facts:
     wear_depth: Span | None = None  # expected on the pin at the end [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RowFacts:
+    """Numbers of one row of a sweep, at its own load and velocity."""
+
+    row: str  #: Its label, else its number.
+    load: float  # [N]
+    half_width: float  # of Hertz, smooth, elastic and unworn [m]
+    pressure: float  # the highest of that contact [Pa]
+    pin_velocity: float  # of the pin's surface past the contact [m/s]
+    disk_velocity: float  # [m/s]
+    slide_roll_ratio: float  # infinite where the mean of both velocities is 0
+    film_parameter: float  # NaN if it is not known
+
+
+def cases_alone(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
+    """Cases of a sweep, each with its label, and rows at their own place; of many, some evenly."""
+    names, rows = sweep.variants.given, sweep.variants.rows
+    if len(names) == 1:
+        return [("", sweep)]
+    labels = [one for one in sweep.variants.columns if one.along and not one.entry]
+    labels = [one for one in labels if one.name not in PLACE_UNITS]
+    alone = list[tuple[str, Sweep]]()
+    for name in names[:: math.ceil(len(names) / most)]:
+        row = next(row for row in rows if {*name} <= {*row.items()})
+        case, words = sweep._take(name), [*sweep.variants.in_words(name).values()]
+        if "load" in row:
+            case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
+            words = [one.in_words(row[one.name]) for one in labels] or words
+        alone.append((" ".join(map(str, words)), case))
+    return alone
+
+
+def row_facts(label: str, sweep: Sweep) -> RowFacts:
+    """Numbers of a row, given by its label and the sweep of its case alone."""
+    scene, (load,), (velocity,) = sweep.scene, sweep.loads, sweep.velocities
+    hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
+    pin, disk = scene.velocities_at(velocity)
+    film, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
+    bulk = sweep.conditions.bulk_temperature
+    return RowFacts(
+        row=label,
+        load=load,
+        half_width=hertz.half_width,
+        pressure=hertz.peak_pressure,
+        pin_velocity=pin,
+        disk_velocity=disk,
+        slide_roll_ratio=(disk - pin) / mean if mean else math.inf,
+        film_parameter=float(film.film_parameter(load, velocity, bulk)) if film else math.nan,
+    )
+
+
+def facts_of_all(cases: Sequence[tuple[str, Sweep]]) -> Facts:
+    """Numbers of cases together: each `Span` is over all of them."""
+    first, *others = (facts_of(case) for _, case in cases)
+    spans: dict[str, Any] = {
+        name: Span.of([end for one in (first, *others) for end in getattr(one, name) or ()])
+        for name in (one.name for one in fields(Facts))
+        if isinstance(getattr(first, name), Span)
+    }
+    return replace(first, **spans)
 
 
 def facts_of(sweep: Sweep) -> Facts:

@@ -192,14 +192,11 @@ class StagesTable(Declared):
 
 class Record(TableFile):
     form_name = "record"
-    file: A[str,
-        "Recorded load, CSV or Excel with the columns `time [s]` and `load [N]`; relative to the "
-        "folder of the scene."]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
 
 class MotionTable(Declared):
-    slide_roll_ratio: A[float, Share(usual=(-2, 2)),
+    slide_roll_ratio: A[float, Share(usual=(-20, 20)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."]
     track_length: A[float | None, Quantity("314 mm"),

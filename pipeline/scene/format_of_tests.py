@@ -7,7 +7,6 @@ from typing import Any
 
 from pipeline.scene.kinds import (
     BULK,
-    DURATION,
     FRICTION,
     HELD,
     LEVEL,
@@ -35,8 +34,8 @@ def list_of_tests(*own: type) -> List:
 class TableFile(Declared):
     form_name = "table of rows"
     file: A[str,
-        "Table as CSV or Excel, relative to the folder of the scene; its headings are entries with "
-        "their units, such as `load [N]`."]
+        "Table as CSV or Excel, relative to the folder of the scene, with headings such as "
+        "`load [N]`. A recorded load has `time [s]` and `load [N]`, tests have their entries."]
     decimal: A[str | None, OneOf((".", ",")), "Decimal mark of the file."] = None
     ignore: A[tuple[str, ...], List(Text(), distinct=True),
         'Headings of columns without a meaning here, such as ["date", "remark"].'] = ()
@@ -50,19 +49,17 @@ class EvenLevels(Declared):
 class TestTable(Declared):
     form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
-    velocity: A[float, VELOCITY, "Sliding velocity."]
+    velocity: A[float, VELOCITY, "Sliding velocity of the test."]
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
     bulk_temperature: A[float | None, BULK,
         "Bulk temperature of both bodies; by default the scene's."] = None
-    hold: A[float | None, DURATION,
-        "Time at the full load; by default that of `[loading]`."] = None
     with_: A[dict[str, Any] | None, Changes(),
         "Other entries of the scene that differ in this test, by their paths, such as "
         '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
         "Critical temperature, failing share, `[oil]` and `[model]` are those of the scene."] = None
     number: A[str | int | None, NAME,
-        "Number or name of the test in answers; by default its place in the file or log."] = None
+        "Number or name of the test in answers; by default the next one that is free."] = None
 
 class TransitionTable(TestTable):
     step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),

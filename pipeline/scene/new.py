@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shutil
 import tomllib
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 
 from pipeline.paths import reason_of, user_path
-from pipeline.scene.entries import entry_at
-from pipeline.scene.read import FILES
+from pipeline.scene.entries import Entries, entry_at
+from pipeline.scene.tests import LISTS
 from pipeline.shipped import shipped_scenes
 from pipeline.words import did_you_mean
 from tribo import InputError
@@ -28,7 +29,8 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     Returns
     -------
     list of Path
-        The files written: the scene, and copies of the files that it names.
+        The files written: the scene, copies of the files that it names, and of the script that
+        prints its rows.
 
     Raises
     ------
@@ -57,9 +59,9 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     copies = []
     if like is not None:
         text = shipped[like].read_text(encoding="utf-8")
-        entries, folder = tomllib.loads(text), shipped[like].parent
-        beside = [str(name) for key in FILES if (name := entry_at(entries, key))]
-        copies = [(folder / name, path.parent / Path(name).name) for name in beside]
+        names, folder = [*_files_of(tomllib.loads(text))], shipped[like].parent
+        names += [script for script in [f"{like}.py"] if (folder / script).exists()]
+        copies = [(folder / name, path.parent / Path(name).name) for name in names]
     files = [path, *(copy for _, copy in copies)]
     for file in files:
         if file.exists() or file.is_symlink():
@@ -71,3 +73,12 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     except OSError as error:
         raise InputError(f"{path} cannot be written: {reason_of(error, path)}") from error
     return files
+
+
+def _files_of(entries: Entries) -> Iterator[str]:
+    """Yield the names of the files that the entries of a scene name."""
+    rows = entry_at(entries, "sweep.along")
+    tables = [rows] if isinstance(rows, dict) else [{"file": rows}] if isinstance(rows, str) else []
+    tables += [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
+    tables += [one for key in LISTS for one in entries.get(key, [])]
+    yield from (str(one["file"]) for one in tables if "file" in one)

@@ -181,6 +181,7 @@ def _rows_along(rows: list[Row]) -> Rows:
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
     shown = number_at(SceneFile, entry).unit if entry and unit is not None else ""
+    shown = "°" if unit == "rad" else shown
     return Column(name, unit, meaning=meaning, entry=entry, shown=shown)
 
 

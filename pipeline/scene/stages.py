@@ -62,12 +62,14 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     by a test at its last mild stage and a test at its first severe stage, if the run states these
     stages. A faulty run is added to `faults`, and left out.
     """
-    number, named_before, expanded = itertools.count(1), set[str](), dict[str, Any]()
-    for key in ("measured", "tested"):
-        tests, listed = list[Any](), getattr(scene, key)
+    lists = {key: getattr(scene, key) for key in ("measured", "tested")}
+    given = {str(one.number) for tests in lists.values() for one in tests or ()}
+    free = (number for number in itertools.count(1) if str(number) not in given)
+    named_before, expanded = set[str](), dict[str, Any]()
+    for key, listed in lists.items():
+        tests = list[Any]()
         for index, entry in enumerate(listed or ()):
-            own = next(number)
-            named = replace(entry, number=own) if entry.number is None else entry
+            named = replace(entry, number=next(free)) if entry.number is None else entry
             if (name := str(named.number)) in named_before:
                 problem = f"{name} is the number of two tests; give each its own, or leave it out"
                 faults.refuse(f"{key}[{index}].number", problem)

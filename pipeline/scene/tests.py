@@ -29,7 +29,6 @@ LISTS = {"measured": TransitionTable, "tested": TestEntry}
 _OWN = {
     "friction": ("friction",),
     "bulk_temperature": ("temperature.bulk",),
-    "hold": ("loading.hold",),
 }
 """Entries of the scene that entries of a test replace, by name of the entry of the test."""
 _OF_ALL = (
@@ -115,12 +114,7 @@ def _case_of(built: Built, base: Case) -> Case:
 
 
 def test_case(case: Case, number: int, own: Any) -> Case:
-    """The case of a test: `case` with the hold, friction and bulk of the test itself (`own`)."""
-    if own.hold is not None and isinstance(case.scene.loading, Stages):
-        raise InputError(
-            f"hold is {own.hold:g} s, but each of the stages has its own; leave it out"
-        )
-    case = case.held(own.hold)
+    """The case of a test: `case` with the friction and bulk of the test itself (`own`)."""
     made = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
     if own.bulk_temperature is not None:
         made = replace(made, bulk_temperature=own.bulk_temperature)
@@ -147,7 +141,6 @@ def _test_of(entry: Any, case: Case) -> Test:
         case=case,
         friction=entry.friction,
         bulk_temperature=entry.bulk_temperature,
-        hold=entry.hold,
         outcome=getattr(entry, "outcome", None),
         number=None if entry.number is None else str(entry.number),
         **{} if step is None else {f"{axis_of(step)}_step": to_si(step, like=step)},

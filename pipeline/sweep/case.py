@@ -95,7 +95,6 @@ class Test:
     case: Case
     friction: float | None = None
     bulk_temperature: float | None = None  # the same in both bodies [K]
-    hold: float | None = None  # at the full load [s]
     outcome: Literal["mild", "severe"] | None = None  # None at a transition
     number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]

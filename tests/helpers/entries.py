@@ -16,9 +16,9 @@ _SWEEP = {
 FIELDS = {*_SCENE, *_CASE, *_TESTS, *_SWEEP}
 
 
-def bare_test(load, velocity, friction=None, **more):
-    """A test without a case, which `changed` gives it."""
-    return Test(load, velocity, None, friction, **more)
+def bare_test(load, velocity, friction=None, case=None, **more):
+    """A test of a case of its own, or without one, which `changed` gives it."""
+    return Test(load, velocity, case, friction, **more)
 
 
 class Rows(Variants):
@@ -60,7 +60,8 @@ def _seeded(name):
 def _with_case(test, number, base):
     from pipeline.scene.tests import test_case
 
-    return replace(test, case=test_case(base, number, test), number=test.number or str(number + 1))
+    of = test.case if test.case and not test.case.name else base
+    return replace(test, case=test_case(of, number, test), number=test.number or str(number + 1))
 
 
 def _case(case, changes):

@@ -9,9 +9,8 @@ import math
 import sys
 
 import tribo
-from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.tables import List, table_of
+from pipeline.scene.tables import List
 from pipeline.store import schema
 from pipeline.units import typeset
 from pipeline.words import quoted
@@ -28,43 +27,36 @@ _VARIABLES = {
 }
 
 
-def new_keys(section, listed):
-    """Keys of a list of tables, such as ``[[tested]]``, that are in no earlier list of tables.
+def new_keys(section, seen):
+    """Keys of a section that no earlier one has with the same meaning, and sentences on the others.
 
-    Returns these keys, as `Section.keys` does, and the header of an earlier list that has the other
-    keys, or "" if all keys are new. A section that is not a list of tables keeps all its keys.
-    `listed` maps each key to the header of the first list that has it, and gets the new keys.
+    `seen` maps each key and its meaning to the header of the section that has it, and gets the new
+    ones.
     """
-    keys = section.keys()
-    if "." in section.path or not section.is_list:
-        return keys, ""
-    own = {key: entry for key, entry in keys.items() if key not in listed}
-    like = next((listed[key] for key in keys if key in listed), "")
-    listed |= dict.fromkeys(own, section.header)
-    return own, like
+    own, known = {}, {}
+    for key, (entry, form) in section.keys().items():
+        if header := seen.get((key, entry.meaning)):
+            known.setdefault(header, []).append(f"`{key}`")
+        else:
+            own[key] = entry, form
+            seen[key, entry.meaning] = section.header
+    return own, [f" As in `{header}`: {', '.join(keys)}." for header, keys in known.items()]
 
 
 def scene():
     """Markdown tables of all entries of a scene file."""
-    parts, listed = [], {}
+    parts, seen = [], {}
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
         need = "" if section.entry.is_needed else " Optional."
-        keys, like = new_keys(section, listed)
-        also = f" Keys as in `{like}`, and these:" if like else ""
-        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
+        keys, also = new_keys(section, seen)
+        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{''.join(also)}\n")
         rows = [
-            [f"`{key}`", _kind_cell(entry), _default_cell(section, entry, form), entry.meaning]
+            [f"`{key}`", _kind_cell(entry), _default_cell(section, key, entry, form), entry.meaning]
             for key, (entry, form) in keys.items()
         ]
         parts += [_table(_HEADS, rows)] if rows else []
-    presets = [
-        [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in table_of(FidelityTable).keys
-        if key != "preset"
-    ]
-    about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
-    return "\n".join([*parts, "## Presets\n", about, _table(["", *tribo.PRESETS], presets)])
+    return "\n".join(parts)
 
 
 def dataset():
@@ -94,11 +86,12 @@ def _kind_cell(entry):
     return f"{entry.kind}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
 
 
-def _default_cell(section, entry, form):
+def _default_cell(section, key, entry, form):
     if entry.is_needed:
         words = "needed"
     elif section.path == "fidelity" and entry.default is None:
-        words = "the preset's"
+        values = [_written(getattr(preset, key)) for preset in tribo.PRESETS.values()]
+        words = values[0] if len(set(values)) == 1 else f"{', '.join(values)} by preset"
     else:
         usual = _written(entry.default, entry.kind)
         words = f"`{usual}`" if usual else "–"

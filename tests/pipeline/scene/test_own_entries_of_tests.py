@@ -27,10 +27,10 @@ def transition(*entries, load="400 N", velocity="2 m/s"):
 
 
 def test_a_test_has_the_scene_with_its_own_entries(load):
-    own = transition(WEAR, 'hold = "3 s"', "friction = 0.12", 'bulk_temperature = "60 degC"')
+    own = transition(WEAR, "friction = 0.12", 'bulk_temperature = "60 degC"')
     changed, plain = load(own, transition()).tests
     scene = pipeline.load_scene("first_try")
-    with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")._with_hold(3.0)
+    with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")
     assert changed.case.scene == with_wear.scene
     conditions = changed.case.conditions
     assert (conditions.friction, conditions.bulk_temperature) == (0.12, 333.15)
@@ -86,7 +86,6 @@ FAULTS = {
     'with = { "sweep.loads" = ["3 N"] }': r'"sweep.loads" is the same in all tests of a scene',
     'with = { "temperature.critical" = "200 degC" }': r"is the same in all tests of a scene",
     'friction = 0.1\nwith = { "friction.coefficient" = 0.2 }': "set by the friction of this test",
-    'hold = "1 s"\nwith = { "loading.hold" = "2 s" }': "set by the hold of this test",
     "with = 3": r"measured\[0\].with: 3 is not a table; give a table of entries by their paths",
     'step = "3 m/s"': r'measured\[0\].step: "3 m/s" is not below the velocity, 2 m/s; give less',
     'step = "400 N"': r'"400 N" is not below the load, 400 N',

@@ -26,7 +26,10 @@ def told(tmp_path, irg):
         (STAGES, "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"),
         ('with = { "loading.rate" = "15 N/s" }\n', "its load grows slower, worn more, and cooler"),
         ('with = { "loading.rate" = "1500 N/s" }\n', "its load grows faster, and hotter than"),
-        ('hold = "30 s"\n', "held longer than the plane, which counts where a body keeps heat"),
+        (
+            'with = { "loading.hold" = "30 s" }\n',
+            "held longer than the plane, which counts",
+        ),
     ],
 )
 def test_another_past_is_told_with_its_effect(told, own, words):

@@ -130,13 +130,6 @@ QUANTITIES = {
 }
 
 
-def held():
-    """Read a scene whose load is recorded, with a test that has a hold."""
-    Path("load.csv").write_text("time [s],load [N]\n0,0\n1,100\n2,200\n")
-    own = {"tested": [{**TEST, "hold": "3 s"}], "without": "measured"}
-    return scene((RAMP, 'file = "load.csv"'), **own)
-
-
 EVEN = '{ first = "200 N", step = "200 N", hold = "60 s" }'
 
 
@@ -168,7 +161,7 @@ TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
-    "number twice": (entry("tested", [{**TEST, "number": 2}, TEST], without="measured"),
+    "number twice": (entry("tested", [{**TEST, "number": 2}] * 2, without="measured"),
                      "tested[1].number: 2 is the number of two tests"),
     "entry of a test": (entry("tested", [{**TEST, "with": {"pin.radius": 3}}], without="measured"),
                         "tested[0].with: pin.radius: 3 has no unit"),
@@ -185,12 +178,9 @@ ENTRIES = {
     "many stages": (stages(EVEN.replace('step = "200', 'step = "1e-4')), "2e+06 in number"),
     "severe without stage": (staged('velocity = "2 m/s"\nsevere_at = "350 N"'),
                              "load is 350 N, which is no stage; give one of 200 N"),
-    "hold of a test's stages": (staged('velocity = "2 m/s"\nsevere_at = "400 N"\nhold = "4 s"'),
-                                "each of the stages has its own; leave it out"),
     "stages given": (staged('load = "1 N"\nsevere_at = "3 m/s"'), "these are stages of load"),
     "stages of a record": (staged_record, "stages need a rate of the load"),
     "velocity of a track": (warmed, "stages of velocity take one friction"),
-    "hold of a record": (held, "hold is 3 s, but the load follows a record"),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
     "huge": (entry("model.bias", 1e-200), "is out of range, which is from"),
