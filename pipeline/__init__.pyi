@@ -2,7 +2,7 @@ from .answers.answers import boundary as boundary
 from .answers.answers import compare_tests as compare_tests
 from .answers.answers import margin as margin
 from .answers.answers import points as points
-from .answers.infer import infer as infer
+from .answers.critical_temperature import infer as infer
 from .answers.results import end_of_point as end_of_point
 from .answers.results import open_sweep as open_sweep
 from .answers.temperatures import temperatures as temperatures

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntFlag
 from typing import Any
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from pipeline.answers import words
 from pipeline.answers.conditions import Operation
+from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
 from pipeline.answers.pchip import Pchip
@@ -63,12 +64,18 @@ class JudgedCase:
 
     def under(self, conditions: Conditions) -> Judge:
         """The judge under `conditions`, of which points may have another friction and bulk."""
-        known_critical_temperature(conditions)
-        c = conditions
+        c, from_tests = conditions, self.case.sweep.base.critical_from_tests
+        if not from_tests:
+            known_critical_temperature(c)
         specimen = self._once(
             ("specimen", c.critical_area_fraction, c.corrections),
             lambda: specimen_of(self.case, c, self._flags),
         )
+        if c.critical_temperature is None:
+            others = "from tests", c.unmodelled_rise, c.critical_area_fraction, c.corrections
+            found = self._once(others, lambda: critical_temperature_of(self.case, specimen, c))
+            c = replace(c, critical_temperature=found.temperature)
+            return Judge(self, c, specimen, replace(found.evidence, critical=found))
         oil = c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction
         evidence = self._once(
             ("evidence", *oil, c.corrections), lambda: evidence_of(self.case, specimen, c)

@@ -121,13 +121,18 @@ class Posterior:
         return float(roots(lambda y: self._probit_at(y) - aim, *ends)[0])
 
 
+def log_prior_scatter(v: Array, prior: Prior) -> Array:
+    """ln(density) of v = ln(scatter) before any test."""
+    return np.asarray(-WORTH * v - WORTH * prior.scatter**2 / (2 * np.exp(2 * v)))
+
+
 @functools.lru_cache(maxsize=64)
 def update(results: tuple[Outcome, ...], prior: Prior) -> Posterior:
     """Update the prior by the results of tests, one for each specimen."""
     v = np.linspace(
         math.log(0.05 * prior.scatter), math.log(max(50.0, 10 * prior.scatter)), _SCATTERS
     )
-    scatter, log_scatter = np.exp(v), -WORTH * v - WORTH * prior.scatter**2 / (2 * np.exp(2 * v))
+    scatter, log_scatter = np.exp(v), log_prior_scatter(v, prior)
 
     def log_prior(bias: Array) -> Array:
         t = bias[:, None] / max(prior.bias, _LEAST_BIAS)

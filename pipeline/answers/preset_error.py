@@ -75,7 +75,7 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
     The error is known for a preset.
     """
-    is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
+    is_judged = sweep.conditions.friction > 0 and sweep.base.is_judged
     return is_judged and any(sweep.velocities) and velocity_error(sweep) is None
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.conditions import NAMES, ConditionValues, judged
-from pipeline.answers.results import open_sweep, sweeps_of
+from pipeline.answers.critical_temperature import conditions_of
+from pipeline.answers.results import cases_of, open_sweep, sweep_of, sweeps_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import rise_limit
 from tribo import QUANTILES, InputError
@@ -61,8 +62,10 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
             "(cooler_share), and needs all; select some from the result"
         )
     whole = list[xr.Dataset]()
-    for case, part in sweeps_of(ds):
-        own = judged(case.conditions, conditions)
+    from_tests = sweep_of(ds).base.critical_from_tests
+    known = [conditions_of(one, conditions) for one in cases_of(ds)] if from_tests else []
+    for number, (case, part) in enumerate(sweeps_of(ds)):
+        own = known[number] if known else judged(case.conditions, conditions)
         names = {"max_rise", "mean_rise", "rise_quantile", *columns_needed(own)}
         axes, like = (*part["status"].dims, *_INNER), part["status"]
         held = {

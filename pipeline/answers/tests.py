@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from pipeline.sweep.conditions import Conditions, rise_limit, with_own
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
+
+if TYPE_CHECKING:
+    from pipeline.answers.critical_temperature import CriticalTemperature
 
 _FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
 _BESIDE = 0.1  # relative distance in load and velocity within which a test is near
@@ -55,6 +58,7 @@ class Evidence:
 
     rows: tuple[ComparedTest, ...]
     prior: Prior
+    critical: CriticalTemperature | None = None  #: Where it is integrated over.
 
     @functools.cached_property
     def specimens(self) -> list[list[ComparedTest]]:
@@ -67,16 +71,40 @@ class Evidence:
 
     @functools.cached_property
     def posterior(self) -> Posterior:
-        """Bias and scatter of the model, after the tests."""
+        """Bias and scatter of the model, after the tests, at the scene's bulk temperature."""
+        if self.critical is not None:
+            return self.critical.nodes
         return update(tuple(map(outcome_of, self.specimens)), self.prior)
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-        return [self.posterior.probability(y) for y in ys]
+        whole = [*ys]
+        found = [np.full(bulks.shape, np.nan) for _ in whole]
+        for here, posterior in self._by_bulk(bulks):
+            for one, y in zip(found, whole, strict=True):
+                one[here] = posterior.probability(y[here])
+        return found
 
     def levels(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
-        return np.full(bulks.shape, self.posterior.level(probability))
+        found = np.full(bulks.shape, np.nan)
+        for here, posterior in self._by_bulk(bulks):
+            found[here] = posterior.level(probability)
+        return found
+
+    def _by_bulk(self, bulks: Array) -> Iterator[tuple[Any, Posterior]]:
+        """Yield the points at each bulk temperature, and what holds there."""
+        if self.critical is None:
+            yield ..., self.posterior
+            return
+        for bulk in np.unique(bulks).tolist():
+            if bulk not in self._posteriors:
+                self._posteriors[bulk] = self.critical.at_bulk(bulk)
+            yield bulks == bulk, self._posteriors[bulk]
+
+    @functools.cached_property
+    def _posteriors(self) -> dict[float, Posterior]:
+        return {}
 
     @property
     def without_result(self) -> list[ComparedTest]:
@@ -90,7 +118,18 @@ class Evidence:
         A test without a y might rule them out.
         """
         kinds, why = {row.test.outcome for row in self.without_result}, waiting_text(self)
-        return why * bool(kinds & {"severe", None}), why * bool(kinds & {"mild", None})
+        no_mild = why * bool(kinds & {"severe", None})
+        no_severe = why * bool(kinds & {"mild", None})
+        if self.critical is not None:
+            one_sided = "the critical temperature is found by tests, of which none was "
+            results = [*map(outcome_of, self.specimens)]
+            has_severe, has_mild = (
+                any(math.isfinite(getattr(one, side)) for one in results)
+                for side in ("severe", "mild")
+            )
+            no_mild = no_mild or f"{one_sided}severe" * (not has_severe)
+            no_severe = no_severe or f"{one_sided}mild" * (not has_mild)
+        return no_mild, no_severe
 
     @property
     def outliers(self) -> Iterator[str]:

@@ -54,7 +54,7 @@ def point(options: argparse.Namespace) -> Result:
 def _margin_result(ds: xr.Dataset, place: Place) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     contact = _contact_frame(ds.sel(load=[place[0]], velocity=[place[1]]))
-    if scene_sweep(ds).conditions.critical_temperature is None:
+    if not scene_sweep(ds).base.is_judged:
         text, frame = ["without temperature.critical there is no verdict"], contact
     else:
         found = pipeline.margin(ds, *place)

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.condition_words import heating_words
-from pipeline.answers.conditions import judged
+from pipeline.answers.critical_temperature import conditions_of
 from pipeline.answers.results import CaseResults, case_dims, cases_of
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
@@ -69,7 +69,7 @@ def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | N
             raise InputError(f"realization is {realization}; the sweep has {seeds}")
         ds = ds.sel(realization=[seeds[0] if realization is None else realization])
     case = cases_of(ds)[0]
-    return Shown(case, judged(case.sweep.conditions, conditions))
+    return Shown(case, conditions_of(case, conditions))
 
 
 def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:

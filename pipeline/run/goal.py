@@ -28,7 +28,7 @@ _ROOM = 0.8  # largest share of an accuracy that a preset may take
 _LEAST_PATCHES = 4  # of a new store: to make room for more takes as long as some points
 _ADVICE = {
     "interpolation": "give more sweep.velocities and sweep.loads",
-    "preset": "run it into another store, which may take a finer preset",
+    "discretization": "run it into another store, which may take a finer preset",
     "warnings": "change what the warnings name: irg status",
     "surface": "there are too few patches of the surface: ask for a larger error",
 }
@@ -47,6 +47,8 @@ def require_boundary(sweep: Sweep) -> None:
         why = "each row of the sweep has its own load and velocity"
     elif not any(velocity > 0 for velocity in sweep.velocities):
         why = "sweep.velocities has none above 0"
+    elif any(case.critical_from_tests for case in sweep.cases):
+        why = "temperature.critical is from tests, whose points come first; run without an accuracy"
     elif not np.isfinite([rise_limit(case.conditions) for case in sweep.cases]).all():
         why = "friction.coefficient is 0"
     if why:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -109,6 +110,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
         friction_band=tables.friction.band,
         model_bias=model.bias,
         model_scatter=model.scatter,
+        critical_from_tests=math.isnan(tables.temperature.critical or 0.0),
         lubricant=oil,
         preset=preset,
     )
@@ -244,6 +246,8 @@ def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     values = {name: entry_at(tables, path) for name, path in PATHS.items()}
     values["corrections"] = corrections_of(tables, scene)
     # Of a scene without [model], the rise beside it has its default.
+    if math.isnan(values["critical_temperature"] or 0.0):  # from tests
+        values["critical_temperature"] = None
     known = {name: one for name, one in values.items() if one is not None}
     return Conditions(**known).under(scene.loading)
 

@@ -239,7 +239,9 @@ class FrictionTable(Declared):
 class Temperature(Declared):
     bulk: A[float, BULK, "Temperature of both bodies far from the contact."]
     critical: A[float | None, CRITICAL,
-        "Contact temperature above which the lubricant fails; needed to judge wear."] = None
+        "Contact temperature above which the lubricant fails; needed to judge wear. With "
+        '"from tests" the tests of the scene find it, and what they leave open is in each answer.'
+        ] = None
     failing_share: A[float, Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides."] = 0.1

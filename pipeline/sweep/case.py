@@ -39,6 +39,8 @@ class Case:
         The oil between the bodies, which does not affect simulations.
     preset : str or None
         Name of the preset that has the scene's numerical choices; None if there is none.
+    critical_from_tests : bool
+        True if the critical temperature, which conditions then lack, is found by the tests.
     """
 
     name: Variant
@@ -49,6 +51,12 @@ class Case:
     model_scatter: float
     lubricant: Oil | None
     preset: str | None
+    critical_from_tests: bool = False
+
+    @property
+    def is_judged(self) -> bool:
+        """True if wear is mild or severe: the critical temperature is known, or found by tests."""
+        return self.conditions.critical_temperature is not None or self.critical_from_tests
 
     @property
     def has_film(self) -> bool:

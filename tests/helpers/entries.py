@@ -7,7 +7,15 @@ from pipeline.sweep.case import Test
 from pipeline.sweep.variants import PLACE_UNITS, Column, Variants, numbered_rows
 
 _SCENE = {one.name for one in fields(tribo.Scene)}
-_CASE = {"conditions", "friction_band", "model_bias", "model_scatter", "oil", "preset"}
+_CASE = {
+    "conditions",
+    "friction_band",
+    "model_bias",
+    "model_scatter",
+    "oil",
+    "preset",
+    "critical_from_tests",
+}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
 _SWEEP = {
     "name", "title", "caveat", "notes", "sources", "stations", "loads", "velocities", "fields",

@@ -189,15 +189,14 @@ def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_
     found = pipeline.infer(inferring(*tests, critical=start))
     assert found["critical_temperature"].item() == pytest.approx(temperature, abs=1.0)
     assert np.isnan([found["at_least"], found["at_most"]]).all()
-    assert 2.0 < found["spread_this_rig"] < found["spread"] < 15.0
+    assert 2.0 < found["spread_this_rig"] < found["spread_another_rig"] < 15.0
 
 
 def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
     place = float(synthetic.critical_velocity(LOAD, LIMIT))
     mild = pipeline.infer(inferring(bare_test(LOAD, place, outcome="mild")))
     severe = pipeline.infer(inferring(bare_test(LOAD, place, outcome="severe")))
-    assert 410.0 < mild["at_least"] < 430.0
-    assert 380.0 < severe["at_most"] < 430.0
+    assert 385.0 < mild["at_least"] < 418.15 < severe["at_most"] < 455.0  # the contact is at 145 °C
     assert np.isnan([mild["at_most"], severe["at_least"]]).all()
 
 

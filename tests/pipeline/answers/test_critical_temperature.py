@@ -1,0 +1,122 @@
+"""The critical temperature from tests: by brute force over it, the bias and the scatter."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import log_ndtr, ndtr
+from scipy.stats import t as student
+
+import pipeline
+from tests.helpers import synthetic
+from tests.helpers.asked import asked
+from tests.helpers.entries import bare_test
+
+PLACES = [(300.0, 1.2), (400.0, 2.0), (600.0, 2.6)]
+BULK, WARM = 298.15, 343.15
+
+
+def swept(*tests, critical=None, **told):
+    measured = tuple(test for test in tests if not test.outcome)
+    tested = tuple(test for test in tests if test.outcome)
+    conditions = {"friction": 0.1, "bulk_temperature": BULK, "critical_temperature": critical}
+    return synthetic.sweep(
+        measured=measured, tested=tested, conditions=conditions,
+        critical_from_tests=critical is None, **told,
+    )  # fmt: skip
+
+
+def heat(load, velocity):
+    """Temperature rise by friction 0.1 [K]."""
+    return 0.1 * float(synthetic.rise(load, velocity, 0.9))
+
+
+def brute_force(tests, places, bias=0.05, scatter=0.055):
+    """Median of the critical temperature without a bias [K], and P at places (load, V, bulk)."""
+    u = np.linspace(-2.5, 2.5, 401)[:, None, None]
+    b = bias * student.ppf((np.arange(60) + 0.5) / 60, 4)[None, :, None]
+    v = np.linspace(math.log(0.004), math.log(5), 60)
+    critical, s = BULK + 120 * np.exp(u), np.exp(v)
+    logs = student.logpdf(u, 4) - 4 * v - 2 * scatter**2 / s**2
+
+    def y(load, velocity, bulk):
+        above = np.maximum(critical - bulk, 1e-9)
+        return math.log(heat(load, velocity)) - np.log(above)
+
+    def likelihood(bias):
+        whole = logs + 0 * bias
+        for load, velocity, bulk, outcome in tests:
+            x = (y(load, velocity, bulk) + bias) / s
+            one = {"severe": log_ndtr(x), "mild": log_ndtr(-x), None: -(x**2) / 2 - np.log(s)}
+            whole = whole + one[outcome]
+        weights = np.exp(whole - whole.max())
+        return weights / weights.sum()
+
+    alone = likelihood(np.zeros((1, 1, 1))).sum(axis=(1, 2))
+    weights = likelihood(b)
+    middle = np.interp(0.5, np.cumsum(alone) - alone / 2, u[:, 0, 0])
+    chances = [float((weights * ndtr((y(*place) + b) / s)).sum()) for place in places]
+    return BULK + 120 * math.exp(middle), chances
+
+
+CASES = {
+    "a bracket": [(400.0, 1.2, BULK, "mild"), (400.0, 1.9, BULK, "severe")],
+    "transitions": [(300.0, 2.0, BULK, None), (500.0, 1.6, BULK, None)],
+    "two bulk temperatures": [
+        (300.0, 2.0, BULK, None), (500.0, 0.9, WARM, None), (400.0, 0.6, WARM, "mild"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_and_all_probabilities_are_those_of_brute_force(case):
+    tests = CASES[case]
+    made = [
+        bare_test(load, velocity, outcome=outcome, bulk_temperature=bulk)
+        for load, velocity, bulk, outcome in tests
+    ]
+    ds = swept(*made)
+    places = [(*place, bulk) for place in PLACES for bulk in (BULK, 320.0)]
+    critical, chances = brute_force(tests, places)
+    found = pipeline.infer(ds)["critical_temperature"].item()
+    assert found == pytest.approx(critical, abs=0.2)
+    for place, chance in zip(places, chances, strict=True):
+        here = asked(ds, *place[:2], bulk_temperature=place[2])
+        assert here.critical_temperature == pytest.approx(found, abs=1e-9)
+        assert here.probability == pytest.approx(chance, abs=0.006)  # of the grids
+
+
+def test_a_critical_temperature_in_the_scene_changes_nothing_of_what_tests_say():
+    made = [bare_test(300.0, 2.0), bare_test(500.0, 0.9, bulk_temperature=WARM)]
+    first, *others = (
+        pipeline.infer(swept(*made, critical=273.15 + celsius))["critical_temperature"].item()
+        for celsius in (90.0, 145.0, 500.0)
+    )
+    assert others == pytest.approx([first] * 2, abs=0.1)
+
+
+@pytest.mark.parametrize(("outcome", "verdict"), [("mild", "mild"), ("severe", "severe")])
+def test_tests_of_one_outcome_decide_nothing_and_bound_it_on_one_side(outcome, verdict):
+    ds = swept(bare_test(400.0, 2.0, outcome=outcome))
+    loads, velocities = np.meshgrid([200.0, 750.0], [0.5, 4.0])
+    for place in zip(loads.ravel(), velocities.ravel(), strict=True):
+        assert asked(ds, *place).verdict != verdict
+    found = pipeline.infer(ds)
+    contact = BULK + heat(400.0, 2.0)
+    if outcome == "mild":
+        assert BULK + 30 < found["at_least"].item() < contact
+        assert np.isnan(found["at_most"])
+    else:
+        assert contact < found["at_most"].item() < contact + 120
+        assert np.isnan(found["at_least"])
+
+
+def test_every_door_has_the_same_critical_temperature():
+    ds = swept(bare_test(400.0, 1.2, outcome="mild"), bare_test(400.0, 1.9, outcome="severe"))
+    critical = pipeline.infer(ds)["critical_temperature"].item()
+    assert pipeline.boundary(ds)["critical_temperature"].item() == pytest.approx(critical)
+    states = pipeline.points(ds)["state"].sel(load=400.0)[0]
+    turns = pipeline.boundary(ds)["critical_velocity"].sel(load=400.0).item()
+    assert ((states == "severe") == (states["velocity"] > turns)).all()
+    failed = pipeline.temperatures(ds)["failed_fraction"].sel(load=400.0, step=0)
+    assert ((failed > 0.1) == (failed["velocity"] > turns)).all()
