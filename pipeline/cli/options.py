@@ -231,6 +231,7 @@ OF_PLOT = (
     flag("--plain", "draw no title and no caption"),
     flag("--log", "logarithmic axes of the diagram"),
     value("--show NAME", "variable that a ramp shows, such as wear_volume"),
+    value("--step N", "step of fields, counted back from the end of a point: 0, -1, ...", int),
 )  # fmt: skip
 OF_REPORT = (
     output("FILE.html", "file of the report; default: beside the store"),

@@ -152,13 +152,15 @@ def fields(
     load: float | str | None = None,
     velocity: float | str | None = None,
     realization: int | None = None,
+    step: int = 0,
 ) -> Figure:
-    """Draw pressure, temperature and wear depth over the contact at the end of one point.
+    """Draw pressure, temperature and wear depth over the contact at a step of one point.
 
     The sweep's point nearest to `load` and `velocity` is drawn; both are in SI or text with a
     unit. By default the load is the highest with a computed point, and the velocity is the nearest
-    to the transition. `realization` is the seed of the surface; by default the first one. In a
-    figure as narrow as a journal's column the panels are stacked.
+    to the transition. `realization` is the seed of the surface; by default the first one. `step`
+    counts back from the end of the point, which is 0. In a figure as narrow as a journal's column
+    the panels are stacked.
     """
     require_single("fields", load=load, velocity=velocity)
     if "pressure" not in ds:
@@ -168,7 +170,8 @@ def fields(
         )
     here = shown_of(ds, conditions, realization)
     point = chosen_points(here, load, velocity)[0]
-    shown = _surface_fields(here, point)
+    _require_step(here, point, step)
+    shown = _surface_fields(here, point, step)
     if np.isnan(shown[0]).all():
         raise InputError(
             "no fields of this point are kept: a run with an accuracy keeps those of the first "
@@ -194,21 +197,36 @@ def fields(
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
-    where = f"{here.words(point)}, {heating_words(here.conditions)}"
+    at = f", step {step} at {here.values('normal_load')[point][step - 1]:g} N" if step else ""
+    where = f"{here.words(point)}{at}, {heating_words(here.conditions)}"
     style.write_title(figure, here.title(where))
     return figure
 
 
-def _surface_fields(shown: Shown, point: Spot) -> tuple[Array, ...]:
-    """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at the end of a point."""
+def _require_step(shown: Shown, point: Spot, step: int) -> None:
+    """Raise an `InputError` unless the fields at a `step` of a point are stored."""
+    known = np.flatnonzero(np.isfinite(shown.values("contact_fraction")[point]))
+    steps = (known - shown.case.ds.sizes["step"] + 1).tolist()
+    if "step" not in shown.case.ds["pressure"].dims and step:
+        raise InputError(
+            f"step is {step}, and the store has the fields at the end of each point alone; set "
+            "'fields = \"steps\"' under [sweep] in the scene, and run it into another store"
+        )
+    if step not in steps:
+        raise InputError(f"step is {step}; the point has the steps {steps[0]} to 0")
+
+
+def _surface_fields(shown: Shown, point: Spot, step: int) -> tuple[Array, ...]:
+    """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
     conditions = shown.conditions
-    here = shown.case.ds.isel(realization=0, load=point[0], velocity=point[1])
+    place = {"realization": 0, "load": point[0], "velocity": point[1], "step": step - 1}
+    here = shown.case.ds.isel(place, missing_dims="ignore")
     here = here.transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.corrections:
         columns = {name: shown.values(name)[point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-        zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
+        zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][step - 1]
         rise = zero + (one - zero) * rise
     return (
         np.ma.masked_equal(shown_in(here["pressure"].values, "GPa"), 0.0),

@@ -82,6 +82,7 @@ def plot(
           nearest load of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the boundary at that load.
+        - fields: ``step``, counted back from the end of the point, which is 0.
         - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
 
         Of a sweep also conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.

@@ -23,6 +23,7 @@ def draw_trade(trade: Trade) -> Figure:
         for one in found:
             goal = "" if one.accuracy is None else f"{100 * one.accuracy:g} %: "
             words = f"{goal}{one.points} points" if goal else f"{one.preset}"
+            words += ", all steps" * one.has_steps
             axes.annotate(
                 words, (one.seconds, one.error), (8, 4), textcoords="offset points",
                 path_effects=style.HALO,

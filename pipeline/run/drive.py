@@ -26,6 +26,7 @@ from pipeline.run.watch import CANNOT, POLL, Watch
 from pipeline.run.work import Case, ExecutionError, simulate_point
 from pipeline.store.store import Writer
 from pipeline.sweep.plan import PointRecord, Task, choose_stations
+from pipeline.sweep.stations import Fields
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Variant
 
@@ -105,7 +106,7 @@ class _Tasks:
     def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
         self._client, self._sweep = client, sweep
         self._stations, self._store = choose_stations(sweep), writer.store
-        self._cases: dict[tuple[str, bool], bytes] = {}
+        self._cases: dict[tuple[str, Fields], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
         self._ended = as_completed(loop=client.loop)
@@ -142,10 +143,10 @@ class _Tasks:
 
     def _case(self, variant: Variant) -> bytes:
         case = self._sweep.case(variant)
-        with_fields = self._store.has_fields(variant)
-        key = self._sweep._hash_scene(case.scene), with_fields
+        fields = self._store.fields_of(variant)
+        key = self._sweep._hash_scene(case.scene), fields
         if key not in self._cases:
-            made = Case(case.scene, self._stations, with_fields, case.has_film)
+            made = Case(case.scene, self._stations, fields, case.has_film)
             self._cases[key] = made.pickled()
         return self._cases[key]
 

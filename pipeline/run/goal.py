@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -112,6 +113,8 @@ class GoalRun:
                 'and 1, such as 0.02 or "2%"'
             )
         require_boundary(sweep)
+        if before is None and sweep.steps is None:
+            sweep = replace(sweep, steps="end")  # no earlier step decides
         chosen = with_preset_for(sweep, before, self.accuracy)
         own = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
         error = percent(velocity_error(chosen) or 0.0)

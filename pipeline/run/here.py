@@ -42,11 +42,11 @@ def _simulated(
     for point in points:
         scene = store.sweep.case(point.variant).scene
         try:
-            with_film = store.sweep.case(point.variant).has_film
-            made = run_point(scene, stations, point, progress=report, with_film=with_film)
+            film, fields = store.sweep.case(point.variant).has_film, store.fields_of(point.variant)
+            made = run_point(scene, stations, point, None, report, film, fields)
         except TriboError as error:
             if point in needed:
                 raise
             yield PointRecord(point, None, str(error))
         else:
-            yield made.record(store.has_fields(point.variant))
+            yield made.record(bool(fields))

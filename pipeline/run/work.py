@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 
 from pipeline.sweep.plan import PointRecord, run_point
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stations import Fields, Stations
 from pipeline.sweep.sweep import Point
 from tribo import Scene, TriboError
 from tribo.simulation import Trunks
@@ -80,7 +80,7 @@ class Case:
 
     scene: Scene
     stations: Stations
-    with_fields: bool
+    fields: Fields
     with_film: bool
 
     def pickled(self) -> bytes:
@@ -107,9 +107,14 @@ def simulate_point(case: bytes, point: Point) -> tuple[PointRecord, Program]:
         try:
             given = _unpickled(case)
             result = run_point(
-                given.scene, given.stations, point, _ramps, with_film=given.with_film
+                given.scene,
+                given.stations,
+                point,
+                _ramps,
+                with_film=given.with_film,
+                fields=given.fields,
             )
-            record = result.record(given.with_fields)
+            record = result.record(bool(given.fields))
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
         return record, PROGRAM

@@ -27,6 +27,7 @@ from pipeline.scene.kinds import (
     SIZE,
     SPEED,
     VELOCITY,
+    Flag,
     Kind,
     Number,
     OneOf,
@@ -276,8 +277,9 @@ class SweepTable(Declared):
         "CSV or Excel, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or labels."] = None
-    fields: A[bool,
-        "True to store pressure, temperature rise and wear depth over the window."] = False
+    fields: A[bool | str, Either(Flag(), OneOf(("steps",))),
+        "True to store pressure, temperature rise and wear depth over the window at the end of "
+        'each point; "steps" to store them at each step that is stored.'] = False
     steps: A[str | None, OneOf(("course", "end")),
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None

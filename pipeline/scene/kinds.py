@@ -88,6 +88,7 @@ class Flag(Kind):
 class OneOf(Kind):
     """Kind of scene entry: one of a few words."""
 
+    holds = str
     options: tuple[str, ...]
 
     def __str__(self) -> str:

@@ -306,6 +306,8 @@ def _take(
     data = store.arrays.keys() & DATA.keys()
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():
         return 0, 0, 0
+    if store.sweep.fields not in (False, other.sweep.fields):
+        return 0, 0, 0
     places: dict[tuple[Any, ...], list[Point]] = {}
     for point in wanted:
         places.setdefault((store.group.scene_hash(point), *point[:2]), []).append(point)

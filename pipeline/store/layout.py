@@ -169,7 +169,7 @@ class Group:
         `where` has an index along each of `dims` for each point, shape (n, n_dim).
         """
         first: Mask = (where[:, self._seeds] == 0).all(axis=1)
-        return first & self.sweep.fields
+        return first & bool(self.sweep.fields)
 
     def field_places(self, where: Indices) -> Indices:
         """Indices of points along the dimensions of fields, which lack those of surfaces."""
@@ -288,6 +288,7 @@ class Root:
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
             "scene": self.sweep.text,
+            "stored_steps": choose_stations(self.sweep).steps,
         }
 
     def documents(self) -> dict[str, Document]:

@@ -15,6 +15,7 @@ from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import wanted_slots
 from pipeline.sweep.sweep import Sweep, variant_words
 from pipeline.sweep.variants import in_order
+from pipeline.words import quoted
 from tribo import InputError
 
 _ENTRIES = {
@@ -23,6 +24,8 @@ _ENTRIES = {
     "disk": "material of the disk", **PATHS,
 }  # fmt: skip
 """Entries of the scene file, by the beginning of an object's path where the two differ."""
+
+_MORE_FIELDS: tuple[Any, ...] = False, True, "steps"
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
@@ -97,8 +100,8 @@ def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
             break  # one case that differs is enough
     if (steps := sweep.steps) not in (None, choose_stations(stored).steps):
         yield _differs("sweep.steps", choose_stations(stored).steps, steps)
-    if sweep.fields and not stored.fields:
-        yield _differs("sweep.fields", "false", "true")
+    if _MORE_FIELDS.index(sweep.fields) > _MORE_FIELDS.index(stored.fields):
+        yield _differs("sweep.fields", quoted(stored.fields), quoted(sweep.fields))
     try:
         join(stored, sweep)
     except InputError as error:

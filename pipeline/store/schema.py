@@ -77,9 +77,9 @@ COLUMNS = {
     "rise_quantile": Variable(_QUANTILES, "K", f"quantile of the rise of the contact {_RISE}"),
 }
 FIELDS = {
-    "pressure": _field("Pa", "contact pressure at the end of the ramp"),
-    "rise": _field("K", f"temperature rise of the pin at the end of the ramp {_RISE}"),
-    "wear_depth": _field("m", "wear depth of the pin at the end of the ramp"),
+    "pressure": _field("Pa", "contact pressure"),
+    "rise": _field("K", f"temperature rise of the pin {_RISE}"),
+    "wear_depth": _field("m", "wear depth of the pin"),
 }
 SAMPLING = {
     "rise_sampling": Variable(
@@ -196,7 +196,9 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue
-        inner = tuple(dim for dim in variable.dims if dim not in placed)
+        has_steps = name in FIELDS and sweep.fields == "steps"
+        dims = (*PLANE, "step", "x", "y") if has_steps else variable.dims
+        inner = tuple(dim for dim in dims if dim not in placed)
         outer = chosen if name in FIELDS else front
         outer = _variant_dims(name, sweep) if name in MADE else outer
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))

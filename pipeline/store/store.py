@@ -48,6 +48,7 @@ from pipeline.store.schema import (
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.stations import Fields
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Variant
 from tribo.types import Indices, Mask
@@ -126,10 +127,10 @@ class Store:
 
     # Indices of points
 
-    def has_fields(self, variant: Variant) -> bool:
-        """True if the points of a case are stored with fields."""
-        first = ((dim, self.axes[dim][0]) for dim in self.group.seeds)
-        return self.sweep.fields and {*first} <= {*variant}
+    def fields_of(self, variant: Variant) -> Fields:
+        """Which fields of the points of a case are stored."""
+        first = {(dim, self.axes[dim][0]) for dim in self.group.seeds}
+        return self.sweep.fields if first <= {*variant} else False
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
@@ -243,7 +244,8 @@ class Store:
             note(done | bool(of_all), words)  # points that failed have no results
         for name, made in values.items():
             if name in FIELDS:
-                is_lost = np.array([one is None or np.isnan(one).all() for one in made]) & own
+                ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
+                is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
                 note(is_lost & done, f"{name} is missing")
             elif made is not None and name in DATA and made.dtype.kind == "f":
                 end = made[:, -1] if self.is_stepped(name) else made
@@ -434,7 +436,10 @@ class Store:
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
         if name in FIELDS:  # a chunk of its own
             (row,) = rows
-            return name, block, np.asarray(values[name][row], array.dtype)[(None,) * len(block)]
+            whole, made = np.full(array.shape[len(block) :], np.nan, array.dtype), values[name][row]
+            n = min(len(made), len(whole))  # what is longer has no values
+            whole[-n:] = made[-n:]
+            return name, block, whole[(None,) * len(block)]
         if np.isin(flags := self.flags[block], (DONE, FAILED)).any():
             whole = self.read(name, block)
         else:  # what is there may be damaged
@@ -473,6 +478,7 @@ class Store:
 _PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits: as much work as a kill may cost
 _SHARE = 10.0  # durations of a commit, as pause after it: commits take a tenth of the driver
 _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the machine
+_MOST_AT_ONCE = 2**26  # bytes of results that wait, so that memory is bounded
 
 
 class Writer:
@@ -482,6 +488,7 @@ class Writer:
         self.store = store
         self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
+        self._bytes = 0  # of the results that wait
         self._next = 0.0  # time of the next commit
 
     def __enter__(self) -> Writer:
@@ -493,15 +500,18 @@ class Writer:
 
     def add(self, records: Iterable[PointRecord]) -> None:
         """Add records to those that wait."""
-        self._waiting += records
+        for record in records:
+            self._waiting.append(record)
+            self._bytes += sum(np.asarray(one).nbytes for one in (record.data or {}).values())
 
     def written(self) -> list[PointRecord]:
-        """Write the waiting records if it is time to, and return them."""
-        return self.flush() if time.monotonic() >= self._next else []
+        """Write the waiting records if it is time to, or they are large; and return them."""
+        is_due = time.monotonic() >= self._next or self._bytes >= _MOST_AT_ONCE
+        return self.flush() if is_due else []
 
     def flush(self) -> list[PointRecord]:
         """Write the waiting records, and return them."""
-        records, self._waiting, began = self._waiting, [], time.monotonic()
+        records, self._waiting, self._bytes, began = self._waiting, [], 0, time.monotonic()
         if records:
             self.store.commit(records)
             pause = _SHARE * (time.monotonic() - began)

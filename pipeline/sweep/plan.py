@@ -10,15 +10,16 @@ from __future__ import annotations
 import functools
 import math
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.stations import Stations, load_that_counts
+from pipeline.sweep.stations import Fields, Stations, load_that_counts
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Labels, Variant
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
@@ -75,17 +76,7 @@ class PointResult:
         ``wear_depth`` [m]. The rise is NaN without a contact. If the point was computed on smaller
         elements than the scene's, values are means over the scene's elements.
         """
-        heat, pressure = self.state.heat, self.state.pressure
-        unknown = np.full_like(pressure, np.nan)
-        fields = {
-            "pressure": pressure,
-            "rise": heat.rise if heat else unknown,
-            "wear_depth": self.state.wear_depth,
-        }
-        if pressure.shape == self.shape:
-            return fields
-        blocks = (self.shape[0], -1, self.shape[1], pressure.shape[1] // self.shape[1])
-        return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
+        return _fields_of(self.state, self.shape)
 
     @property
     def sampling(self) -> dict[str, Any]:
@@ -94,7 +85,7 @@ class PointResult:
 
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
-        fields = self.fields if with_fields else {}
+        fields = self.fields if with_fields and "pressure" not in self.columns else {}
         columns = {name: v.copy() for name, v in self.columns.items() if name not in _MADE}
         for values in columns.values():
             values[-1] = _known(values[-1])
@@ -178,25 +169,28 @@ def run_point(
     trunks: Trunks | None = None,
     progress: Report = silent,
     with_film: bool = False,
+    fields: Fields = False,
 ) -> PointResult:
     """Simulate a scene at a point, and record the results at its `stations`.
 
     `trunks` is a cache of load steps that were simulated for other points. This point continues
     from the cached steps, and its own steps are added to the cache. With None nothing is cached.
     `progress` is called after each step. `with_film` is True to also record the inlet of the worn
-    contact, by which the film of an oil is judged.
+    contact, by which the film of an oil is judged. With `fields` "steps" the columns include them.
     """
     began = time.perf_counter()
     load, velocity, _ = point
     trunks = trunks or Trunks()
     fitted = fit_elements(scene, load)
     heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load, velocity)
+    record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
     note, own = None, {station.index for station in kept}
     if stations.steps == "course":
-        note = Note((fitted, velocity), lambda state: _increment_values(fitted, velocity, state))
+        name = fitted, velocity, fields
+        note = Note(name, lambda state: _increment_values(record, fitted, velocity, state))
         own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
     memo = trunks.last(contact_key(fitted, load, velocity, heat_steps))
-    found = memo.get((fitted, stations, with_film))
+    found = memo.get(asked := (fitted, stations, with_film, fields))
     if found is None:  # no row with this heat came before
         states: list[State] = []
         if isinstance(fitted.loading, Stages):
@@ -208,10 +202,10 @@ def run_point(
                 states.append(_heated(fitted, velocity, contact, is_last))
             progress(Progress(done=contact.index, total=kept[-1].index))
         course = states[-1].course[: len(kept) - len(states)]  # the end may be one of its steps
-        records = [*course, *(record_at(fitted, state) for state in states)]
+        records = [*course, *map(record, states)]
         columns = {key: np.array([record[key] for record in records]) for key in records[0]}
         film = _film_of(fitted, states[-1]) if with_film else _NO_FILM
-        found = memo[fitted, stations, with_film] = columns, states[-1], film
+        found = memo[asked] = columns, states[-1], film
     columns, state, film = found
     return PointResult(
         point=point,
@@ -241,26 +235,46 @@ def _heated(scene: Scene, velocity: float, contact: State, is_sampled: bool = Fa
     return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
 
 
-def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
+def _increment_values(
+    record: Callable[[State], Moment], scene: Scene, velocity: float, contact: State
+) -> Moment:
     """Values to record of a contact after an increment, by variable."""
-    is_solved = contact.is_requested or not contact.pressure.any()
     try:
-        found = record_at(scene, _heated(scene, velocity, contact))
+        found = record(_heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it
-        found = record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
-    # Without a solution on the point's own grid there is none to show.
-    return (
-        found if is_solved else {k: one if k in _MADE else one * np.nan for k, one in found.items()}
-    )
+        found = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
+    if contact.is_requested or not contact.pressure.any():
+        return found
+    # Its contact on the point's own grid has no solution: all but time and load is not known.
+    return {name: one if name in _MADE else one * np.nan for name, one in found.items()}
 
 
-def record_at(scene: Scene, state: State) -> Moment:
-    """Values to record at one time of a point's loading, by name of the variable in the dataset."""
-    quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    return {
+def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> Moment:
+    """Values to record at one time of a point's loading, by name of the variable in the dataset.
+
+    With a `shape` they include the fields on as many elements.
+    """
+    record: dict[str, float | Array] = {
         **measures(scene, state),
-        "rise_quantile": quantiles,
+        "rise_quantile": state.heat.rise_quantile if state.heat else _NO_QUANTILES,
     }
+    if shape:
+        record |= {k: one.astype(np.float32) for k, one in _fields_of(state, shape).items()}
+    return record
+
+
+def _fields_of(state: State, shape: tuple[int, int]) -> dict[str, Array]:
+    """Fields of a state by name, as means over the elements of a grid of a `shape`."""
+    pressure = state.pressure
+    fields = {
+        "pressure": pressure,
+        "rise": state.heat.rise if state.heat else np.full_like(pressure, np.nan),
+        "wear_depth": state.wear_depth,
+    }
+    if pressure.shape == shape:
+        return fields
+    blocks = (shape[0], -1, shape[1], pressure.shape[1] // shape[1])
+    return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
 
 def choose_stations(sweep: Sweep) -> Stations:

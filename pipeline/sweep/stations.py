@@ -11,6 +11,8 @@ from tribo.loading import Station
 
 Steps = Literal["course", "end"]
 """Steps that are stored: all of them ("course"), or those that verdicts use ("end")."""
+Fields = bool | Literal["steps"]
+"""Whether fields of a point are stored: not (False), at its end (True), or at each stored step."""
 
 
 @dataclass(frozen=True, slots=True)

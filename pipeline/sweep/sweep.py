@@ -12,7 +12,7 @@ from pipeline.sweep.case import Case, Test
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
-from pipeline.sweep.stations import Stations, Steps
+from pipeline.sweep.stations import Fields, Stations, Steps
 from pipeline.sweep.variants import AREAS, Variant, Variants, surfaces
 from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
 
@@ -78,7 +78,7 @@ class Sweep:
     variants: Variants = field(repr=False)
     loads: tuple[float, ...]
     velocities: tuple[float, ...]
-    fields: bool  # True to store fields of the contact
+    fields: Fields  # of the contact, to store
     steps: Steps | None  # to store; None for the default
     tests: tuple[Test, ...]
     notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene, and its doubts

@@ -83,8 +83,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     scene = sweep._take(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
-    coarsening = as_computed(scene).coarsening
-    work = _TaskTimes(scene, contact_time, heat_time, is_course, coarsening)
+    work = _TaskTimes(scene, contact_time, heat_time, is_course)
     parallel = min(workers, len(every))
     wall = work.total(every) / parallel
     slots, points = wanted_slots(sweep), len(every)
@@ -113,7 +112,6 @@ class _TaskTimes:
     contact_time: float  # [s]
     heat_time: float  # [s]
     is_course: bool  # True if temperatures are also computed during the run
-    coarsening: int = 1  # of the grid of steps before the last
     is_of_tests: bool = False  # True if each task has a scene of its own
     contacts: int = 0
     temperatures: int = 0
@@ -134,7 +132,8 @@ class _TaskTimes:
         increments, own, shown = self._steps[key]
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
-        shown = shown if own else round(shown * new / increments)  # of stages, the new ones
+        if isinstance(scene.loading, Stages):
+            shown = round(shown * new / increments)  # the new ones
         warms = bool(scene.friction_heat and velocity)
         steps = new + own
         heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
@@ -145,14 +144,17 @@ class _TaskTimes:
         has[contact] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
-        of_heat = (heats_on_way / self.coarsening**2 + heats) * self.heat_time
-        return float(steps * self.contact_time + of_heat + _SECONDS_TO_COMMIT)
+        of_heat = (heats_on_way + heats) * self.heat_time
+        solved = steps + new * self.is_course  # on the grid of the history, and on the point's own
+        return float(solved * self.contact_time + of_heat + _SECONDS_TO_COMMIT)
 
 
 def worker_bytes(sweep: Sweep) -> float:
     """Memory that a worker needs [B], including the results of steps kept for reuse."""
     scene = as_computed(sweep)
-    elements = math.prod(next(scene.levels()).grid.shape)
+    coarse, *finer = scene.levels()
+    kept_on = [coarse, *finer[-1:]] if choose_stations(sweep).steps == "course" else [coarse]
+    elements = sum(math.prod(one.grid.shape) for one in kept_on)
     of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
     kept = min(MOST_BYTES, of_ramp) if scene.remembers_steps else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
@@ -212,6 +214,8 @@ def _count_steps(
         or (step.normal_load == load and not step.holding)
         for step in steps
     )
+    if stations.steps == "course" and steps[-1].on_trunk:
+        return len(steps), 0, 1  # the end is the last step that others share
     return shared, len(steps) - shared, shown
 
 
@@ -219,7 +223,7 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
     stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
-    fields = 3 if sweep.fields else 0
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)
-    return stored + fields * field
+    steps = max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)
+    fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]
+    return 8.0 * numbers * steps + fields * field

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -28,6 +28,7 @@ from pipeline.store.place import PathLike
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError
+from tribo.simulation import Trunks
 
 ACCURACIES = 0.05, 0.03, 0.02
 """Errors that `irg trade` asks for, one after another."""
@@ -43,6 +44,7 @@ class Measured:
     points: int  #: In the store after the run, or of the plane.
     seconds: float  #: Processor time of all processes, earlier runs included [s].
     error: float  #: Relative error at the load where it is largest, a bound at 95 %.
+    has_steps: bool = False  #: True if all steps of each point are computed, not its end alone.
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class Trade:
         """Frame with a row for each run and plane."""
         rows = []
         for one in (*self.runs, *self.planes):
-            name = f"plane by {one.preset}"
+            name = f"plane by {one.preset}" + ", all steps" * one.has_steps
             if one.accuracy is not None:
                 name = f"accuracy {100 * one.accuracy:g}%"
             numbers = float(f"{one.seconds:.3g}"), float(f"{one.error:.3g}")
@@ -142,19 +144,33 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
         chosen = sweep.with_fidelity(fidelity, name)
-        promised = velocity_error(chosen) or math.nan
-        whole = total(np.stack([between, surface, np.full_like(between, promised)]))
-        seconds = points * seconds_of_point(chosen, float(np.median(critical)))
-        yield Measured(None, name, points, seconds, float(whole.max(initial=0.0)))
+        promised, near = velocity_error(chosen) or math.nan, float(np.median(critical))
+        error = float(
+            total(np.stack([between, surface, np.full_like(between, promised)])).max(initial=0.0)
+        )
+        seconds = points * seconds_of_point(chosen, near)
+        yield Measured(None, name, points, seconds, error)
+        if name == "standard" and choose_stations(sweep).steps == "course":
+            ends, course = (
+                seconds_of_loads(replace(chosen, steps=steps), near) for steps in ("end", "course")
+            )
+            yield Measured(None, name, points, seconds * course / ends, error, has_steps=True)
 
 
 def seconds_of_point(sweep: Sweep, near: float) -> float:
-    """Processor time [s] of a point at the middle load, at the velocity next to `near` [m/s].
+    """Processor time [s] of a point's end at the middle load, next to the velocity `near` [m/s].
 
     Points of a plane share their ramps, and so may take less.
     """
-    case, load = sweep._given[0], sweep.loads[len(sweep.loads) // 2]
+    middle = sweep.loads[len(sweep.loads) // 2]
+    return seconds_of_loads(replace(sweep, steps="end", loads=(middle,)), near)
+
+
+def seconds_of_loads(sweep: Sweep, near: float) -> float:
+    """Processor time [s] of all loads at the velocity next to `near` [m/s], which share a ramp."""
+    case, trunks = sweep._given[0], Trunks()
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - near))
     began = time.process_time()
-    run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name))
+    for load in sweep.loads:
+        run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name), trunks)
     return time.process_time() - began

@@ -171,9 +171,8 @@ def _to_shared_end(
         try:
             next(rest)
         except StopIteration as end:
-            last, course = end.value
-            break
-    return replace(last, course=course)
+            last: State = end.value[0]
+            return replace(last, course=end.value[1])
 
 
 def _advance(

@@ -51,11 +51,11 @@ class Fidelity:
         is as long as the pin, the tolerance bounds the residual of the gaps, and the wear is
         integrated by an implicit Runge-Kutta scheme of second order.
     history_coarsening : int
-        Largest factor by which the sides of elements are lengthened in the steps of a point. The
-        last step is then repeated on the scene's own grid. Earlier steps affect it only by the
-        worn depth. Coarse elements resolve that depth if the wear pattern is "swept" and many of
-        them touch. With the pattern "local", wear follows the roughness, and the grid is not
-        coarsened.
+        Largest factor by which the sides of elements are lengthened in the steps of a point. Steps
+        that are asked for are then repeated on the scene's own grid. Earlier steps affect them only
+        by the worn depth. Coarse elements resolve that depth if the wear pattern is "swept" and
+        many of them touch. With the pattern "local", wear follows the roughness, and the grid is
+        not coarsened.
     imprint : float
         Largest depth to which the roughness may wear itself into the pin within a part of a step,
         divided by the height of the roughness. Steps are cut into as many parts as this takes, at

@@ -21,8 +21,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole pin)
         [m³], ``iterations`` and ``residual`` of the contact; ``max_rise`` and ``mean_rise`` (per
         unit friction coefficient) [K], and ``pin_heat_share``. The last three are NaN if the
-        temperature was not computed. Values that depend on the size of elements are for the state's
-        elements, which are larger before the last step; see `Fidelity.fewest_elements`.
+        temperature was not computed.
 
     Notes
     -----

@@ -13,7 +13,9 @@ import zarr
 import pipeline
 import tribo
 from pipeline.answers.results import cases_of
+from pipeline.run.here import compute_here
 from pipeline.store.create import writing
+from pipeline.store.schema import FIELDS
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import surfaces
@@ -143,6 +145,31 @@ def test_plain_xarray_works_on_whole_and_half_done_sweeps(opened, name):
         assert ds.chunks is not None  # fails if chunks along an axis differ in length
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
         assert PLAIN[name](ds, "load" if "load" in ds.dims else "point").load().data_vars
+
+
+def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
+    place = {"load": 600.0, "velocity": 1.5}
+    with writing(path, tiny.full(fields="steps")) as store:
+        compute_here(store, [Point(**place), Point(250.0, 1.5)])
+    assert pipeline.verify_store(path).is_clean
+    with pipeline.open_sweep(path) as ds, pipeline.open_sweep(alone) as ends:
+        steps, end = ds.sel(place), ends.sel(place)
+        assert steps["pressure"].dims == ("step", "x", "y")
+        touched = (steps["pressure"] > 0).mean(("x", "y"))
+        np.testing.assert_allclose(touched, steps["contact_fraction"])
+        on_way = steps.isel(step=steps["normal_load"].values.tolist().index(250.0))
+        for name in FIELDS:
+            np.testing.assert_array_equal(steps[name].sel(step=0), end[name])
+            np.testing.assert_array_equal(
+                on_way[name], ds[name].sel(load=250, velocity=1.5, step=0)
+            )
+            assert ds[name].sel(load=250, velocity=1.5).isnull().all(("x", "y")).sum() == 3
+    assert pipeline.plot(path, "fields", load="600 N", step=-2)
+    for step, why in ((-9, "the point has the steps -4 to 0"), (1, "the point has the steps")):
+        with pytest.raises(InputError, match=why):
+            pipeline.plot(path, "fields", step=step)
+    with pytest.raises(InputError, match="at the end of each point alone"):
+        pipeline.plot(alone, "fields", step=-1)
 
 
 def test_fields_lie_in_a_group_of_their_own(copy):

@@ -10,7 +10,7 @@ from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
 from tribo import PRESETS, QUANTILES, Fidelity, Grid, Ramp
-from tribo.simulation import Trunks, contacts
+from tribo.simulation import Trunks, contacts, heat
 
 SWEEP = changed(
     PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
@@ -19,27 +19,25 @@ SWEEP = changed(
 
 def counted(sweep, monkeypatch):
     """Numbers of steps and temperatures of a whole sweep, counted while it runs."""
-    steps = temperatures = heats = 0
+    steps = temperatures = 0
 
     def counting(*arguments):
         nonlocal steps, temperatures
         for state in contacts(*arguments):
             steps += 1
-            temperatures += state.is_requested or state.heat is not None
+            temperatures += state.heat is not None
             yield state
 
-    def noting(*arguments):
-        nonlocal heats
-        heats += not sweep.scene.remembers_heat
-        return on_way(*arguments)
+    def heating(*arguments):
+        nonlocal temperatures
+        temperatures += 1
+        return heat(*arguments)
 
-    on_way = plan._increment_values
-    monkeypatch.setattr(plan, "_increment_values", noting)
+    monkeypatch.setattr(plan, "heat", heating)
     monkeypatch.setattr(plan, "contacts", counting)
     trunks = Trunks()
     for task in tasks(points(sweep), sweep):
         [run_point(sweep, task.point, trunks)]
-    temperatures += heats
     if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
         steps //= len(sweep.velocities)
     return steps, temperatures

@@ -36,16 +36,19 @@ def test_smaller_errors_cost_more_and_go_on_in_one_store(measured):
 
 def test_planes_have_all_points_and_slower_presets_err_less(measured):
     planes = measured[0].planes
-    assert [one.preset for one in planes] == ["standard", "fine", "reference"]
+    assert [(one.preset, one.has_steps) for one in planes] == [
+        ("standard", False), ("standard", True), ("fine", False), ("reference", False),
+    ]  # fmt: skip
     assert {one.points for one in planes} == {72}
-    errors, seconds = ([getattr(one, name) for one in planes] for name in ("error", "seconds"))
+    ends = [one for one in planes if not one.has_steps]
+    errors, seconds = ([getattr(one, name) for one in ends] for name in ("error", "seconds"))
     assert errors == sorted(errors, reverse=True)
     assert seconds == sorted(seconds)
 
 
 def test_table_and_figure_have_each_run(measured, tmp_path):
     found = measured[0]
-    assert len(found.table) == 5
+    assert len(found.table) == 6
     assert "accuracy 10%" in str(found)
     assert pipeline.plot(found, out=tmp_path / "trade.svg").exists()
 
