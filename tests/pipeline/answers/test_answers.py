@@ -8,7 +8,13 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 from scipy.stats import t as student
 
-from pipeline.answers.error import interpolation_errors
+from pipeline.answers.error import (
+    PRESET,
+    curve_errors,
+    interpolation_errors,
+    rise_errors,
+    velocity_errors,
+)
 from pipeline.answers.likelihood import Outcome, Prior, update
 from pipeline.answers.pchip import Pchip, roots
 from pipeline.answers.specimen import merged
@@ -97,3 +103,32 @@ def test_points_beside_make_an_error_smaller():
     before, after = errors(field(), f, v), errors(field(loads), f, v)
     assert (after <= 1.1 * before).all()
     assert after.mean() < 0.8 * before.mean()
+
+
+def straight(slope=0.6):
+    """A specimen of a power law, with three loads and three velocities half a unit apart."""
+    loads, velocities = 400 * np.exp([0.0, 0.5, 1.0]), np.exp([0.0, 0.5, 1.0])
+    y = 0.6 * np.log(loads)[:, None] + slope * np.log(velocities)
+    ones = np.ones(y.shape)
+    return merged(loads, velocities, y[None], 0.02 * ones[:, 0], 0 * ones.astype(int), ones)
+
+
+def test_the_bounds_between_points_are_these_numbers():
+    """Of a straight line: 0.1 gap²/8 of curvature, and 0.8 or 3 % of the gap of roughness."""
+    x = np.array([0.0, 0.4, 0.8])
+    within = math.hypot(0.1 * 0.4**2 / 8, 0.008 * 0.4)
+    assert curve_errors(x, 0.6 * x, np.array([0.2, 0.6])) == pytest.approx([within] * 2, rel=1e-9)
+    one = straight()
+    at = np.array([400 * math.exp(0.25)]), np.array([math.exp(0.5)])
+    along, between = interpolation_errors(one, *at)
+    assert between == pytest.approx([math.hypot(0.1 * 0.5**2 / 8, 0.03 * 0.5)], rel=1e-9)
+    assert along == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("slope", "factor"), [(0.65, 1.0), (0.5, 1.0), (0.25, 2.0), (0.1, 5.0)])
+def test_the_error_by_a_preset_is_its_promise_and_grows_where_the_rise_does_not(slope, factor):
+    one, at = straight(slope), (np.array([400.0]), np.array([math.exp(0.25)]))
+    parts = rise_errors(one, 0.015, *at)
+    assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
+    found = velocity_errors(one.field, parts, 0.015, *at)[PRESET]
+    assert found == pytest.approx([0.015 * factor], rel=1e-6)
