@@ -46,8 +46,8 @@ def help_(options: argparse.Namespace) -> Result:
                 *(f"  irg help {name:12} {titles[name]}" for name in names if name in titles),
             )
         ]
-        more = ["Help on a command: irg COMMAND --help", "Pages with a word: irg help gear"]
-        return Result(titles, [*lines, *more])
+        more = "Help on a command: irg COMMAND --help; pages with a word: irg help gear"
+        return Result(titles, [*lines, more])
     page = page_name(Path(topic))
     if page not in pages:
         if topic in (command.name for command in commands()):
@@ -84,7 +84,7 @@ def _search(topic: str, pages: dict[str, str]) -> Result:
     if not found:
         names = [command.name for command in commands()]
         meant = did_you_mean(topic, [*pages, *names])
-        raise InputError(f'no page, scene or command has "{topic}"{meant}; irg help lists them')
+        raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
     found.sort(key=lambda one: -one[0])
     lines = [f"{command}: {where}" for _, command, where in found]
     return Result({command: where for _, command, where in found}, lines)

@@ -1,5 +1,6 @@
 """``irg check`` says what a scene means, and what it costs."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,25 @@ def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(chec
     rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)["statements"]}
     assert rows["oil"].endswith("film is not known without pressure_viscosity_coefficient")
     assert rows["points"].startswith("2: 2 rows, each at its own load and velocity; ")
+
+
+def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):
+    """Places A and E of the gears, by hand: Hertz of cylinders, and velocities of the flanks."""
+    found = check("--json", scene="gear_mesh")
+    first, *_, last = found["rows"]
+    assert (first["row"], last["row"]) == ("A", "E")
+    modulus = 209e9 / (2 * (1 - 0.28**2))
+    for row, radius in ((first, 7.403e-3), (last, 5.094e-3)):
+        line, half = 2976 / 20e-3, row["half_width"]
+        assert half == pytest.approx((4 * line * radius / (math.pi * modulus)) ** 0.5, rel=1e-3)
+        assert row["pressure"] == pytest.approx(2 * line / (math.pi * half), rel=1e-3)
+        mean = (row["pin_velocity"] + row["disk_velocity"]) / 2
+        ratio = (row["disk_velocity"] - row["pin_velocity"]) / mean
+        assert row["slide_roll_ratio"] == pytest.approx(ratio)
+    assert (last["pin_velocity"], last["disk_velocity"]) == pytest.approx((0.938, 6.53), rel=1e-3)
+    words = [one["meaning"] for one in found["statements"] if "earlier turns" in one["meaning"]]
+    assert len(words) == 1
+    assert words[0].endswith("(in all rows; numbers are of A)")
 
 
 @pytest.mark.parametrize(

@@ -47,11 +47,12 @@ def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look
 def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     held = shipped_pages()
     titles = irg("help", "--json")
-    assert [*titles] == [*held]
-    assert all(f"# {title}\n" in held[name].read_text("utf-8") for name, title in titles.items())
+    assert {*titles} == {*held, "library"}
+    assert all(f"# {titles[name]}\n" in held[name].read_text("utf-8") for name in held)
     first, *lines, last = irg("help").splitlines()
-    assert (first, last) == ("To begin:", "Help on a command: irg COMMAND --help")
-    assert [line.split()[2] for line in lines if line.startswith("  ")] == [*held]
+    assert first == "To begin:"
+    assert last.startswith("Help on a command: irg COMMAND --help; ")
+    assert {line.split()[2] for line in lines if line.startswith("  ")} == {*titles}
     text = held["first-hour"].read_text("utf-8")
     assert irg("help", "first-hour") == f"{text.removesuffix(chr(10))}\n"
     assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
@@ -69,3 +70,24 @@ def test_shipped_scenes_are_listed_with_their_titles(irg, monkeypatch):
     (title,) = re.findall('(?m)^title = "(.+)"', scene.read_text("utf-8"))
     assert irg("new", "--list", "--json") == {"first_try": title}
     assert irg("new", "--list") == f"first_try        {title}\n"
+
+
+@pytest.mark.parametrize(
+    ("word", "found"),
+    [
+        ("cam", "irg new cam_tappet.toml --from cam_tappet"),
+        ("gears", "irg new gear_mesh.toml --from gear_mesh"),
+        ("bearing", "irg new roller.toml --from roller"),
+        ("materials", "irg help library"),
+    ],
+)
+def test_help_finds_pages_and_scenes_by_the_words_that_people_use(irg, word, found):
+    assert found in [line.split(":")[0] for line in irg("help", word).splitlines()]
+
+
+def test_the_library_is_a_page_with_the_source_of_each_number(irg):
+    page = irg("help", "library")
+    (row,) = [line for line in page.splitlines() if line.startswith("| 42CrMo4, ")]
+    number = row.split("|")[5].partition("[")[2].rstrip("] ")
+    assert "42.6 W/(m K)" in row
+    assert f"\n{number}. Meusburger, data sheet of 1.7225\n" in page

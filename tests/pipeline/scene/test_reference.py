@@ -1,7 +1,10 @@
 """The reference of the scene file, and new scenes: both made from the format."""
 
 import re
+import subprocess
+import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -20,26 +23,47 @@ def test_the_page_is_what_the_format_says():
 
 
 def paths_of(table, place=""):
-    """Yield the paths of entries in nested tables, as the reference writes them."""
+    """Yield the paths of entries in nested tables, and in headings of the tables that they name."""
     for key, value in table.items():
         path = "materials.NAME" if place == "materials" else f"{place}.{key}".lstrip(".")
         yield path
+        if path == "sweep.over":
+            yield from value
+        if str(value).endswith(".csv") and (key == "along" or place in ("tested", "measured")):
+            head, *_ = (WORKFLOWS / value).read_text("utf-8").splitlines()
+            names = [
+                re.sub(r"\s*\[.*", "", one).replace(" ", "_") for one in re.split("[;,]", head)
+            ]
+            yield from (name if "." in name else f"{place}.{name}" for name in names)
         for one in value if isinstance(value, list) else [value]:
             if isinstance(one, dict):
                 yield from paths_of(one, path)
 
 
-def test_every_entry_is_in_a_shipped_scene_or_on_a_page():
-    """Numerical choices stand in the reference, with the number of each preset."""
+def test_every_entry_is_used_by_a_shipped_scene_or_by_the_paper_and_its_evidence():
     scenes = [tomllib.loads(file.read_text("utf-8")) for file in shipped_scenes().values()]
-    used, named = {path for scene in scenes for path in paths_of(scene)}, set()
-    for page in set(WORKFLOWS.glob("*.md")) - {WORKFLOWS / "SCENE.md", WORKFLOWS / "DATASET.md"}:
-        code = re.findall(r"```.*?```|`[^`\n]+`", page.read_text("utf-8"), re.DOTALL)
-        named |= {*re.findall(r"\w+", " ".join(code))}
-    without = {
-        path for path, _ in all_keys() if path not in used and not path.startswith("fidelity.")
-    }
-    assert {path for path in without if path.rpartition(".")[2] not in named} == set()
+    used = {path for scene in scenes for path in paths_of(scene)}
+    evidence = [*WORKFLOWS.glob("paper/*.py"), *Path("tests/promises").glob("*.py")]
+    code = "\n".join(file.read_text("utf-8") for file in evidence)
+    lists = {path.replace("measured.", "tested.") for path in used} | used
+    unused = {path for path, _ in all_keys()} - lists
+    in_code = {path for path in unused if f'"{path}"' in code or f"{path.split('.')[-1]}=" in code}
+    one_form = {f"{place}.{key}" for place in ("loading", "measured") for key in TABLE}
+    assert unused - in_code - one_form == set()
+
+
+TABLE = "file", "decimal", "ignore", "number"  # the same in every table of rows or tests
+
+
+def test_the_page_has_at_most_80_entries():
+    assert reference.scene().count("\n| `") <= 80
+
+
+@pytest.mark.parametrize("name", ["cam_tappet", "gear_mesh"])
+def test_a_script_prints_the_rows_of_its_scene(name):
+    command = [sys.executable, str(WORKFLOWS / f"{name}.py")]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert printed == (WORKFLOWS / f"{name}.csv").read_text("utf-8")
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
