@@ -170,7 +170,7 @@ POINTS = (
     several("--ignore HEADING", "column of --points to leave out", str),
 )  # fmt: skip
 REALIZATION = value(
-    "--realization SEED", "seed of the random surface in place of the sweep's own",
+    "--realization SEED", "seed of the random surface, or area of the scan, instead of the own one",
     partial(values.count, least=0),
 )  # fmt: skip
 AT = several(

@@ -77,8 +77,8 @@ COMMANDS = (
     ),
     Command(
         "surface", "surface:surface",
-        "describe a scan by ISO 25178-2, and print the table of a random surface like it",
-        'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SURFACE,
+        "describe a scan by ISO 25178-2, beside a random surface like it, and print its tables",
+        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png', o.OF_SURFACE,
     ),
     Command(
         "report", "figures:report",

@@ -16,7 +16,7 @@ _USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
 def surface(options: argparse.Namespace) -> Result:
     """Answer ``irg surface``: roughness of a scan, or Ra and RSm, and the table of a scene."""
     if (options.ra is None) != (options.rsm is None) or (options.ra is None) == (not options.scan):
-        raise InputError('give a SCAN, or --ra and --rsm of a profile, like --ra "0.2 um"')
+        raise InputError("give a SCAN, or --ra RA and --rsm RSM of a profile, each with its unit")
     if options.scan is None:
         return _of_profile(options)
     with working("fitting a random surface"):

@@ -15,9 +15,10 @@ from pipeline.surface.statistics import SurfaceStatistics
 from tribo.types import Array
 
 _SPAN = 3.0  # heights shown on each side of the mean, over Sq
-_BAR = 0.04  # height of the colour bar over that of a map
 _MOST = 800  # pixels of a map along a side: more are not seen
+_WIDE = 2.0  # length over width of a scan above which the maps are stacked
 _COLUMN = 6.0  # width of a figure below which its panels are stacked [in]
+_BINS = 30  # of the spectrum, in which frequencies are equally wide on the logarithmic axis
 
 
 @style.house_style
@@ -28,13 +29,13 @@ def draw_surface(found: SurfaceStatistics) -> Figure:
     integral over the spatial frequency, of both signs, is Sq².
     """
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
-    figure = style.Picture((4.6, 12.0) if is_stacked else (11.0, 5.2))
-    grid = figure.add_gridspec(*((4, 1) if is_stacked else (2, 3)), **(
-        {"height_ratios": (4, 4, 4, 2)} if is_stacked else {"height_ratios": (4, 1)}
-    ))  # fmt: skip
-    places = [grid[k, 0] if is_stacked else grid[0, k] for k in range(3)]
-    _draw_maps(figure, places[:2], found)
-    _draw_spectra(figure.add_subplot(places[2]), found)
+    figure = style.Picture((4.6, 10.0) if is_stacked else (11.0, 5.2))
+    if is_stacked:
+        grid = figure.add_gridspec(3, 1, height_ratios=(4, 4, 2))
+    else:
+        grid = figure.add_gridspec(2, 2, height_ratios=(4, 1), width_ratios=(2, 1))
+    _draw_maps(figure, grid[0], found)
+    _draw_spectra(figure.add_subplot(grid[1]), found)
     _write_numbers(figure.add_subplot(grid[-1, :]), found, is_stacked)
     sides = display_sides(n * side for n, side in zip(found.shape, found.pixel_size, strict=True))
     style.write_title(figure, style.as_text(f"{Path(found.file).name}: {sides}"))
@@ -42,33 +43,33 @@ def draw_surface(found: SurfaceStatistics) -> Figure:
     return figure
 
 
-def _draw_maps(figure: Figure, places: list[SubplotSpec], found: SurfaceStatistics) -> None:
+def _draw_maps(figure: Figure, place: SubplotSpec, found: SurfaceStatistics) -> None:
     """Draw the heights of scan and random surface, in one scale of colours."""
     limit = shown_in(_SPAN * found.roughness.sq, "µm")
-    ends = [shown_in(n * d, "µm") for n, d in zip(found.shape, found.pixel_size, strict=True)]
-    for place, heights, name in zip(
-        places, (found.heights, found.fitted_heights), ("scan", "random surface"), strict=True
-    ):
-        axes = figure.add_subplot(place)
+    x, y = (shown_in(n * d, "µm") for n, d in zip(found.shape, found.pixel_size, strict=True))
+    rows, columns = (2, 1) if x > _WIDE * y else (1, 2)
+    inner = place.subgridspec(rows, columns)
+    panels = [figure.add_subplot(inner[k]) for k in range(2)]
+    surfaces = {"scan": found.heights, "random surface": found.fitted_heights}
+    for axes, (name, heights) in zip(panels, surfaces.items(), strict=True):
         thin = tuple(slice(None, None, -(-n // _MOST)) for n in heights.shape)
         image = axes.imshow(
             shown_in(heights[thin].T, "µm"), cmap="cividis", vmin=-limit, vmax=limit,
-            extent=(0, ends[0], 0, ends[1]), origin="lower", interpolation="nearest",
+            extent=(0, x, 0, y), origin="lower", interpolation="nearest",
         )  # fmt: skip
         axes.grid(visible=False)
-        axes.set(xlabel="x, along sliding [µm]", ylabel="y [µm]")
-        bar = axes.inset_axes((0, 1 + _BAR, 1, _BAR))
-        label = f"height of the {name} [µm]"
-        figure.colorbar(image, cax=bar, label=label, location="top", extend="both")
+        axes.set(title=name, xlabel="x, along sliding [µm]", ylabel="y [µm]")
+        axes.label_outer()
+    figure.colorbar(image, ax=panels, label="height [µm]", extend="both", shrink=0.8)
 
 
 def _draw_spectra(axes: Axes, found: SurfaceStatistics) -> None:
     surfaces = (("scan", found.heights, "-"), ("random surface", found.fitted_heights, "--"))
     for name, heights, line in surfaces:
         for axis, colour in enumerate((style.BLUE, style.VERMILION)):
-            wavelength, density = _spectrum(heights, found.pixel_size[axis], axis)
+            frequency, density = _spectrum(heights, found.pixel_size[axis], axis)
             axes.plot(
-                shown_in(wavelength, "µm"), 1e18 * density, line, color=colour,
+                shown_in(1 / frequency, "µm"), 1e18 * density, line, color=colour,
                 label=f"{name} along {'xy'[axis]}",
             )  # fmt: skip
     axes.set(xscale="log", xlabel="wavelength [µm]")
@@ -78,23 +79,22 @@ def _draw_spectra(axes: Axes, found: SurfaceStatistics) -> None:
 
 
 def _spectrum(heights: Array, step: float, axis: int) -> tuple[Array, Array]:
-    """Wavelengths [m], and the mean power spectral density of lines along an axis [m³]."""
+    """Frequencies [1/m], and the mean power spectral density of lines along an axis [m³]."""
     lines = heights if axis == 1 else heights.T
     window = np.hanning(lines.shape[1] + 1)[:-1]
     power = np.abs(np.fft.rfft((lines - lines.mean()) * window)) ** 2
     density = power.mean(axis=0) * step / np.square(window).sum()
+    # The first two are the mean and what it leaks.
+    begins = np.unique(np.geomspace(2, len(density), _BINS).astype(int))[:-1]
+    counts = np.diff([*begins, len(density)])
     frequencies = np.fft.rfftfreq(lines.shape[1], step)
-    return 1 / frequencies[2:], density[2:]  # the first two are the mean and what it leaks
+    return np.add.reduceat(frequencies, begins) / counts, np.add.reduceat(density, begins) / counts
 
 
 def _write_numbers(axes: Axes, found: SurfaceStatistics, is_stacked: bool) -> None:
     """Write the numbers of scan and random surface as a table."""
     axes.axis("off")
-    named = [row for row in found.rows() if row[1]]
-    columns, (scan, random) = (
-        [row[0] for row in named],
-        zip(*(row[1:] for row in named), strict=True),
-    )
+    columns, scan, random = zip(*(row for row in found.rows() if row[1]), strict=True)
     if is_stacked:
         table = axes.table(
             [*map(list, zip(scan, random, strict=True))], rowLabels=columns,

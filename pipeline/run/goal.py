@@ -58,14 +58,13 @@ def require_boundary(sweep: Sweep) -> None:
 
 def why_fixed(sweep: Sweep) -> str:
     """Why there are no further patches of a sweep's surface, in words; empty if there are."""
+    if sweep.scene.roughness is None:
+        return "smooth, not reduced by computing"
+    if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
+        areas = len(sweep.variants.labels("realization") or (0,))
+        return f"{areas} area{'s' * (areas > 1)} of a scan, not reduced by computing"
     seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None
-    if isinstance(seeds, list):
-        return f"{len(seeds)} listed seeds, not reduced by computing"
-    if isinstance(sweep.scene.roughness, SelfAffineRoughness):
-        return ""
-    areas = len(sweep.variants.labels("realization") or (0,))
-    kind = f"{areas} areas of a scan" if areas > 1 else "one area of a scan"
-    return f"{kind if sweep.scene.roughness else 'smooth'}, not reduced by computing"
+    return f"{len(seeds)} listed seeds, not reduced by computing" if isinstance(seeds, list) else ""
 
 
 def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Sweep:

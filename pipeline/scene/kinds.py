@@ -263,7 +263,8 @@ class UnitText(Kind):
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         try:
-            return to_si(f"1 {value}", like=f"1 {self.example}")
+            text = f"{value}" if f"{value}"[:1].isdigit() else f"1 {value}"  # also of "2 nm"
+            return to_si(text, like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
 

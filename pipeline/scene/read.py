@@ -206,8 +206,8 @@ def run_point(
     velocity : float or str
         Sliding velocity. A number in m/s, or text with a unit.
     realization : int, optional
-        Seed of one of the scene's several random surfaces, ``sweep.realizations``; by default the
-        seed of the scene itself.
+        One of ``sweep.realizations``: the seed of a random surface, or the area of a scan; by
+        default that of the scene itself.
     progress : callable, optional
         Called with a `Progress` after each of the point's steps.
 

@@ -25,13 +25,12 @@ from tribo import InputError
 from tribo.types import Array
 
 _PROFILE = (
-    "a profile, of which Ra and RSm, which the instrument prints, are enough: "
-    'irg surface --ra "0.2 um" --rsm "60 um"'
+    "a profile; the Ra and RSm that its instrument prints are enough: irg surface --ra RA --rsm RSM"
 )
 _EACH = "give a map, or Ra and RSm of a profile by --ra and --rsm"
 _POINTS = "a list of points x, y, z; make it a matrix, a row for each y"
 _SAVE = "export the heights as .npy or as a matrix in text, without headings"
-_LIBRARY = 'pip install "irg-transition[surfaces]"'
+_LIBRARY = "pip install SurfaceTopography"
 _MOST_BYTES = 2**28
 _MOST_HEIGHTS = 2**24  # 4096 × 4096; the form of more takes gigabytes
 _MOST_HEAD = 200  # lines of headings above the numbers of a text
@@ -48,6 +47,8 @@ _WORDS = re.compile(
 """Words for a missing height, beside "nan" and nothing."""
 _COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 """A number whose decimals follow a comma."""
+_HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
+"""Half of a number, split at the comma before its decimals: whole numbers are not written so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,17 +172,18 @@ def _read(path: Path, content: bytes) -> _File:
         return _instrument(path, kind)
     wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
-    head, matrix = _matrix(text)
-    if head or text.startswith("#"):  # a head that may have sizes, as Gwyddion writes it
+    first = next((one for one in text.splitlines() if one.strip()), "").strip(" ")
+    if first and _numbers([first], _mark_in(first)) is None:  # a head, which may have sizes
         with suppress(InputError):
             if (file := _instrument(path, "a text")).unit:
                 return file
+    head, matrix = _matrix(text)
     if matrix is None:
         raise InputError(f"a text without a matrix of numbers; {_SAVE}")
     if head and min(matrix.shape) >= _NARROWEST:
         raise InputError(
-            f"its first lines are no heights ({quoted(head[0])}); delete all {len(head)} lines "
-            "above the numbers, and give height_unit and pixel_size"
+            f"its first lines are no heights ({quoted(head[0][:60])}); delete all {len(head)} "
+            "lines above the numbers, and give height_unit and pixel_size"
         )
     remarks = [one for one in text.splitlines() if one.lstrip()[:1] == "#"]
     told = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
@@ -198,6 +200,8 @@ def _array(content: bytes) -> Array:
             f"an array of shape {array.shape} and type {array.dtype}; needed are two-dimensional "
             "real numbers, a row for each y"
         )
+    if array.size > _MOST_HEIGHTS:
+        raise InputError(_too_many(array.shape))
     return np.atleast_2d(array).astype(float)
 
 
@@ -206,7 +210,7 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
     lines = [one.strip(" ") for one in text.splitlines() if one.strip() and one.lstrip()[0] != "#"]
     head = 0
     for line in lines[:_MOST_HEAD]:
-        mark = next((one for one in "\t;," if one in line), None)
+        mark = _mark_in(line)
         if _numbers([line], mark) is not None:
             break
         cells = line.split(mark if mark != "," else None)
@@ -215,6 +219,11 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
         head += 1
     else:
         return lines, None
+    if mark == "," and (half := _HALF.search("\n".join(lines[head:]))):
+        raise InputError(
+            f"commas stand between numbers and before decimals ({quoted(half[1])} is no whole "
+            "number); write decimals with points"
+        )
     try:
         return lines[:head], _numbers(lines[head:], mark, strict=True)
     except ValueError as error:
@@ -223,6 +232,11 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
             f"not a matrix of numbers, as many in each row: {why}; write nan for a missing "
             "height, and decimals with a point"
         ) from error
+
+
+def _mark_in(line: str) -> str | None:
+    """What divides the numbers of a line; None for spaces."""
+    return next((one for one in "\t;," if one in line), None)
 
 
 def _numbers(lines: list[str], mark: str | None, strict: bool = False) -> Array | None:

@@ -17,6 +17,7 @@ from pipeline.surface.window import filled, form_words
 from pipeline.units import in_si
 from pipeline.words import quoted
 from tribo import Grid, InputError
+from tribo.errors import require_positive
 from tribo.surface import self_affine
 from tribo.surface.areal import ArealRoughness, areal_roughness, remove_form
 from tribo.types import Array
@@ -26,13 +27,15 @@ MISSING = 0.1
 _NEAR = 0.15  # relative difference below which two lengths are alike
 _FACTOR = 2.0  # between spectra, above which a fit is poor
 _ASKEW, _STEEP, _LONG = 0.5, 0.25, 0.5  # differences of Ssk, Sdq and Sal, above which it is, too
+_FLAT, _SPIKY = 2.0, 5.0  # range of Sku outside which it is, too
+_ROUGH = 0.3  # difference of Sa, above which it is, too
 _OBLIQUE = 15.0  # angle of a lay to x and y [°], above which it is, too
 _FLATTEST, _ROUGHEST = 1e-9, 5e-5  # plausible range of Sq [m]
 _FINEST, _COARSEST = 1e-9, 1e-4  # plausible range of pixel sides [m]
 _SMOOTHEST, _STEEPEST = 1e-4, 3.0  # plausible range of Sdq
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SurfaceStatistics:
     """Roughness of a scan from its measured heights, and the random surface that fits it best."""
 
@@ -65,6 +68,10 @@ class SurfaceStatistics:
             yield "a correlation length is below a pixel, or above half the scan"
         if abs(scan.ssk) > _ASKEW:
             yield f"Ssk is {scan.ssk:.2g}, where a random surface has 0"
+        if not _FLAT <= scan.sku <= _SPIKY:
+            yield f"Sku is {scan.sku:.2g}, where a random surface has 3"
+        if abs(scan.sa / fitted.sa - 1) > _ROUGH:
+            yield f"its Sa is {scan.sa / fitted.sa:.2g} times that of the fit above its form"
         if abs(scan.sdq / fitted.sdq - 1) > _STEEP:
             yield f"its gradient Sdq is {scan.sdq / fitted.sdq:.2g} times that of the fit"
         if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= _LONG):
@@ -201,8 +208,15 @@ def surface_statistics(
     unit = height_unit
     if isinstance(unit, str):
         unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
-    sides = [in_si("pixel_size", side, "1 um") for side in pixel_size or ()]
-    given = (sides[0], sides[1]) if sides else None
+    given = None
+    if pixel_size is not None:
+        if isinstance(pixel_size, str) or len(pixel_size) != 2:
+            raise InputError(f"pixel_size is {pixel_size!r}; give two sides, along x and y")
+        x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
+        require_positive(pixel_size_x=x, pixel_size_y=y)
+        given = x, y
+    if unit is not None:
+        require_positive(height_unit=unit)
     scan = read_scan(path, unit, given)
     try:
         found = _statistics(str(path), scan, missing)

@@ -22,8 +22,8 @@ def test_answers_state_surface_sampling_by_the_areas_of_a_scan(tmp_path):
     place = {"load": "600 N", "velocity": "0.8 m/s"}
     whole = pipeline.margin(ds, **place)
     alone = [pipeline.margin(ds.sel(realization=[area]), **place) for area in range(3)]
-    errors = [float(one["error_surface"]) for one in alone]
-    assert 0 < float(whole["error_surface"]) < max(errors)
-    rises = [float(one["temperature"]) for one in alone]
+    errors = [float(one["temperature_error_surface"]) for one in alone]
+    assert 0 < float(whole["temperature_error_surface"]) < max(errors)
+    rises = [float(one["governing_temperature"]) for one in alone]
     assert len({*rises}) == 3
-    assert float(whole["temperature"]) == pytest.approx(np.mean(rises), abs=0.5)
+    assert float(whole["governing_temperature"]) == pytest.approx(np.mean(rises), abs=0.5)

@@ -113,6 +113,7 @@ def zipped(name, content=b""):
         (b"1,2,3\n1,2\n", "as many in each row"),
         (ROWS.replace(".", ",").replace(" ", ";").encode(), "decimals have commas"),
         (ROWS.replace(".", ",").encode(), "decimals have commas"),
+        (b"-0,1234,0,2345\n" * 20, "is no whole number"),
         (b"no numbers at all\n", "a text without a matrix of numbers; export"),
         (b"\x93NUMPY\x01", "not a plain array"),
         (b"\x89PNG\r\n", "an image"),
@@ -129,6 +130,22 @@ def test_other_files_are_refused_with_help(tmp_path, content, why):
         read(tmp_path / "a.txt")
 
 
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ({"pixel_size": ["1 um"]}, "give two sides"),
+        ({"pixel_size": "1 um"}, "give two sides"),
+        ({"pixel_size": (1e-6, -1e-6)}, "pixel_size_y"),
+        ({"height_unit": -1e-6}, "height_unit"),
+        ({"height_unit": "kg"}, "kg"),
+    ],
+)
+def test_units_and_sizes_that_cannot_be_are_refused(tmp_path, given, word):
+    np.save(tmp_path / "a.npy", HEIGHTS.T)
+    with pytest.raises(InputError, match=word):
+        surface_statistics(tmp_path / "a.npy", **{"height_unit": "um", "pixel_size": SIDES} | given)
+
+
 def test_comments_that_are_not_used_are_told(tmp_path):
     (tmp_path / "a.txt").write_text(f"# heights in nm\n{ROWS}")
     assert 'comments of the file are not used: "# heights in nm"' in read(tmp_path / "a.txt").notes
@@ -141,10 +158,31 @@ def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
     assert found.faults_of_fit == ()
     assert found.fit.correlation_length == pytest.approx((3e-6, 12e-6), rel=0.3)
     assert abs(found.roughness.lay) == pytest.approx(90, abs=15)
-    cut = np.minimum(np.load(tmp_path / "a.npy"), 1e-7)
-    np.save(tmp_path / "b.npy", cut)
+
+
+def cut(heights):
+    return np.minimum(heights, 1e-7)
+
+
+def spiky(heights):
+    return np.sign(heights) * np.abs(heights) ** 1.8 / 3e-7**0.8
+
+
+def oblique(heights):
+    x, y = np.indices(heights.shape)
+    return heights + 6e-7 * np.sin(0.4 * x + 0.4 * y)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"), [(cut, "Ssk is"), (spiky, "Sku is"), (oblique, "its lay is at")]
+)
+def test_what_a_random_surface_lacks_is_said(tmp_path, change, why):
+    grid = Grid((256, 256), (0.5e-6, 0.5e-6))
+    heights = change(self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3))
+    np.save(tmp_path / "b.npy", heights.T)
     poor = surface_statistics(tmp_path / "b.npy", 1.0, ("0.5 um", "0.5 um"))
-    assert "fits poorly: Ssk is" in str(poor)
+    assert any(why in fault for fault in poor.faults_of_fit)
+    assert poor.tables.index("the scan itself") < poor.tables.index("a random surface")
 
 
 @pytest.mark.parametrize(
@@ -171,12 +209,12 @@ def test_a_scan_too_small_to_compare_spectra_is_no_good_fit(tmp_path):
 
 
 def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
-    """The unit, the pixels and the share that were given are in them."""
+    """The unit, also of 2 nm, the pixels and the share that were given are in them."""
     grid = Grid((96, 64), (0.5e-6, 0.5e-6))
-    heights = 1e9 * self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3)
+    heights = 5e8 * self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3)
     heights[3:20, 4:44] = np.nan
     np.save(tmp_path / "a.npy", heights.T)
-    found = surface_statistics(tmp_path / "a.npy", "nm", ("0.5 um", "0.5 um"), missing=0.2)
+    found = surface_statistics(tmp_path / "a.npy", "2 nm", ("0.5 um", "0.5 um"), missing=0.2)
 
     def roughness(toml):
         head = 'extends = "first_try"\nwithout = ["disk.roughness"]\n'
@@ -189,7 +227,7 @@ def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
 
 
 def test_a_figure_has_scan_and_random_surface_their_spectra_and_numbers(tmp_path, irg):
-    """The spectrum of the scan, white noise, integrates to Sq² along both axes."""
+    """The spectral density of white noise is Sq² times the side of a pixel, along both axes."""
     np.save(tmp_path / "a.npy", 1e-6 * HEIGHTS.T)
     irg("surface", tmp_path / "a.npy", "--height-unit", "m", "--pixel-size", "0.5 um",
         "-o", tmp_path / "a.png", "--json")  # fmt: skip
@@ -205,9 +243,7 @@ def test_a_figure_has_scan_and_random_surface_their_spectra_and_numbers(tmp_path
     np.testing.assert_allclose(maps[1], found.fitted_heights.T)
     for line, label in zip(spectra.lines[:2], ("scan along x", "scan along y"), strict=True):
         assert line.get_label() == label
-        wavelength, density = line.get_data()
-        below = density[0] / wavelength[0]  # of the lowest frequencies, which are not drawn
-        integral = 2 * (np.trapezoid(density, 1 / wavelength) + below)
-        assert integral == pytest.approx(1e12 * found.roughness.sq**2, rel=0.05)
+        density = line.get_ydata()
+        assert density.mean() == pytest.approx(0.5e12 * found.roughness.sq**2, rel=0.1)
     written = {cell.get_text().get_text() for cell in table.tables[0].get_celld().values()}
     assert {"scan", "random surface", "Sa", "Sdq", f"{found.roughness.sdq:.3g}"} <= written
