@@ -167,6 +167,7 @@ ELSEWHERE = {
     "place.keys StoreError": "test_create.py, with a web server",
     "create._opened StoreMismatchError": "test_create.py, in several lines",
     "create._opened _no_room": "test_s3.py: on an object store",
+    "resume._union InputError": "test_create.py, as a StoreMismatchError",
     "create._require_space _no_room": "test_create.py, on a full disk",
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
     "create._locked StoreError": "a run that ended between two looks at its folder",
