@@ -79,7 +79,7 @@ def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def _value(name: str, cell: Any) -> float:
     """Value of a cell in SI; `InputError` or ValueError if it has none, or is out of range."""
     if name == "friction":
-        value, ends = float(cell), (0.0, math.inf)
+        value, ends = float(share_of(cell)), (0.0, math.inf)
     elif name == "critical_area_fraction":
         value, ends = share_of(cell), (0.0, math.nextafter(1.0, 0.0))
     else:

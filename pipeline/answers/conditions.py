@@ -95,7 +95,7 @@ def _si(name: str, value: Any, unit: str | None = None) -> float | None:
     try:
         if isinstance(value, bool | np.bool_):
             raise ValueError
-        return float(value if name == "friction" else share_of(value))
+        return float(share_of(value))
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}; give a number such as 0.1") from None
 

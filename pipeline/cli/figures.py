@@ -13,7 +13,8 @@ from pipeline.cli.output import Result, working
 
 def plot(options: argparse.Namespace) -> Result:
     """Answer ``irg plot``: draw a figure of a store, and print its path."""
-    look = given.values_in(options, *given.PLACE, "log", "show", "step", "width", "plain")
+    names = "log", "show", "step", "width", "plain", "title", "dpi"
+    look = given.values_in(options, *given.PLACE, *names)
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
     written = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))

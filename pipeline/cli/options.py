@@ -105,7 +105,7 @@ SET = several(
 OF_SCENE = (SCENE, PRESET, SET)
 ACCURACY = value(
     "--accuracy BOUND", "compute until the whole numerical error of the boundary is below this, "
-    "such as 2%%: it chooses preset, points and patches of the surface", values.share,
+    "such as 2%%: it chooses preset, points and surface realizations", values.share,
 )  # fmt: skip
 
 STORE = value(
@@ -125,7 +125,7 @@ OF_NEW = (
     value("--from NAME", "shipped scene to begin with; see --list", dest="like"),
 )  # fmt: skip
 
-WORKERS = value("--workers N", "number of processes; default: one for each core", values.count)
+WORKERS = value("-j --workers N", "number of processes; default: one for each core", values.count)
 KEPT = (
     value(
         "--store OUT.zarr",
@@ -151,6 +151,7 @@ OF_RUN = (
     ),
     flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
     flag("--retry-failed", "compute the points again that failed in an earlier run"),
+    flag("--dry-run", "print what irg check prints, and compute nothing", "-n"),
     ACCURACY,
 )  # fmt: skip
 
@@ -158,6 +159,7 @@ PLACE = (
     quantity("--load", "F", "750 N", "normal load on the whole pin"),
     quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
+PLACES = tuple(option.but(action="append", default=[]) for option in PLACE)
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 WITHOUT_TESTS = flag("--without-tests", "leave the tests of the scene out")
 POINTS = (
@@ -180,7 +182,7 @@ AT = several(
     partial(values.pair, like='"pin.radius=2 mm"'),
 )  # fmt: skip
 
-FRICTION = several("--friction MU", "coefficient of friction, at least 0", float)
+FRICTION = several("--friction MU", "coefficient of friction, at least 0", values.number)
 BULK = several(
     "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"', str
 )
@@ -228,7 +230,9 @@ OF_PLOT = (
     ),
     output("FILE.png", "file of the figure; default: beside the store"),
     quantity("--width", "W", "8.5 cm", "width of the figure, whose words shrink less than it does"),
+    value("--title TITLE", "title of the figure; default: that of the scene"),
     flag("--plain", "draw no title and no caption"),
+    value("--dpi DPI", "resolution in dots per inch; default: 150", values.count),
     flag("--log", "logarithmic axes of the diagram"),
     value("--show NAME", "variable that a ramp shows, such as wear_volume"),
     value("--step N", "step of fields, counted back from the end of a point: 0, -1, ...", int),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import pkgutil
 import re
 import sys
@@ -73,7 +74,7 @@ COMMANDS = (
     Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
-        (o.STORE, *o.OF_PLOT, *o.JUDGED, *o.PLACE, o.REALIZATION),
+        (o.STORE, *o.OF_PLOT, *o.JUDGED, *o.PLACES, o.REALIZATION),
     ),
     Command(
         "surface", "surface:surface",
@@ -113,10 +114,56 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print one line, with the fault, a suggestion, and how to list the options; then exit."""
         if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \((choose.*)\)", message):
-            near = get_close_matches(wrong[2], re.findall(r"[\w-]+", wrong[3]), 1)
-            meant = f"; did you mean {near[0]!r}?" if near else f" ({wrong[3]})"
-            message = f"{wrong[1].lower()} is {wrong[2]!r}{meant}"
+            known = [*re.findall(r"[\w-]+", wrong[3]), *["--version"] * (wrong[1] == "COMMAND")]
+            meant = _meant([wrong[2]], known) or f" ({wrong[3]})"
+            message = f'{wrong[1].lower()} is "{wrong[2]}"{meant}'
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+class _Once(argparse.Action):
+    """Action of an option with one value, which is not given twice."""
+
+    def __call__(self, parser: Any, namespace: Any, value: Any, name: str | None = None) -> None:
+        if self.dest in vars(namespace).setdefault("given", set()):
+            raise argparse.ArgumentError(self, "is given twice; give it once")
+        namespace.given.add(self.dest)
+        setattr(namespace, self.dest, value)
+
+
+_SYNONYMS = {
+    "new": "init create start template",
+    "run": "simulate compute sweep resume",
+    "check": "validate lint estimate",
+    "status": "info list ls",
+    "boundary": "limit transition",
+    "margin": "judge verdict predict",
+    "plot": "draw figure diagram show",
+    "infer": "fit calibrate",
+    "help": "doc docs man",
+    "--version": "version",
+    "--load": "force normal-load normal-force",
+    "--velocity": "speed sliding-speed sliding-velocity",
+    "--friction": "mu cof",
+    "--bulk-temperature": "temperature bulk oil-temperature",
+    "--workers": "jobs cores threads processes",
+    "--output": "file outfile",
+    "--realization": "seed",
+    "--accuracy": "error tolerance precision",
+}
+"""Words of other tools for commands and options, without hyphens in front."""
+_ALIKE = 0.75  # least likeness of a misspelt word: "version" is not "verify", nor "init" "point"
+
+
+def _meant(words: Sequence[str], known: Sequence[str]) -> str:
+    """Question such as "; did you mean X?": names of the meaning of `words`, or misspelt."""
+    found = list[str]()
+    for word in words:
+        bare = word.lstrip("-").lower()
+        same = [name for name, others in _SYNONYMS.items() if bare in others.split()]
+        near = [name for name in same if name in known]
+        found += near or get_close_matches(word, known, 1, _ALIKE)
+    names = " and ".join(f'"{name}"' for name in dict.fromkeys(found))
+    return f"; did you mean {names}?" if found else ""
 
 
 class _Version(argparse.Action):
@@ -170,7 +217,8 @@ def _add_options(parser: Any, takes: Sequence[o.Option | o.OptionGroup]) -> None
     """Add to a parser the options and groups of options that a command takes."""
     for taken in takes:
         if isinstance(taken, o.Option):
-            parser.add_argument(*taken.names, **taken.settings)
+            once = {"action": _Once} if taken.names[0].startswith("-") else {}
+            parser.add_argument(*taken.names, **once | taken.settings)
         elif taken.title:
             _add_options(parser.add_argument_group(taken.title), taken.options)
         else:
@@ -183,10 +231,13 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = whole_parser(next((word for word in given if not word.startswith("-")), ""))
     options, unknown = parser.parse_known_args(given)
     if unknown:  # reported by the command's parser, whose usage has its options
-        flags = re.findall(r"--[a-z-]+", options.parser.format_usage())
-        near = get_close_matches(unknown[0].partition("=")[0], flags, 1)
-        hint = f'did you mean "{near[0]}"?' if near else "options stand after the command"
-        options.parser.error(f"unknown option or argument: {' '.join(unknown)}; {hint}")
+        words = [one.partition("=")[0] for one in unknown if one.startswith("-")] or unknown[:1]
+        takes = [one.takes for one in commands() if options.parser.prog == f"irg {one.name}"]
+        flags = _flags([*o.OF_ALL, *itertools.chain(*takes)])
+        hint = _meant(words, flags)
+        if words[0] in flags:
+            hint = f"; options stand after the command: {options.parser.prog} … {words[0]}"
+        options.parser.error(f"unknown option or argument: {' '.join(unknown)}{hint}")
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
@@ -197,6 +248,14 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
             if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
                 options.parser.error(f"{out} is read by this command; name another file to write")
     return options
+
+
+def _flags(takes: Sequence[o.Option | o.OptionGroup]) -> list[str]:
+    """Names of options, as typed."""
+    found = list[str]()
+    for taken in takes:
+        found += _flags(taken.options) if isinstance(taken, o.OptionGroup) else taken.names
+    return [name for name in found if name.startswith("-")]
 
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:

@@ -15,6 +15,7 @@ from pipeline.answers.preset_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.words import next_run_line
 from pipeline.cli import output
+from pipeline.cli.check import check
 from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, tell
 from pipeline.scene.doubts import notes_on_scene
@@ -26,6 +27,9 @@ from tribo import InputError
 
 def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
+    if options.dry_run:
+        options.output = None  # it names the store; irg check would write its table there
+        return check(options)
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
     tell(*(str(one) for one in notes_on_scene(sweep)))

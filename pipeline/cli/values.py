@@ -97,12 +97,23 @@ def share(text: str) -> float:
     raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
 
 
+def number(text: str) -> float:
+    """Read a number without a unit, such as 0.12 or 12%."""
+    from pipeline.units import share_of
+
+    with suppress(ValueError):
+        return float(share_of(text))
+    raise Refused(f'"{text}": give a number such as 0.12 or 12%')
+
+
 def setting(text: str) -> tuple[str, Any]:
     """Split ``KEY=VALUE`` into the pair (key, value).
 
-    The value is written as in a scene file, but text needs no quotes.
+    Both are written as in a scene file, but text needs no quotes.
     """
     key, value = pair(text, like="increments=50")
+    if not {'"', "'"}.isdisjoint(key):
+        key = _without_quotes(key)
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
@@ -111,7 +122,19 @@ def setting(text: str) -> tuple[str, Any]:
         raise Refused(f"{key} is nested without an end; give a value") from None
 
 
-def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
+def _without_quotes(key: str) -> str:
+    """Path of an entry that is quoted as TOML needs it, such as ``over."pin.radius"``."""
+    try:
+        table, names = tomllib.loads(f"{key} = 0"), list[str]()
+    except tomllib.TOMLDecodeError:
+        raise Refused(f"{key} is no path of an entry; give one like pin.radius") from None
+    while isinstance(table, dict):
+        ((name, table),) = table.items()
+        names.append(name)
+    return ".".join(names)
+
+
+def pair(text: str, like: str) -> tuple[str, str]:
     """Split ``NAME=TEXT`` into the pair (name, text); `like` is the example in error messages."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):

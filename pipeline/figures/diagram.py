@@ -39,7 +39,7 @@ from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
 _SIZE = 8.0, 5.6  # width and height of a diagram [in]
-_LIGHTEST = 0.85  # end of the colour map used for several cases
+_LIGHTEST = 0.8  # end of the colour map used for several cases
 _NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
 _STEEPEST = 50.0  # largest |y| of a figure
 _BESIDE = 1e-6  # of a probability, beside the end of a region
@@ -139,8 +139,8 @@ def _places(load: Wanted, velocity: Wanted) -> list[Place]:
     )
     if len(loads) != len(velocities):
         raise InputError(
-            "load and velocity go together; give both, or neither: "
-            f"{len(loads)} loads and {len(velocities)} velocities are no pairs"
+            f"load and velocity go together, as pairs; {len(loads)} of load and "
+            f"{len(velocities)} of velocity are given"
         )
     return [*zip(loads, velocities, strict=True)]
 

@@ -29,7 +29,7 @@ LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 class Shown(NamedTuple):
-    """What a figure shows: one patch of one case, with the conditions that judge it."""
+    """What a figure shows: one surface realization of one case, and the conditions."""
 
     case: CaseResults
     conditions: Conditions
@@ -60,7 +60,7 @@ class Shown(NamedTuple):
 
 
 def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
-    """The patch of a sweep that a figure shows: by default the first."""
+    """The surface realization of a sweep that a figure shows: by default the first."""
     if several := case_dims(ds):
         raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
     if "realization" in ds["status"].dims:
@@ -175,7 +175,7 @@ def fields(
     if np.isnan(shown[0]).all():
         raise InputError(
             "no fields of this point are kept: a run with an accuracy keeps those of the first "
-            "patch; leave out the realization"
+            "surface realization; leave out the realization"
         )
     x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN

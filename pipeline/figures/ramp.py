@@ -196,5 +196,5 @@ def temperature(
 
 
 def _field(shown: Shown, conditions: Conditions) -> Field:
-    """ln(rise) of the patch under conditions."""
+    """ln(rise) of the surface realization under conditions."""
     return specimen_of(shown.case, conditions, np.zeros(shown.case.status.shape, int)).field

@@ -45,7 +45,7 @@ from tribo import InputError
 HEADLINES = {
     MILD: "Mild wear",
     SEVERE: "Severe wear (scuffing)",
-    UNDECIDED: "Not decided",
+    UNDECIDED: "Undecided",
     OUTSIDE: "Outside the model",
 }
 """The verdict in the words of the headline."""
@@ -174,7 +174,7 @@ def report(
         told = pipeline.boundary(ds, **conditions)
         said = [] if told["critical_velocity"].ndim > 1 else [_sentence(line(told))]
         plane = _plane(ds, conditions)
-        answer = Answer("", "Transition from mild to severe wear", said, plane)
+        answer = Answer("", "Boundary between mild and severe wear", said, plane)
     elif not found.sizes:
         answer = _of_point(ds, conditions, found)
     else:
@@ -198,9 +198,8 @@ def report(
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
         sections=[*answer.sections, *_common(ds, conditions, version, answer.answer)],
     )
-    if path is None:
-        return page
-    return write_text(page, path)
+    page = page.encode(errors="replace").decode()  # a shell may give bytes that are no text
+    return page if path is None else write_text(page, path)
 
 
 def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answer:
@@ -233,10 +232,12 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         raise InputError(f"a report has rows along one dimension, not along {several}; select one")
     decides, names = deciding_row(found), row_names(found)
     codes, verdicts = found["verdict"].values.tolist(), words.code_text(found["verdict"]).tolist()
-    headline = (
-        f"{HEADLINES.get(codes[decides], 'Unknown')} at the most critical operating point: "
-        f"{names[decides]}"
-    )
+    verdict, critical = verdicts[decides], f"the most critical operating point: {names[decides]}"
+    headline = f"{HEADLINES.get(codes[decides], 'Unknown')} at {critical}"
+    judged = sum(one in (MILD, UNDECIDED, SEVERE) for one in codes)
+    if codes[decides] == MILD and judged < len(codes):  # the others may be severe
+        headline = f"{judged} of {len(codes)} operating points have a verdict; mild at {critical}"
+        verdict = ""
     alt = "; ".join(
         f"{name}: {here}" + ("" if math.isnan(reserve) else f", {reserve:.3g} K")
         for name, here, reserve in zip(
@@ -264,7 +265,7 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     if codes[decides] in HEADLINES:
         (row,) = found.sizes
         said.insert(0, _verdict(found.isel({row: decides})))
-    return Answer(verdicts[decides], headline, said, sections)
+    return Answer(verdict, headline, said, sections)
 
 
 def _verdict(here: xr.Dataset) -> str:
@@ -291,7 +292,7 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
     )
     alt = (
         f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
-        f"normal load. Computed velocity at which wear turns severe, by load: {'; '.join(told)}"
+        f"normal load. Computed critical velocity by load: {'; '.join(told)}"
     )
     caption = _sentence(words.conditions_lines(found)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
@@ -301,7 +302,7 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
     picture = _picture(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
     )
-    title = "Critical velocity, computed, and with tests: severe wear is 5, 50 and 95 % probable"
+    title = "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
     crosses = bool(found["critical_velocity"].notnull().all())
     is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
     grid = _grid(short(boundary_frame(found), ["outcome"] * is_plain), title)
@@ -326,14 +327,14 @@ def _errors(*lines: str) -> list[str]:
 def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
     """Yield tests beside what is computed for them."""
     found = pipeline.compare_tests(ds, **conditions)
-    told = "What is computed for each test, beside its outcome."
+    told = "Computed rise ratio of each test, next to its outcome."
     alt = f"{told} The table below has the numbers."
     yield _picture(lambda: draw_tests(ds, conditions), told, alt)
     table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
     y = found["log_rise_ratio"].values
     computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
     table.insert(2, "computed", computed)
-    yield _grid(table, "Tests, each at its own conditions, beside what is computed")
+    yield _grid(table, "Tests, each at its own conditions, and what is computed for them")
     if lines := [*words.test_lines(found)]:
         yield Items(lines)
 

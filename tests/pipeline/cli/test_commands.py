@@ -166,6 +166,27 @@ def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
     assert "did you mean" in words
 
 
+def untimed(said):
+    return re.sub(r"(?m)^time .*", "", said)
+
+
+def test_a_dry_run_says_what_check_says_and_computes_nothing(scene, tmp_path, irg, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = irg("run", scene, "-n", "-j", 2, "-o", "a.zarr")
+    assert untimed(said) == untimed(irg("check", scene, "-j", 2))
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_percent_and_quoted_paths_are_taken_as_in_a_scene(scene, store, irg):
+    place = ("margin", store, "--load", "300 N", "--velocity", "2 m/s", "--json")
+    same = irg(*place, "--friction", 0.12)
+    assert irg(*place, "--friction", "12%") == irg(*place, "--at=friction.coefficient=12 %") == same
+    paths = 'sweep.over."friction.coefficient"', "sweep.over.friction.coefficient"
+    said = [irg("check", scene, "--set", f"{path}=[0.09, 0.11]") for path in paths]
+    assert untimed(said[0]) == untimed(said[1])
+    assert "in 18 tasks" in said[0]
+
+
 def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, tmp_path, irg):
     ask = ("boundary", store, "--by", "velocity")
     document = irg(*ask, "--json")
@@ -199,8 +220,17 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
         (["run", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
-        (["boundry", "out.zarr"], "command is 'boundry'; did you mean 'boundary'?"),
-        (["plot", "out.zarr", "--kind", "ram"], "--kind is 'ram'; did you mean 'ramp'?"),
+        (["boundry", "out.zarr"], 'command is "boundry"; did you mean "boundary"?'),
+        (["plot", "out.zarr", "--kind", "ram"], '--kind is "ram"; did you mean "ramp"?'),
+        (["version"], 'command is "version"; did you mean "--version"?'),
+        (["init"], 'command is "init"; did you mean "new"?'),
+        (
+            ["margin", "a.zarr", "--force", "3 N", "--speed=2 m/s"],
+            'mean "--load" and "--velocity"?',
+        ),
+        (["status", "out.zarr", "--force"], "unknown option or argument: --force; see"),
+        (["--quiet", "status"], "options stand after the command: irg status … --quiet"),
+        (["margin", "a.zarr", "--load", "3 N", "--load", "5 N"], "--load: is given twice; give it"),
     ],
 )
 def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):

@@ -46,7 +46,8 @@ REFUSALS = {
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
     "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "cannot write a.txt: the suffix must be"),
     "count": (irg("run", "first_try", "--workers", "-1"), '"-1": give a whole number of at least'),
-    "friction": (irg("boundary", "a.zarr", "--friction", "0,12"), "invalid float value: '0,12'"),
+    "friction": (irg("boundary", "a.zarr", "--friction", "0,12"),
+                 '"0,12": give a number such as 0.12 or 12%'),
     "frictions": (irg("point", "first_try", *PLACE, "--friction", "0.1", "--friction", "0.2"),
                   "friction.coefficient takes one value at a time here"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
@@ -56,6 +57,7 @@ REFUSALS = {
         irg("boundary", "tiny.zarr", "--critical-area-fraction", "0,1"), '"0,1": give a share'
     ),
     "nested": (nested, "title is nested without an end"),
+    "path": (irg("check", "first_try", "--set", 'a."b=1'), 'a."b is no path of an entry'),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
     # files that are read and would be written
     "over points": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "duty.csv"),

@@ -69,7 +69,7 @@ REFUSALS = {
     "places": (of_places, "so there is no plane of them; irg margin"),
     "one of a pair": (plot("diagram", load=500.0), "load and velocity go together"),
     "no pairs": (plot("diagram", load=[300.0, 500.0], velocity=2.0),
-                 "2 loads and 1 velocities are no pairs"),
+                 "as pairs; 2 of load and 1 of velocity are given"),
     "several points": (plot("fields", load=[300.0, 500.0]), "fields shows one load, not 2"),
     "several loads": (plot("temperature", load=["300 N", "500 N"]), "temperature shows one load"),
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),

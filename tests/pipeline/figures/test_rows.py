@@ -8,7 +8,7 @@ from tests.helpers import synthetic
 from tribo import InputError
 
 POINTS = {
-    "case": ["idle", "30", "full", "gone"],
+    "case": ["idle", "part", "full", "gone"],
     "load [N]": [200.0, 400.0, 700.0, 9000.0],
     "velocity [m/s]": [1.0, 1.9, 4.0, 1.0],
 }
@@ -20,8 +20,11 @@ def found():
 
 
 def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
-    assert row_names(found) == ["idle", "case 30", "full", "gone"]
+    assert row_names(found) == ["idle", "part", "full", "gone"]
     assert row_names(found.drop_vars("case"))[0] == "200 N, 1 m/s"
+    turned = {"angle [deg]": [0, 30], "load [N]": [200, 300], "velocity [m/s]": [1, 2]}
+    named = row_names(pipeline.margin(synthetic.sweep(measured=()), turned))
+    assert named == ["angle 0 deg", "angle 30 deg"]
     axes = draw_rows(found, "duty").axes[0]
     places = {
         float(y): float(x)

@@ -96,7 +96,9 @@ def sweep():
 
 @pytest.fixture(scope="module")
 def page(sweep):
-    return pipeline.report(sweep, 400.0, "1.9 m/s", title=HOSTILE, author=HOSTILE, command=HOSTILE)
+    return pipeline.report(
+        sweep, 400.0, "1.9 m/s", title=f"{HOSTILE}\udcff", author=HOSTILE, command=HOSTILE
+    )
 
 
 def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
@@ -157,11 +159,11 @@ def half_done():
         (plane, {}, "Severe wear is 50 % likely at"),
         (plane, {"load": 400.0, "velocity": 1.0}, "Mild wear at 400 N and 1 m/s"),
         (plane, {"critical_temperature": "900 degC"}, "mild throughout"),
-        (plane, {"friction": [0.1, 0.12]}, "Transition from mild to severe wear"),
+        (plane, {"friction": [0.1, 0.12]}, "Boundary between mild and severe wear"),
         (half_done, {}, "500 N: not known yet; 600 N: not known yet"),
         (half_done, {"load": 300.0, "velocity": 1.0}, "×: 10 points that are pending or failed"),
         (two_pins, {"load": 300.0, "velocity": 4.0}, "most critical operating point: pin radius 1"),
-        (two_pins, {}, "Where wear turns severe, by load"),
+        (two_pins, {}, "Critical velocity as computed"),
     ],
 )
 def test_a_report_of_any_sweep_is_sound_and_says_what_matters(make, asked, said):
@@ -177,6 +179,14 @@ def test_rows_are_judged_and_the_deciding_one_is_bold(sweep):
     page = pipeline.report(sweep, points=points)
     assert "Severe wear (scuffing) at the most critical operating point: full" in page
     assert re.search(r'<tr class="bold"><th scope="row">full</th>', page)
+
+
+def test_rows_without_a_verdict_leave_the_headline_open(sweep):
+    points = {"case": ["idle", "beyond"], "load [N]": [200, 9000], "velocity [m/s]": [1, 4]}
+    found = checked(pipeline.report(sweep, points=points))
+    (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
+    assert box["class"] == ""
+    assert "1 of 2 operating points have a verdict; mild at the most critical" in found.words
 
 
 def test_without_a_point_the_boundary_is_told(sweep, tmp_path):
