@@ -79,7 +79,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
         likely = found["probability"].values[side]
         told = "" if np.isnan(likely) else words.percent(likely)
         axes.annotate(
-            "not known" if np.isnan(margin[side]) else told, (1.0, side), (4, 0),
+            "unknown" if np.isnan(margin[side]) else told, (1.0, side), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
             annotation_clip=False, fontsize="small",
             fontweight="bold" if side == decides else "normal",

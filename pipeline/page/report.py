@@ -17,6 +17,7 @@ from importlib import metadata, resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from jinja2 import Environment
@@ -173,6 +174,7 @@ def report(
         line = words.next_run_line
         told = pipeline.boundary(ds, **conditions)
         said = [] if told["critical_velocity"].ndim > 1 else [_sentence(line(told))]
+        said += map(_sentence, words.not_included_lines(told))
         plane = _plane(ds, conditions)
         answer = Answer("", "Boundary between mild and severe wear", said, plane)
     elif not found.sizes:
@@ -261,7 +263,7 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         sections.append(("Errors", [Items(_errors(words.model_error_line(found)))]))
     counts = Counter(verdicts)
     told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
-    said = [f"Operating points: {told}."]
+    said = [f"Operating points: {told}.", *map(_sentence, words.not_included_lines(found))]
     if codes[decides] in HEADLINES:
         (row,) = found.sizes
         said.insert(0, _verdict(found.isel({row: decides})))
@@ -271,7 +273,8 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
 def _verdict(here: xr.Dataset) -> str:
     """The sentence on one operating point, whose verdict the headline has."""
     verdict, _, rest = words.sentence(here).partition(": ")
-    return _sentence(rest or verdict)
+    begins = "probability of severe wear "
+    return _sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
 
 
 def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ()) -> list[Section]:
@@ -310,8 +313,7 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
     lines = _errors(*words.error_lines(found), *words.shift_lines(found))
-    missing = [*map(_sentence, words.not_included_lines(found))]
-    return [*sections, ("Errors", [Items([*missing, *lines])])]
+    return [*sections, ("Errors", [Items(lines)])]
 
 
 def _errors(*lines: str) -> list[str]:
@@ -357,7 +359,8 @@ def _common(
     rows += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
     inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], rows)
     yield "Conditions and inputs", [inputs]
-    notes = split_notes(words.told(pipeline.points(ds, **conditions), "notes"))
+    single = {name: value for name, value in conditions.items() if not np.ndim(value)}
+    notes = split_notes(words.told(pipeline.points(ds, **single), "notes"))
     limits = map(_sentence, _plain([*notes, *pipeline.warned(ds).lines()]))
     others = [line for line in limits if line not in said]
     yield "What is not covered", [_MODEL, *[Items(others)] * bool(others)]
