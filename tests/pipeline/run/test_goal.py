@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.store.schema import DONE, NOT_ASKED
@@ -57,6 +58,13 @@ def test_further_patches_have_one_point_a_load_and_no_fields(small):
     assert pipeline.verify_store(small).is_clean
     with pytest.raises(InputError, match="no fields of this point are kept"):
         pipeline.plot(small, "fields", realization=1)
+
+
+def test_a_goal_computes_ends_alone_and_says_so(small):
+    ds = xr.open_zarr(small, chunks=None)
+    assert ds.sizes["step"] == 1
+    assert ds.attrs["stored_steps"] == "end"
+    assert set(np.unique(ds["status"])) <= {NOT_ASKED, DONE}
 
 
 def test_a_smaller_goal_goes_on_with_the_store_and_a_larger_one_computes_nothing(small, tmp_path):
