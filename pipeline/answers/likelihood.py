@@ -43,7 +43,7 @@ class Prior:
     `bias` is shared by all specimens, and `scatter` is each specimen's own.
     """
 
-    bias: float = 0.05
+    bias: float = 0.15
     scatter: float = 0.055
 
 

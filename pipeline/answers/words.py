@@ -110,7 +110,7 @@ def model_error(evidence: Evidence) -> str:
 def beyond(name: str, value: float, low: float, high: float) -> str:
     """Why nothing is known at a load or velocity beyond those of the sweep."""
     unit = UNITS[name]
-    return f"{name} {value:g} {unit} is outside the sweep ({low:g} to {high:g} {unit})"
+    return f"{name} is {value:g} {unit}; the sweep has {low:g} to {high:g} {unit}"
 
 
 # One point or one boundary: from codes to text

@@ -250,7 +250,7 @@ class Temperature(Declared):
 class Model(Declared):
     bias: A[float, Spread(at_least=0, below=1),
         "How far the model may be off for all specimens of a system together, as a part of the "
-        f"rise: the scale of Student's t with 4 degrees. {LATER}"] = 0.05
+        f"rise: the scale of Student's t with 4 degrees. {LATER}"] = 0.15
     scatter: A[float, Spread(at_least=1e-3, below=1),
         "How far specimens scatter about that, as a part of the rise. It weighs as much as four "
         f"tests. {LATER}"] = 0.055

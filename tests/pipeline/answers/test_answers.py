@@ -67,7 +67,7 @@ SETS = {
 def test_probability_is_that_of_brute_force(results):
     u, v = np.linspace(-7, 7, 3001), np.linspace(math.log(0.003), math.log(60), 181)
     bias, scatter = 0.03 * np.sinh(u)[:, None], np.exp(v)
-    logs = student.logpdf(bias / 0.05, 4) + np.log(np.cosh(u))[:, None]
+    logs = student.logpdf(bias / 0.15, 4) + np.log(np.cosh(u))[:, None]
     logs = logs - 4 * v - 2 * 0.055**2 / scatter**2
     for one in results:
         logs = logs + one.log_likelihood(bias, scatter)
@@ -132,3 +132,40 @@ def test_the_error_by_a_preset_is_its_promise_and_grows_where_the_rise_does_not(
     assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
     found = velocity_errors(one.field, parts, 0.015, *at)[PRESET]
     assert found == pytest.approx([0.015 * factor], rel=1e-6)
+
+
+# P(severe) [%] at y = −0.3, −0.1, 0, 0.1 and 0.3, by a quadrature of its own on 1601 × 8001 nodes.
+STATED = {
+    "none": ([], (7.0, 29, 50, 71, 93)),
+    "20 mild at −1": ([Outcome(mild=-1.0)] * 20, (6.7, 29, 50, 71, 93)),
+    "20 mild at −0.05": ([Outcome(mild=-0.05)] * 20, (0, 0.2, 4.2, 29, 81)),
+    "ten mild at 0.014": ([Outcome(mild=0.014)] * 10, (0, 0.1, 1.4, 17, 75)),
+    "one severe at −0.3": ([Outcome(severe=-0.3)], (70, 96, 98, 99, 99.7)),
+    "one severe at −0.75": ([Outcome(severe=-0.75)], (97.7, 98.6, 98.9, 99.2, 99.5)),
+    "two severe at −0.3": ([Outcome(severe=-0.3)] * 2, (85, 99.0, 99.6, 99.8, 99.9)),
+    "five severe at −0.3": ([Outcome(severe=-0.3)] * 5, (95, 100, 100, 100, 100)),
+    "severe and 20 mild at −0.3": (
+        [Outcome(severe=-0.3), *[Outcome(mild=-0.3)] * 20], (4.6, 66, 85, 93, 98.7),
+    ),
+    "severe at −0.3, mild at 0.3": (
+        [Outcome(severe=-0.3), Outcome(mild=0.3)], (19, 38, 50, 62, 81),
+    ),
+    "20 severe at −0.02 to 0": (
+        [Outcome(severe=-0.02 * k / 19) for k in range(20)], (28, 87, 99.3, 100, 100),
+    ),
+    "four transitions": (
+        [Outcome(y, y) for y in (-0.09, -0.03, 0.03, 0.09)], (0.2, 10, 50, 90, 99.8),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STATED)
+def test_by_default_the_bias_is_15_percent_and_tests_say_this(name):
+    """No test: severe wear is 5 and 95 % probable at ± 0.345."""
+    results, percents = STATED[name]
+    found = 100 * update(tuple(results), Prior()).probability(np.array([-0.3, -0.1, 0, 0.1, 0.3]))
+    for one, stated in zip(found.tolist(), percents, strict=True):
+        digits = 0.5 if stated >= 10 and stated == round(stated) else 0.05
+        assert one == pytest.approx(stated, abs=1.02 * digits)
+    if not results:
+        assert update((), Prior()).level(0.95) == pytest.approx(0.345, abs=0.001)

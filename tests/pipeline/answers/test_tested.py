@@ -109,7 +109,7 @@ def test_a_dataset_without_the_points_of_its_tests_says_so():
     assert "waits for its point" in margin.reason
 
 
-HELD = synthetic.sweep().base.held(30.0)
+HELD = synthetic.scene().base.held(30.0)
 EASIER = {
     "load": (0.9, 1.0, {}),
     "velocity": (1.0, 0.9, {}),
@@ -127,7 +127,7 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
     ds = swept(*mild, severe)
     there = asked(ds, 300.0, 0.9)
     assert there.probability_high <= 0.05
-    assert (there.verdict, "forbids it" in there.reason) == ("undecided", True)
+    assert (there.verdict, "rules it out" in there.reason) == ("undecided", True)
     assert asked(ds, 200.0, 0.6).verdict == "mild"
     held = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", case=HELD, **own)
     assert asked(swept(*mild, held), 300.0, 0.9).verdict == "mild"  # not alike
