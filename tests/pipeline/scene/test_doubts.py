@@ -87,7 +87,7 @@ def test_a_ratio_in_percent_is_doubted_or_read():
         rolling = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": ratio})
         return any(note.place == "motion.slide_roll_ratio" for note in rolling.notes)
 
-    assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
+    assert [doubted(ratio) for ratio in (-21.0, -20.0, 0.5, 20.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
     assert read.scene.motion.slide_roll_ratio == 0.5
 

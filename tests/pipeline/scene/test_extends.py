@@ -9,7 +9,7 @@ import tribo
 from pipeline import SceneFileError, load_scene
 from pipeline.sweep.sweep import digest
 from tests.helpers.entries import changed
-from tests.pipeline.scene.conftest import ROUGHNESS, TEXT
+from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 EXTENDS = 'extends = "base.toml"\n'
 
@@ -94,7 +94,7 @@ def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     folder = tmp_path / "surfaces"
     folder.mkdir()
     np.save(folder / "surface.npy", np.eye(480))
-    measured = TEXT.replace(ROUGHNESS, 'file = "surface.npy"\nheight_unit = "um"\n')
+    measured = TEXT.replace(ROUGHNESS, MEASURED_SURFACE)
     (folder / "base.toml").write_text(measured, encoding="utf-8")
     sweep = load_scene(write(own='extends = "surfaces/base.toml"'))
     np.testing.assert_array_equal(sweep.scene.roughness.array, np.eye(480) * 1e-6)
