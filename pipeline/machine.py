@@ -36,6 +36,14 @@ def memory() -> int:
     return min([int(psutil.virtual_memory().total), *limits])
 
 
+def oom_kills() -> int:
+    """Number of processes that the kernel has killed for lack of memory; 0 if it does not say."""
+    with suppress(OSError, ValueError, KeyError):
+        lines = Path("/proc/vmstat").read_text().splitlines()
+        return int(dict(line.split() for line in lines)["oom_kill"])
+    return 0
+
+
 def _own_group() -> Path:
     """Folder of the control group (2) of this process."""
     with suppress(OSError):

@@ -37,12 +37,15 @@ def run(options: argparse.Namespace) -> Result:
         output.complain(line)  # with --quiet, too
     require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
     choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
-    is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = None
-    if is_elsewhere:
+    if options.scheduler or options.scheduler_file:
         from pipeline.run.cluster import client_of  # Dask, which irg check does without
 
         elsewhere = client_of(options.scheduler, options.scheduler_file)
+    elif options.owns_process:
+        from pipeline.run.cluster import start_forkserver
+
+        start_forkserver(by_fork=True)  # before Zarr and Dask start threads
     with elsewhere or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     ds = pipeline.open_sweep(out)

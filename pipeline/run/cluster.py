@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
+import itertools
 import json
 import logging
 import multiprocessing
 import os
 import signal
 import sys
+import threading
 import warnings
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from multiprocessing import forkserver, resource_tracker
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import forkserver, resource_tracker, util
 from pathlib import Path
 
 import dask
@@ -96,8 +99,8 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
     """
     routes = {"distributed.scheduler.http.routes": _STATICS if dashboard else []}
     with dask.config.set(CONFIGURATION | routes):
+        start_forkserver()
         with _no_interrupts():
-            start_forkserver()
             try:
                 cluster = LocalCluster(
                     n_workers=workers,
@@ -127,8 +130,12 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                         process.kill()  # or Python would wait for them when it ends
 
 
-def start_forkserver() -> None:
-    """Start the process from which workers are forked, which imports their packages once."""
+def start_forkserver(by_fork: bool = False) -> None:
+    """Start the process from which workers are forked, which imports their packages once.
+
+    With `by_fork` it is forked from this process and has what is imported here, which saves a sixth
+    of the processor time of a small run. Only a process of one thread can be forked.
+    """
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
@@ -136,11 +143,35 @@ def start_forkserver() -> None:
     before = dict(os.environ)
     # It imports from the folders of this process, not from the current folder.
     os.environ.update(ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=os.pathsep.join(sys.path))
+    spawn = util.spawnv_passfds
     try:
-        forkserver.ensure_running()
+        with _no_interrupts():
+            if by_fork and sys.platform == "linux" and threading.active_count() == 1:
+                util.spawnv_passfds = _fork
+            forkserver.ensure_running()
     finally:
+        util.spawnv_passfds = spawn
         os.environ.clear()
         os.environ.update(before)
+
+
+def _fork(_: bytes, words: list[str], descriptors: Iterable[int]) -> int:
+    """Fork this process in place of starting Python with `words`, the last of which is code."""
+    if process := os.fork():
+        return process
+    try:
+        ends = [2, *sorted(descriptors), os.sysconf("SC_OPEN_MAX")]
+        for first, last in itertools.pairwise(ends):
+            os.closerange(first + 1, last)
+        for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            signal.signal(number, signal.SIG_DFL)
+        with suppress(OSError, AttributeError):  # the C library read its variables long ago
+            allocator = ctypes.CDLL(None)
+            for parameter, name in (-1, "MALLOC_TRIM_THRESHOLD_"), (-3, "MALLOC_MMAP_THRESHOLD_"):
+                allocator.mallopt(parameter, int(ENVIRONMENT[name]))
+        exec(words[-1], {})
+    finally:
+        os._exit(0)
 
 
 @contextmanager

@@ -37,17 +37,20 @@ _AHEAD, _AHEAD_IF_SHORT = 2, 16  # tasks for each worker
 _SHORT = 0.02  # mean time of the last points [s] below which they are short
 _SPARE = 16  # tasks for workers that are still to come: a cluster that adapts starts them for tasks
 _DEATHS = 3  # of its workers, after which a point counts as failed
+_SHARED = 2  # deaths of its workers after which a point is tried alone
 _KILLED = (
-    "{} workers died, the last computing only this point: out of memory, or killed from outside; "
-    "take fewer workers, or fewer window.pixels"
+    "{} workers died, the last computing only this point: {}; take fewer workers, or fewer "
+    "window.pixels"
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class _Job:
     task: Task
     worker: str
+    most: int = _SHARED  # deaths of its workers, after which it is given up
     is_alone: bool = False
+    deaths: int = 0
 
 
 def compute(
@@ -75,17 +78,18 @@ def compute(
                 free += [ANYWHERE] * (_SPARE - busy[ANYWHERE])
             jobs = [_Job(queue.take(one or object()), one) for one in free if queue]
             if suspects and not (jobs or tasks):
-                jobs = [_Job(suspects.popleft(), ANYWHERE, is_alone=True)]
+                task = suspects.popleft()
+                left = max(_DEATHS - deaths[task.point], 1)
+                jobs = [_Job(task, ANYWHERE, left, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
-                for job, error in tasks.lost():
+                for job in tasks.lost(watch.deaths()):
                     point = job.task.point
-                    if not isinstance(error, KilledWorker):  # the scheduler was restarted
+                    deaths[point] += job.deaths
+                    if not job.deaths:  # the scheduler was restarted
                         queue.put_back(job.task)
-                        continue
-                    deaths[point] += error.allowed_failures + 1
-                    if job.is_alone and deaths[point] >= _DEATHS:
-                        words = _KILLED.format(deaths[point])
+                    elif job.is_alone and deaths[point] >= _DEATHS:
+                        words = _KILLED.format(deaths[point], watch.cause())
                         writer.add([PointRecord(point, None, words)])
                     else:
                         suspects.append(job.task)
@@ -113,7 +117,7 @@ class _Tasks:
         self._finished: dict[Future, _Job] = {}
         self._fetches: dict[Answer[dict[str, Any]], dict[Future, _Job]] = {}
         self._next = 0.0  # time of the next fetch
-        self._lost: list[tuple[_Job, Any]] = []
+        self._lost: list[_Job] = []
         self.running: dict[Future, _Job] = {}
 
     def __bool__(self) -> bool:
@@ -150,21 +154,33 @@ class _Tasks:
             self._cases[key] = made.pickled()
         return self._cases[key]
 
-    def lost(self) -> list[tuple[_Job, Any]]:
-        """Wait until a task ends, at most a second; return the tasks that are lost, and why."""
+    def lost(self, deaths: list[set[str]]) -> list[_Job]:
+        """Wait until a task ends, at most a second; return the jobs whose tasks are lost.
+
+        `deaths` has the tasks of each worker that died. A job that was at too many of them is taken
+        back, or Dask would give it to one worker after the other.
+        """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
         lost, self._lost = self._lost, []
         for future in self._ended.next_batch(block=False):
-            job = self.running.pop(future)
+            if (job := self.running.pop(future, None)) is None:
+                continue  # taken back
             if future.status == "finished":
                 self._finished[future] = job
                 continue
             error = future.exception() if future.status == "error" else None
-            if error and not isinstance(error, KilledWorker):
+            if isinstance(error, KilledWorker):
+                job.deaths = error.allowed_failures + 1
+            elif error:
                 raise ExecutionError(f"{CANNOT}: {error}")
-            lost.append((job, error))
+            lost.append(job)
             future.release()
+        for future, job in list(self.running.items()):
+            job.deaths += sum(future.key in keys for keys in deaths)
+            if job.deaths >= job.most:
+                lost.append(self.running.pop(future))
+                future.release()
         return lost
 
     def results(self) -> list[Any]:
@@ -180,7 +196,7 @@ class _Tasks:
                 if result := results.get(future.key):
                     found.append(result)
                 else:
-                    self._lost.append((job, None))
+                    self._lost.append(job)
         if self._finished and (not self.running or time.monotonic() >= self._next):
             self._next = time.monotonic() + POLL
             asked = {future.key: future for future in self._finished}

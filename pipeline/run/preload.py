@@ -5,6 +5,7 @@ import gc
 gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
 import distributed  # noqa: E402, F401
 import scipy.fft  # noqa: E402
+import scipy.linalg  # noqa: E402
 import scipy.special  # noqa: E402, F401
 
 import pipeline.run.work  # noqa: E402, F401

@@ -119,7 +119,7 @@ def test_a_point_that_takes_all_memory_fails_alone(processes, path):
     outcome = pipeline.run_sweep(HUNGRY, path, client=processes(1, "500 MB"))
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)
-    assert "out of memory" in failed.message
+    assert "its worker reached its memory limit" in failed.message
 
 
 def test_a_worker_without_this_program_is_named(processes, path):

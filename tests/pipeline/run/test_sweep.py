@@ -122,7 +122,7 @@ def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
-    words = "3 workers died, the last computing only this point: out of memory, or killed"
+    words = "3 workers died, the last computing only this point: it crashed, or was killed"
     assert all(failed.message.startswith(words) for failed in outcome.failed)
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
     assert verify_store(path).is_clean
