@@ -8,10 +8,12 @@ from tribo import WarningKind
 
 # Errors of a rise
 
-PRESET_BOUNDS = {"standard": 0.015, "fine": 0.008, "reference": 0.005}
+PRESET_BOUNDS = {"standard": 0.011, "fine": 0.0055, "reference": 0.005}
 """Relative error of the critical velocity that each preset promises, see CHOOSING.md.
 
-Judged by `make promises`.
+Of 985 places without a warning 99 % err by less than 1.00 and 0.53 %.
+
+Judged by `python -m tests.promises.front`.
 """
 BOUNDS_OF_HIGHEST = {"standard": 0.05}
 """Error bounds that presets have where the highest temperature decides, if larger than usual.
@@ -134,6 +136,13 @@ It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 OF_POINTS, OF_LOADS = 1 / 3, 1 / 2
 """Shares of what the preset leaves of a goal: for points left out along velocity, and for loads.
 
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
+"""
+
+OF_GAP = 1 / 2
+"""Share of what the preset leaves of a goal, above which a gap of velocities gets one more.
+
+With half of it a gap takes a third more patches.
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 

@@ -57,7 +57,9 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, f
     case = next(case for case in cases([number]) if case.family == family)
     found = front.errors(case, PRESETS[name])
     errors, warned = (np.array(found[key]) for key in ("errors", "warned"))
-    assert np.abs(errors[~warned]).max() <= PRESET_BOUNDS[name] / found["over"]
+    over = np.abs(errors[~warned]) / (PRESET_BOUNDS[name] / found["over"])
+    assert np.sum(over > 1) <= 1  # a bound is that of 99 % of places
+    assert over.max() <= 1.5
     assert warned.mean() < 0.5
 
 
@@ -99,20 +101,23 @@ def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkey
     planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
     found = planes.errors(0.05)
     assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
-    assert max(abs(error) for *_, error in found["errors"]) < 0.05
+    assert all(abs(error) <= allowed for *_, error, allowed in found["errors"])
+    assert all(0.05 <= allowed < 0.06 for *_, allowed in found["errors"])
     counts = np.array(planes.crossings(number))
     assert {0, 1, 2, 3} <= {*counts[:, 0].tolist()}
     assert np.array_equal(*counts.T)
 
 
-def test_a_load_that_errs_by_more_or_a_missed_crossing_breaks_the_promise():
-    right = {"best": 0.03, "points": 30, "errors": [[200.0, 1.0, 0.04]]}
-    row = {"name": "a", "accuracy": {"5": right}, "crossings": [[2, 2]]}
-    wrong = right | {"errors": [[200.0, 1.0, -0.06]]}
-    for changed, is_right in (
-        (row, True),
-        (row | {"accuracy": {"5": wrong}}, False),
-        (row | {"crossings": [[2, 0]]}, False),
-        (row | {"accuracy": {"5": wrong | {"best": 0.06}}}, True),  # which a run refuses
+def test_more_loads_that_err_than_a_sample_has_by_chance_or_a_missed_crossing_break_a_promise():
+    right, wrong = [200.0, 1.0, 0.04, 0.05], [200.0, 1.0, -0.06, 0.05]
+    for misses, best, crossings, is_right in (
+        (0, 0.03, [2, 2], True),
+        (4, 0.03, [2, 2], True),  # of 40, 2 by chance
+        (7, 0.03, [2, 2], False),
+        (7, 0.06, [2, 2], True),  # which a run refuses
+        (0, 0.03, [2, 0], False),
     ):
-        assert goals.report([row, changed], [5.0])[1] == is_right
+        errors = [right] * (40 - misses) + [wrong] * misses
+        found = {"best": best, "points": 30, "errors": errors}
+        row = {"name": "a", "accuracy": {"5": found}, "crossings": [crossings]}
+        assert goals.report([row], [5.0])[1] == is_right

@@ -9,7 +9,7 @@ import functools
 import json
 import os
 from collections import defaultdict, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -51,6 +51,7 @@ from tribo.simulation.severity import (
 from tribo.types import Array, Indices, Mask
 
 _SPECIMEN = ("realization", *PLANE)
+_AT_ONCE = 16  # patches whose steps are read at a time
 _INNER = ("step", "cooler_share")
 
 
@@ -256,19 +257,29 @@ class CaseResults:
                 "and heat: run it again with friction, into another store"
             )
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
-        columns: dict[str, Any] = {name: self.array(name) for name in names}
-        columns["quantile"] = self.ds["cooler_share"].values
         least = [load_that_counts(self.sweep.scene, load) for load in self.loads.tolist()]
-        rises = worst_rises(columns, np.array(least)[:, None, None], conditions)
+        at = np.array(least)[:, None, None]
+        rises = np.concatenate([worst_rises(one, at, conditions) for one in self._parts(names)])
         rises = np.where(self.done, rises / conditions.friction_factor(self.velocities), np.nan)
-        return np.log(np.maximum(rises, 1e-9))  # finite without heat
+        return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
     def sampling(self, conditions: Conditions) -> Array:
         """Relative deviation of the rise from patch to patch, as each point states it."""
-        names = ("rise_quantile", *SAMPLING)
-        columns = {name: self.array(name) for name in names}
-        found = relative_sampling(columns, conditions, self.ds["cooler_share"].values)
-        return np.where(self.done, found, np.nan)
+        parts, shares = self._parts(("rise_quantile", *SAMPLING)), self.ds["cooler_share"].values
+        found = [relative_sampling(one, conditions, shares) for one in parts]
+        return np.where(self.done, np.concatenate(found), np.nan)
+
+    def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
+        """Yield arrays by name, of so many patches at a time that memory stays bounded."""
+        names, shares = [*names], {"quantile": self.ds["cooler_share"].values}
+        count = self.ds.sizes["realization"]
+        if count <= _AT_ONCE:
+            yield shares | {name: self.array(name) for name in names}
+            return
+        for first in range(0, count, _AT_ONCE):  # a goal has 256, of a few points each
+            some = self.ds.isel(realization=slice(first, first + _AT_ONCE))
+            part = replace(self, ds=some, _arrays={})
+            yield shares | {name: part.array(name) for name in names}
 
     @property
     def durations(self) -> Array:

@@ -147,7 +147,7 @@ def start_forkserver(by_fork: bool = False) -> None:
     try:
         with _no_interrupts():
             if by_fork and sys.platform == "linux" and threading.active_count() == 1:
-                util.spawnv_passfds = _fork
+                util.spawnv_passfds = _fork  # type: ignore[assignment]
             forkserver.ensure_running()
     finally:
         util.spawnv_passfds = spawn
@@ -157,6 +157,7 @@ def start_forkserver(by_fork: bool = False) -> None:
 
 def _fork(_: bytes, words: list[str], descriptors: Iterable[int]) -> int:
     """Fork this process in place of starting Python with `words`, the last of which is code."""
+    util._flush_std_streams()  # type: ignore[attr-defined]  # or text is printed twice
     if process := os.fork():
         return process
     try:

@@ -28,7 +28,7 @@ from tribo import InputError, SelfAffineRoughness
 _ROOM = 0.8  # largest share of an accuracy that a preset may take
 _LEAST_PATCHES = 4  # of a new store: to make room for more takes as long as some points
 _ADVICE = {
-    "interpolation": "give more sweep.velocities and sweep.loads",
+    "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may take a finer preset",
     "warnings": "change what the warnings name: irg status",
     "surface": "there are too few patches of the surface: ask for a larger error",
@@ -132,14 +132,16 @@ class GoalRun:
     def next_points(self, store: Store) -> list[Point]:
         """Points to compute next, all on the first patch or all on further ones; empty at the end.
 
-        `sweep` then has as many patches as these points need.
+        `sweep` then has as many patches as these points need. It may also have further velocities,
+        where the search needs these before it can name points.
         """
         cases = cases_of(ascending(store_dataset(store)))
-        found, to_come, most = list[tuple[Point, int]](), 0, 0
+        found, to_come, most, between = list[tuple[Point, int]](), 0, 0, set[float]()
         has_seeds, axes = "realization" in self.sweep.variants.axes, self._seeds
         seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
         for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
             places = search.next_places()
+            between |= {*search.next_velocities()}
             most = max(most, *(place.patch + 1 for place in places)) if places else most
             to_come += search.to_come()
             for patch, load, velocity in places:
@@ -149,6 +151,9 @@ class GoalRun:
         if most > len(axes) and not self.is_fixed:
             # Those to come, too: to grow the store takes as long as some points.
             self.sweep = self.sweep._with_patches(min(MOST_PATCHES, most + most // 2))
+        if between and not found:
+            velocities = tuple(sorted({*self.sweep.velocities, *between}))
+            self.sweep = replace(self.sweep, velocities=velocities)
         first = [point for point, patch in found if not patch]
         if found and not first and self.is_on_first_patch:
             self._report(Progress(f"first patch done; about {to_come} points to come"))

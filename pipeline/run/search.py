@@ -1,8 +1,9 @@
 """Which points the boundary of a scene needs next, until its whole error is below a goal.
 
 The search sees what answers see: the rises of all points that a store has, and the same errors. The
-first patch is searched along velocity, at as many loads as it takes to interpolate the others. Then
-further patches follow, one point each beside the crossing, as many as each load needs.
+first patch is searched along velocity, at as many loads as it takes to interpolate the others; the
+sweep gets a velocity at a crossing where its own are too far apart. Then further patches follow,
+one point each beside the crossing, as many as each load needs.
 """
 
 from __future__ import annotations
@@ -25,13 +26,14 @@ from pipeline.answers.error import (
     velocity_errors,
 )
 from pipeline.answers.specimen import Specimen
-from pipeline.constants import OF_LOADS, OF_POINTS
+from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from tribo.types import Array, Indices, Mask
 
 MOST_PATCHES = 256
 _UNSURE = 1.3  # by which the surface's part may be smaller than few patches tell
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
+_NEAR = 0.005  # least distance of a further velocity from another one, in ln(velocity)
 _GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
 _LEAST_FACTOR = 1e-6  # of friction, in place of 0
 
@@ -123,6 +125,14 @@ class Search:
 
     def next_places(self) -> list[Place]:
         """Points to compute next; empty once the goal is reached, or cannot be."""
+        return self._next[0]
+
+    def next_velocities(self) -> list[float]:
+        """Velocities [m/s] that the sweep needs between its own; then there are no next points."""
+        return self._next[1]
+
+    @cached_property
+    def _next(self) -> tuple[list[Place], list[float]]:
         last = len(self.loads) - 1
         has_points, has_several = (self._has_patch.sum(axis=0) > n for n in (0, 1))
         loads: set[int] = set()
@@ -130,18 +140,36 @@ class Search:
         for more in ({last}, {0, last // 2}, {last // 4, 3 * last // 4}):
             loads |= more
             if found := self._along_velocity(loads):
-                return found
+                return found, []
         loads |= {*np.flatnonzero(has_several).tolist()}
         if found := self._along_velocity({*np.flatnonzero(has_points).tolist()}):
-            return found
+            return found, []
         while True:
-            if found := self._along_velocity(loads) or self._further_patches(loads):
-                return found
-            if found := self._toward_others(loads):
-                return found
+            if found := self._along_velocity(loads):
+                return found, []
+            if more_velocities := self._velocities_between(loads):
+                return [], more_velocities
+            if found := self._further_patches(loads) or self._toward_others(loads):
+                return found, []
             if self.is_out_of_reach(loads) or not (more := self._loads_between(loads)):
-                return []
+                return [], []
             loads |= more
+
+    def _velocities_between(self, loads: set[int]) -> list[float]:
+        """The critical velocities of loads where no velocity of the sweep is near enough.
+
+        There the points around leave an error that makes patches dear, or the goal unreachable.
+        """
+        share = OF_GAP if self.goal.counts_surface else 1.0
+        found = set[float]()
+        for load in loads:
+            critical, error = self.critical[load], self.errors[INTERPOLATION, load]
+            is_far = self._lines[load][0].turns and not error <= share * self.left[load]
+            if is_far and np.isfinite(critical):
+                rounded = float(f"{critical:.3g}")
+                if np.abs(np.log(self.velocities / rounded)).min() > _NEAR:
+                    found.add(rounded)
+        return sorted(found)
 
     @cached_property
     def _lines(self) -> list[tuple[Line, Indices]]:
@@ -199,9 +227,10 @@ class Search:
         return sorted(found)
 
     def _beside(self, load: int, velocity: float) -> set[Place]:
-        """The point of the first patch that is nearest to a velocity, unless it was tried."""
+        """The point of the first patch nearest to a velocity, unless it was tried or all failed."""
         column = int(np.argmin(np.abs(np.log(self.velocities / velocity))))
-        return set() if self.tried[0, load, column] else {Place(0, load, column)}
+        is_done = self.tried[0, load, column] or not self._lines[load][0].known.size
+        return set() if is_done else {Place(0, load, column)}
 
     def _loads_between(self, loads: set[int]) -> set[int]:
         """Of each span between `loads` the load that cannot be interpolated well enough."""

@@ -219,13 +219,15 @@ class _Run:
 
     def next_tasks(self) -> TaskQueue:
         """Tasks to compute next; empty at the end."""
-        if self.goal:
+        is_larger = self.goal is not None
+        while self.goal and is_larger:
             wanted = self.goal.next_points(self.store)
-            if self.goal.sweep is not self.sweep:
+            if is_larger := self.goal.sweep is not self.sweep:
                 self.sweep = self.goal.sweep
                 self.store = enlarged(self.store, self.sweep, self.held)
                 self.store.leave_out_pending()
                 self.tally.follow(self.store)
+            is_larger &= not wanted
             self.store.ask_for(wanted)
         return TaskQueue(tasks(self.store.pending(), self.sweep))
 

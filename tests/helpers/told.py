@@ -54,7 +54,19 @@ class Told:
 
     def ask(self):
         """Points to compute next; empty at the end."""
+        while more := self.now.next_velocities():
+            self._grow(more)
         return self.now.next_places()
+
+    def _grow(self, more):
+        """Make room for more velocities."""
+        at = np.searchsorted(self.velocities, more)
+        self.velocities = np.insert(self.velocities, at, more)
+        for name in "asked", "_rises", "_sampling", "_flags", "_durations":
+            values = getattr(self, name)
+            empty = np.nan if name in ("_rises", "_sampling") else 0
+            setattr(self, name, np.insert(values, at, empty, axis=-1))
+        self.__dict__.pop("now", None)
 
     def __getattr__(self, name):
         return getattr(self.now, name)

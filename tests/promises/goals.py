@@ -1,11 +1,12 @@
 """Judge `--accuracy`: how often the whole error of the boundary is below it, and what is missed.
 
 Scenes of all families are searched on points that are computed once and kept in files, so that the
-next accuracy has them. The truth at a load is `reference` on the first patch, and how the mean of
-64 patches differs from it by `standard`, both at the velocity next to the crossing of the whole
-plane of the first patch. The error is that of the velocity at which wear turns. Every fourth scene
-has friction that falls with velocity. Each scene's plane is searched under other laws of friction,
-too: a load must have as many crossings as the whole plane.
+next accuracy has them. The truth at a load is the mean of 64 other realizations by `fine`, where a
+surface has no others `reference`, at the velocity next to the crossing of the whole plane of the
+first one. The error is that of the velocity at which wear turns. It may be as large as the accuracy
+and as the truth is uncertain. Every fourth scene has friction that falls with velocity. Each
+scene's plane is searched under other laws of friction, too: a load must have as many crossings as
+the whole plane.
 
     python -m tests.promises.goals                          # 40 scenes
     python -m tests.promises.goals --scenes 8 --accuracy 1  # per cent
@@ -22,6 +23,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import beta
 
 from pipeline.answers.error import SURFACE, total
 from pipeline.answers.preset_error import presets_for, velocity_error
@@ -38,7 +40,7 @@ from tribo.simulation.severity import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
 PATCHES = 64  # of the truth
-HELD = 0.95
+HELD = 0.95  # least share of loads; a sample of them may have fewer by chance
 NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are large
 VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
@@ -66,7 +68,7 @@ class Planes:
         """Scenes of the patches of a sweep."""
         if self.fixed:
             return [sweep.scene]
-        return [case.scene for case in sweep._with_patches(MOST_PATCHES).cases]
+        return [case.scene for case in sweep._with_patches(MOST_PATCHES + PATCHES).cases]
 
     def keep(self):
         """Write the points to the file."""
@@ -96,7 +98,7 @@ class Planes:
     def tell(self, search, places, preset="standard"):
         """Tell a search the points that it has asked for."""
         every = [
-            self.point(preset, patch, self.loads[load], self.velocities[velocity])
+            self.point(preset, patch, self.loads[load], search.velocities[velocity])
             for patch, load, velocity in places
         ]
         search.tell(places, *map(np.array, zip(*every, strict=True)))
@@ -122,18 +124,21 @@ class Planes:
         return self.whole(self.conditions)
 
     def true_y(self, load, velocity):
-        """ln(rise/limit) of the specimen by the truth at a velocity [m/s] near its crossing."""
+        """ln(rise/limit) of the specimen by the truth at a velocity [m/s], and its deviation."""
         crossing = self._plane.critical[self.loads == load].item()
         nearest = np.abs(np.log(self.velocities / (crossing if crossing > 0 else velocity)))
-        at, apart = self.velocities[np.argmin(nearest)], 0.0
-        if not self.fixed:
-            rises = [self.point("standard", n, load, at)[0] for n in range(PATCHES)]
-            apart = np.log(np.array(rises) / rises[0])
-            apart = apart.max() if self.conditions.critical_area_fraction == 0 else apart.mean()
-        rise = self.point("reference", 0, load, at)[0] * np.exp(apart)
+        at = self.velocities[np.argmin(nearest)]
+        if self.fixed:
+            rises = [self.point("reference", 0, load, at)[0]]
+        else:
+            others = range(MOST_PATCHES, MOST_PATCHES + PATCHES)
+            rises = [self.point("fine", patch, load, at)[0] for patch in others]
+        logs = np.log(rises)
+        level = logs.max() if self.conditions.criterion.is_highest else logs.mean()
         factor = self.conditions.friction_factor(np.array([at])).item()
         here, there = _y(self._plane, load, np.array([velocity, at]))
-        return np.log(rise * factor) - self._plane.limit + here - there
+        deviation = 0.0 if self.fixed else logs.std(ddof=1) / np.sqrt(len(logs))
+        return level + np.log(factor) - self._plane.limit + here - there, deviation
 
     def errors(self, accuracy):
         """What a search for an accuracy takes, and its true error at each load."""
@@ -145,8 +150,9 @@ class Planes:
             if np.isfinite(velocity) and best <= accuracy:
                 beside = _y(search, load, velocity * np.array([1 / _BESIDE, _BESIDE]))
                 slope = np.diff(beside).item() / (2 * np.log(_BESIDE))
-                y = self.true_y(load, velocity)
-                found.append([load, velocity, float(np.expm1(y / slope))])
+                y, deviation = self.true_y(load, velocity)
+                allowed = np.hypot(accuracy, 1.96 * deviation / slope)
+                found.append([load, velocity, float(np.expm1(y / slope)), float(allowed)])
         return {
             "preset": preset,
             "points": int(search.asked.sum()),
@@ -245,21 +251,25 @@ def computed(task):
 
 
 def summary(rows, accuracy):
-    """Table row of an accuracy [%], and the share of loads where it holds."""
+    """Table row of an accuracy [%], and True if it may hold at 95 % of all loads."""
     found = [row["accuracy"][accuracy] for row in rows if accuracy in row.get("accuracy", {})]
     limit = float(accuracy) / 100
     reached = [one for one in found if one["best"] <= limit]
-    errors = np.abs([error for one in reached for *_, error in one["errors"]] or [np.nan])
-    points, held = [one["points"] for one in reached], float(np.mean(errors <= limit))
-    cells = f"{held:.1%}", f"{np.median(errors):.2%}", f"{errors.max():.2%}"
+    pairs = [place[2:] for one in reached for place in one["errors"]]
+    errors, allowed = np.abs(pairs or np.empty((0, 2))).T
+    points, misses = [one["points"] for one in reached], int(np.sum(errors > allowed))
+    cells = [f"{len(errors) - misses} of {len(errors)}"]
+    cells += [f"{size(errors):.2%}" if len(errors) else "" for size in (np.median, np.max)]
     many = f"{np.median(points):.0f}, at most {max(points)}" if points else ""
+    # The upper end of the 95 % interval of the share, by the counts of loads.
+    highest = beta.ppf(0.975, len(errors) - misses + 1, misses) if misses else 1.0
     missing = len(found) - len(reached)
-    return (f"{accuracy} %", len(found), missing, len(errors), *cells, many), held
+    return (f"{accuracy} %", len(found), missing, len(errors), *cells, many), highest >= HELD
 
 
 def report(rows, accuracies):
     """What was found as text, and True if all promises hold."""
-    lines, shares = zip(*(summary(rows, f"{one:g}") for one in accuracies), strict=True)
+    lines, are_held = zip(*(summary(rows, f"{one:g}") for one in accuracies), strict=True)
     pairs = np.array([pair for row in rows for pair in row.get("crossings", [])], int).reshape(
         -1, 2
     )
@@ -267,7 +277,7 @@ def report(rows, accuracies):
     missed = int(np.sum(pairs[:, 0] != pairs[:, 1]))
     words = f"{len(pairs)} lines ({', '.join(counts)} crossings): {missed} with another number"
     failed = [f"{row['name']} failed: {row['failed']}" for row in rows if "failed" in row]
-    return "\n".join([table(HEADS, lines), "", words, *failed]), min(shares) >= HELD and not missed
+    return "\n".join([table(HEADS, lines), "", words, *failed]), all(are_held) and not missed
 
 
 def drawn(count):

@@ -40,12 +40,12 @@ def conditions(by_velocity=(), share=0.1):
 class Specimen:
     """Rises of patches in closed form, which a search asks for."""
 
-    def __init__(self, seed, turns=0, loads=10, scatter=SCATTER):
+    def __init__(self, seed, turns=0, loads=10, scatter=SCATTER, velocities=VELOCITIES):
         generator = np.random.default_rng([turns, seed])
         self.law, self.shape = friction(generator, turns), int(generator.integers(2**31))
         self.loads, self.scatter = np.geomspace(200.0, 800.0, loads), scatter
         self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
-        self.failing = set()
+        self.failing, self.velocities, self._few = set(), velocities, velocities
 
     def y(self, load, x, patch=None):
         """ln(rise/limit) at friction 1, of a patch or of the mean of all."""
@@ -55,12 +55,12 @@ class Specimen:
     def search(self, accuracy, promised=0.0, patches=256, **more):
         judged = conditions(self.law, more.pop("share", 0.1))
         goal = Goal(accuracy, patches, **more)
-        return Told(self.loads, VELOCITIES, judged, promised, goal)
+        return Told(self.loads, self._few, judged, promised, goal)
 
     def rise(self, place):
         if place[1:] in self.failing:
             return np.nan
-        load, x = self.loads[place.load], X[place.velocity]
+        load, x = self.loads[place.load], np.log(self.velocities[place.velocity])
         return LIMIT * np.exp(self.y(load, x, place.patch))
 
     def run(self, search, known=None):
@@ -71,6 +71,7 @@ class Specimen:
                 return batch
             assert not search.asked[tuple(np.array(batch).T)].any()  # nothing twice
             asked += batch
+            self.velocities = search.velocities
             rises = np.array([self.rise(place) for place in batch])
             search.tell(batch, rises, np.full(len(batch), self.scatter))
         return asked
@@ -147,6 +148,25 @@ def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
     assert done == {*whole}
 
 
+@pytest.mark.parametrize("count", [4, 6])
+def test_few_velocities_become_more_where_the_goal_needs_them(count):
+    missed = found = 0
+    for seed in range(6):
+        few = np.geomspace(0.25, 6.0, count)
+        specimen = Specimen(seed, loads=4, velocities=few)
+        search = specimen.search(0.01, promised=0.0055)
+        specimen.run(search)
+        assert {*few} <= {*search.velocities}
+        errors = np.sqrt((search.errors**2).sum(axis=0))
+        for load, critical, error in zip(specimen.loads, search.critical, errors, strict=True):
+            if np.isfinite(critical):
+                assert error <= 0.01
+                missed += abs(critical / specimen.crossings(load)[0][0] - 1) > error
+                found += 1
+    assert found > 15
+    assert missed <= 0.1 * found
+
+
 def test_without_a_crossing_the_search_ends_after_few_points():
     specimen = Specimen(0)
     for level in (0.01, 100.0):
@@ -167,7 +187,7 @@ def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
 
 def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
     specimen = Specimen(4)
-    specimen.failing = set(itertools.product([4], range(40)))
+    specimen.failing = set(itertools.product([4], range(99)))
     search = specimen.search(0.02)
     specimen.run(search)
     assert search.asked[:, 4].sum() == 3
