@@ -102,7 +102,8 @@ def run_cells(name):
             else:
                 exec(compile(ast.Module([last], []), name, "exec"), names)
         if isinstance(shown, Figure):
-            figures.append(shown._repr_png_())
+            shown.savefig(picture := io.BytesIO(), format="png")
+            figures.append(picture.getvalue())
             shown = None
         parts = [printed.getvalue(), *([] if shown is None else [repr(shown)])]
         texts.append("\n".join(filter(None, map(str.strip, parts))))
