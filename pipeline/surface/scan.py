@@ -306,7 +306,7 @@ def _reason_of_library(error: Exception, suffix: str) -> str:
         text = own[1]
     elif isinstance(error, LookupError) or not text:
         text = f"{name} {text}".strip()
-    elif re.fullmatch(r"'[^']*'", text):  # the key of a table
+    if re.fullmatch(r"'[^']*'", text):  # the key of a table
         text = f"{text} is missing"
     return f"SurfaceTopography cannot read it ({text.splitlines()[0].rstrip('.')})"
 
