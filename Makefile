@@ -26,7 +26,7 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg paper all -o workflows
 
-reference: .venv/test ## write the references of the scene file and of the dataset anew
+reference: .venv/test ## write the references of the scene file and of the dataset again
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
 	$(BIN)/python -m tests.house.reference scene >> workflows/SCENE.md
 	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md

@@ -32,10 +32,10 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
 
 PAGES_BY_TASK = {
     "begin": ("install", "first-hour"),
-    "compute your own contact": ("your-system", "scene", "cluster"),
+    "compute your own contact": ("your-system", "scene", "own-laws", "cluster"),
     "use tests of a laboratory": ("your-tests",),
     "know how sure and how fast answers are": ("choosing", "measured"),
-    "understand the model": ("model", "physics", "paper"),
+    "understand the model": ("model", "physics", "reproducing", "paper"),
     "look up": ("library", "glossary", "dataset"),
     "change the code": ("maintainers",),
 }

@@ -40,6 +40,16 @@ def test_scenes_load_and_raise_no_doubts(scene, tmp_path):
     assert [doubt.words for doubt in doubts(sweep, facts_of(sweep))] == [note_on_ends(sweep)]
 
 
+def test_the_agreement_is_that_of_the_page_on_the_paper():
+    page = (ROOT / "workflows" / "REPRODUCING.md").read_text(encoding="utf-8")
+    ((low, high),) = re.findall(r"velocities are ([-+]\d+) to ([-+]\d+) % off", page)
+    assert f" {low} to {high} % off".replace("-", "−") in README
+    lists = re.findall(r"((?:[-+]\d+, )+[-+]\d+) % off, each from the other three", page)
+    held_out = [int(number) for text in lists for number in text.split(", ")]
+    assert len(held_out) == 8
+    assert f" −{-min(held_out)} to +{max(held_out)} % off" in README
+
+
 _WIDEST = 90  # letters of code in the site's page width of 46 em
 
 

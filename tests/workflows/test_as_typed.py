@@ -27,7 +27,7 @@ def copy(tmp_path):
     (tmp_path / ".venv" / "run").touch()
     log = "load [N],velocity [m/s],outcome\n50,2,mild\n60,5,severe\n"
     (tmp_path / "log.csv").write_text(log)
-    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n50,2\n60,3\n")
+    (tmp_path / "points.csv").write_text("load [N],velocity [m/s]\n50,2\n60,3\n")
     rng = np.random.default_rng(0)
     heights = rng.normal(scale=0.3, size=(560, 640)) + np.linspace(0, 5, 560)[:, None]  # tilted
     np.save(tmp_path / "disk.npy", heights)

@@ -18,7 +18,10 @@ from pipeline.progress import staged
 from pipeline.words import did_you_mean
 from tribo import InputError
 
-from .gallery import page
+from .contra import contra
+from .errata import errata
+from .explicit_loop import fig2
+from .gallery import pages
 from .held_load import fig5
 from .heldout import heldout
 from .inference import inverse
@@ -44,8 +47,8 @@ NOT_REPRODUCED: dict[str, str] = WORDS["not_reproduced"]
 _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
-        *(fig4, fig5, fig6, fig8, fig10),
-        *(table4, table6, heldout, rivals, inverse, steel),
+        *(errata, fig2, fig4, fig5, fig6, fig8, fig10),
+        *(table4, table6, heldout, rivals, inverse, steel, contra),
     )
 }
 
@@ -92,14 +95,14 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
 def write_gallery(
     folder: str | Path, names: Iterable[str] = RESULTS, **choices: Any
 ) -> list[Report]:
-    """Compute every result, and write its figure and the page that shows them.
+    """Compute results, and write their figures and the pages that show them.
 
     Parameters
     ----------
     folder : path
-        Folder for ``README.md`` and the figures; made if it does not exist.
+        Folder for the pages and figures; made if it does not exist.
     names : iterable of str
-        Names of the results to write, all if not given.
+        Names of the results to compute, all if not given. What the pages say of others stays.
     **choices
         Fields of `Study`.
 
@@ -116,5 +119,6 @@ def write_gallery(
         reproduce(name, folder / f"{name}.png", **choices)
         for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}")
     ]
-    (folder / "README.md").write_text(page(reports), encoding="utf-8")
+    for name, text in pages(reports).items():
+        (folder / name).write_text(text, encoding="utf-8")
     return reports

@@ -15,8 +15,9 @@ def recompute(options: argparse.Namespace) -> Result:
     """Answer ``irg paper``: compute a figure or table of the paper, all of them, or list them."""
     if options.list or options.name is None:
         results, others = paper.RESULTS, paper.NOT_REPRODUCED
-        text = [f"{name:12} {summary}" for name, summary in results.items()]
-        text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
+        numbers = {name: paper.WORDS[name]["paper"] for name in results}
+        text = [f"{numbers[name]:9} {name:9} {what}" for name, what in results.items()]
+        text += ["", "not recomputed", *(f"{name:9} {reason}" for name, reason in others.items())]
         return Result(results | {"not_recomputed": others}, text)
     chosen = values_in(options, "preset", "surfaces", "workers")
     if options.name == "all":

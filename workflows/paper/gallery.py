@@ -1,47 +1,74 @@
-"""Page of Markdown with every result, its figure and the command for it."""
+"""Pages of Markdown with the results: the gallery, and what of the paper comes again.
+
+A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
+``figure``, a result with its figure, command and verdicts; ``findings``, statements named as
+``table4.width``, with their numbers; and ``table``, the table of a result.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.answers.tables import markdown_of
 
-from .report import WORDS, Report
+from .report import WORDS, Finding, Report, texts
 
-_PAGE = Path(__file__).parents[1] / "README.md"
-_BEGIN, _END = "<!-- results: written by the command -->\n", "\n<!-- end of results -->"
+PAGES = "README.md", "REPRODUCING.md"
+_FOLDER = Path(__file__).parents[1]
+_BLOCK = re.compile(r"(<!-- (\w+): ([\w. ]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+_COLUMNS = "result", "the paper", "computed", "verdict"
 
 
-def page(reports: Sequence[Report]) -> str:
-    """Markdown of the gallery: the shipped page, with the results replaced by `reports`.
+def pages(reports: Sequence[Report]) -> dict[str, str]:
+    """Text of each page by its name: the shipped one, with what the `reports` say written again.
 
-    Figures lie beside it under the names of their results. A table that shows the same as its
-    figure (``drawn`` in `WORDS`) is left out; the command prints it.
+    Blocks and rows of other results stay as they are.
     """
-    before, _, rest = _PAGE.read_text(encoding="utf-8").partition(_BEGIN)
-    after = rest.partition(_END)[2]
-    return before + _BEGIN + "\n".join(_lines(reports)) + _END + after
+    known = {report.name: report for report in reports}
+
+    def written(block: re.Match[str]) -> str:
+        begin, kind, names, old, end = block.groups()
+        if kind == "findings":
+            lines = _findings(known, names.split(), old.splitlines())
+        elif names in known:
+            lines = _figure(known[names]) if kind == "figure" else markdown_of(known[names].table)
+        else:
+            return block[0]
+        return begin + "\n".join(lines) + "\n" + end
+
+    shipped = {name: (_FOLDER / name).read_text(encoding="utf-8") for name in PAGES}
+    return {name: _BLOCK.sub(written, text) for name, text in shipped.items()}
 
 
-def _lines(reports: Sequence[Report]) -> Iterator[str]:
-    yield "Statements that agree: " + ", ".join(map(_agreement, reports)) + "."
-    for report in reports:
-        name, title = report.name, report.title
-        yield f"\n## {name}\n"
-        yield f"{title[0].upper()}{title[1:]}{'.' * (title[-1] != '?')}\n"
-        yield f"![{name}]({name}.png)\n"
-        yield f"*{WORDS[name]['see']}*\n"
-        if not WORDS[name].get("drawn"):
-            yield from markdown_of(report.table)
-            yield ""
-        for finding in report.findings:
-            verdict = "agrees" if finding.agrees else "differs"
-            yield f"- **{verdict}** *{finding.printed}*: {finding.computed}.{finding.reason}"
-        yield f"\n{' '.join(filter(None, report.notes))}"
+def _figure(report: Report) -> Iterator[str]:
+    name, words = report.name, WORDS[report.name]
+    yield f"\n## {name}\n"
+    yield f"**{words['paper']}**: {report.title}. `irg paper {name}`\n"
+    yield f"![{name}]({name}.png)\n"
+    yield f"*{words['see']}*\n"
+    yield from (f"- {_verdict(found)}: {found.printed}" for found in report.findings)
+    yield ""
 
 
-def _agreement(report: Report) -> str:
-    """Link to a result, and the number of its statements that agree with the paper."""
-    agree = sum(finding.agrees for finding in report.findings)
-    return f"[{report.name}](#{report.name}) {agree} of {len(report.findings)}"
+def _findings(
+    known: Mapping[str, Report], names: Sequence[str], old: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table of statements, in the order of their names; `old` are its lines before."""
+    before = dict(zip(names, old[2:], strict=False))
+    yield from markdown_of(texts(_COLUMNS, ()))
+    for name in names:
+        result, _, statement = name.partition(".")
+        if result not in known:
+            yield before.get(name, f"| [{result}](README.md#{result}) | {statement} | | |")
+            continue
+        (found,) = (one for one in known[result].findings if one.name == statement)
+        computed = f"{found.computed}.{found.reason}"
+        row = f"[{result}](README.md#{result})", found.printed, computed, _verdict(found)
+        *_, line = markdown_of(texts(_COLUMNS, [row]))
+        yield line
+
+
+def _verdict(found: Finding) -> str:
+    return "agrees" if found.agrees else "**differs**"

@@ -148,7 +148,7 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
         own = case.sweep.conditions
         found.append(case.log_rises(own) + np.log(own.friction_factor(case.velocities)))
     rises = np.reshape(found, (*map(len, (transitions, lengths, _FACTORS)), -1))
-    # The surfaces are patches of one specimen, whose rise is the mean of their logarithms.
+    # The surfaces belong to one specimen, whose rise is the mean of their logarithms.
     means = rises.mean(axis=-1)
     return [
         _Place(

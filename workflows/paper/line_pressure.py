@@ -27,7 +27,7 @@ _LOOKS = {
 
 
 def fig4(study: Study) -> Report:
-    """Report on a cylinder's pressure on a patch: free ends, nearest images, all images."""
+    """Report on a cylinder's pressure on a window: free ends, nearest images, all images."""
     sweep = study.scene("fig4")
     pin = sweep.scene.pin
     if not isinstance(pin, Cylinder):
@@ -103,7 +103,7 @@ def _pressure(sweep: Sweep, periodic: bool, as_published: bool = False) -> Array
 
 
 def _middle(field: Array) -> float:
-    """Pressure in the middle of the patch."""
+    """Pressure in the middle of the window."""
     nx, ny = field.shape
     return float(field[nx // 2, ny // 2])
 

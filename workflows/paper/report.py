@@ -58,6 +58,8 @@ class Finding:
 
     Attributes
     ----------
+    name : str
+        Name of the statement, such as ``"width"``.
     printed, computed : str
         Statement of the paper and result of the computation, each in a few words.
     agrees : bool
@@ -66,6 +68,7 @@ class Finding:
         Reason for a difference, or for an agreement that is a coincidence.
     """
 
+    name: str
     printed: str
     computed: str
     agrees: bool
@@ -91,7 +94,7 @@ def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any])
     printed, computed, why = (
         _WRITER.vformat(text, (), values) for text in (texts["printed"], texts["computed"], why)
     )
-    return Finding(printed, computed, bool(agrees), why)
+    return Finding(statement, printed, computed, bool(agrees), why)
 
 
 _NEAR = 0.1  # relative: see `agree`

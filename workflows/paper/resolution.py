@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure, FigureBase
 
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
@@ -71,7 +71,7 @@ def fig6(study: Study) -> Report:
         by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
         if pattern == "local" and shown in pressures:
             fields[name] = pressures[shown]
-    neighbours = {name: _neighbours(field) for name, field in fields.items()}
+    neighbours = {name: neighbours_of(field) for name, field in fields.items()}
     values = {
         "load": _POINT.normal_load,
         "velocity": _POINT.velocity,
@@ -126,7 +126,7 @@ def _with(sweep: Sweep, **changes: Any) -> Sweep:
     return sweep.with_fidelity(replace(sweep.scene.fidelity, **changes))
 
 
-def _neighbours(pressure: Array) -> float:
+def neighbours_of(pressure: Array) -> float:
     """Correlation of pressures of elements that are neighbours along x, where rows carry load."""
     rows = pressure[pressure.any(axis=1)]
     return float(np.corrcoef(rows[:-1].ravel(), rows[1:].ravel())[0, 1])
@@ -210,7 +210,7 @@ def _draw(
     upper, lower = halves
     left, right = upper.subplots(1, 2, sharey=True)
     if fields:
-        _patches(lower, sweep, fields, shown)
+        draw_fields(lower, sweep, fields, shown, "cd")
     for name, label, colour, style in (
         ("one step", "unworn,\nhighest", BLACK, "--"),
         ("maximum", "swept wear,\nhighest", BLUE, "-"),
@@ -248,7 +248,9 @@ def _curve(axes: Axes, row: _Row, name: str, colour: str, style: str) -> None:
     )  # fmt: skip
 
 
-def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], increments: int) -> None:
+def draw_fields(
+    figure: FigureBase, sweep: Sweep, fields: Mapping[str, Array], increments: int, letters: str
+) -> None:
     """Draw fields in the middle of the contact, after explicit and implicit steps, on one scale."""
     fields = dict(sorted(fields.items()))  # explicit first
     row = np.atleast_1d(figure.subplots(1, len(fields), sharey=True))
@@ -261,7 +263,7 @@ def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], incre
         i, j = min(_SHOWN, nx), min(_SHOWN, ny)
         parts.append(gigapascal[(nx - i) // 2 : (nx + i) // 2, (ny - j) // 2 : (ny + j) // 2])
     highest = max(float(part.max()) for part in parts)
-    for letter, axes, name, part in zip("cd", row, fields, parts, strict=False):
+    for letter, axes, name, part in zip(letters, row, fields, parts, strict=False):
         image = axes.imshow(
             np.ma.masked_equal(part.T, 0.0), origin="lower", cmap="viridis_r", vmin=0,
             vmax=highest, aspect="auto", interpolation="nearest",

@@ -28,11 +28,15 @@ from .transitions import (
     failed_percent,
     label_of,
     on_surfaces,
+    worn,
 )
 
 _STEP = 0.05  # relative change of friction, to find how fast a share changes
-_LONGER = 4  # factor on the length of the patch, to see its effect
-_FEW = 4  # number of surfaces with the longer patch
+_LONGER = 4  # factor on the length of the window, to see its effect
+_FEW = 4  # number of surfaces with the longer window
+_RA = "0.2 um"  # to which the printed unworn widths fit
+_SMOOTHER = {"disk.roughness.ra": _RA, "disk.roughness.correlation_length": "12 um"}
+_NEAR_FRICTION = 0.02  # relative, of a measured friction
 _WIDTHS = 1e6 * TABLE_4.unworn_width  # [µm]
 _SHARES = 100 * TABLE_4.failed_share  # [%]
 
@@ -49,6 +53,8 @@ def table4(study: Study) -> Report:
             "width": agree(data["unworn_width_um"], _WIDTHS),
             "share": agree(data["failed_percent"]["swept"], _SHARES),
             "highest": agree(data["max_celsius"]["swept"], TABLE_4.max_celsius, ROOM_CELSIUS),
+            "friction": np.allclose(values["needed"], TABLE_4.friction, rtol=_NEAR_FRICTION),
+            "roughness": abs(values["width_off_mean"]) < abs(values["width_off_at_ra"]),
             "local": agree(data["failed_percent"]["local"], _SHARES),
         },
         table=_table(data, sweep.conditions),
@@ -58,16 +64,29 @@ def table4(study: Study) -> Report:
 
 
 def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
-    """Computed widths, shares and temperatures, by name, with each wear and a longer patch."""
+    """Computed widths, shares and temperatures, by name, with each wear and a longer window."""
     conditions = sweep.conditions
     ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, row) for row in TABLE_4])
     swept, unworn = ends["swept"], ends["unworn"]
     nx, ny = sweep.scene.pixels.shape
     longer = sweep.changed("window.pixels", [nx, _LONGER * ny])
-    few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer patch, surface {}".format)
+    few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer window, surface {}".format)
     on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
     critical = known_critical_temperature(conditions)
     limit = rise_limit(replace(conditions, friction=1.0))
+    flatter = worn(sweep.changed("disk.roughness.ra", _RA), "unworn")
+    smoother = sweep
+    for path, entry in _SMOOTHER.items():
+        smoother = smoother.changed(path, entry)
+    others = {"unworn, Ra 0.20 µm": flatter, "swept, Ra 0.20 µm, 12 µm": smoother}
+    of_others = {
+        name: on_surfaces(
+            [(other, row) for row in TABLE_4],
+            study.stages(study.seeds(_FEW)[:_FEW], (name + ", surface {}").format),
+        )
+        for name, other in others.items()
+    }
+    flat, smooth = of_others.values()
     return {
         "load": TABLE_4.normal_load,
         "unworn_width_um": 1e6 * unworn["contact_width"],
@@ -80,12 +99,16 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
                 for number, row in enumerate(TABLE_4)
             ]
         ),
-        "max_celsius_on_longer_patch": celsius_of(on_longer, HIGHEST)[0],
+        "max_celsius_with_longer_window": celsius_of(on_longer, HIGHEST)[0],
         "max_celsius": {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()},
         "exceeded_celsius": {
             wear: celsius_of(its, conditions.critical_area_fraction) for wear, its in ends.items()
         },
         "worn_width_um": 1e6 * swept["contact_width"],
+        "unworn_width_um_at_ra": 1e6 * flat["contact_width"],
+        "failed_percent_smoother": failed_percent(smooth, critical, conditions.friction),
+        "max_celsius_smoother": celsius_of(smooth, HIGHEST),
+        "exceeded_celsius_smoother": celsius_of(smooth, conditions.critical_area_fraction),
     }
 
 
@@ -112,6 +135,17 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
         "maxima": maxima,
         "apart": maxima - TABLE_4.max_celsius,
         "ratios": (tenths - bulk) / (maxima - bulk),
+        "ratios_smoother": (mean(data["exceeded_celsius_smoother"]) - bulk)
+        / (mean(data["max_celsius_smoother"]) - bulk),
+        "shares_alike": alike,
+        "shares_smoother": mean(data["failed_percent_smoother"]),
+        "needed": mean(data["friction_for_printed_share"]),
+        "friction": friction,
+        "width_off_mean": outer.mean(),
+        "width_off_at_ra": 100 * (mean(data["unworn_width_um_at_ra"]) / _WIDTHS - 1).mean(),
+        "longer": _LONGER,
+        "highest_longer": mean(data["max_celsius_with_longer_window"])
+        - mean(data["max_celsius"]["swept"])[-1],
         "printed_ratios": (critical - bulk) / (TABLE_4.max_celsius - bulk),
         "local_share": mean(data["failed_percent"]["local"]).max(),
     }
@@ -132,13 +166,13 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
             line("  printed", _WIDTHS),
             line("  outermost elements in contact", data["unworn_width_um"]),
             line("  rows that bear 5 % of the most loaded", data["bearing_width_um"]),
-            (f"share of the contact above {critical:g} °C [%]",),
+            (f"contact area above {critical:g} °C [%]",),
             line("  printed", _SHARES, ".1f"),
             *by_wear("failed_percent", ".1f"),
             line(alike, data["failed_percent_at_scene_friction"], ".1f"),
             ("friction coefficient",),
             line("  measured", TABLE_4.friction, ".3f"),
-            line("  that gives the printed share, swept", needed, ".4f"),
+            line("  that gives the printed area fraction, swept", needed, ".4f"),
             ("highest temperature [°C]",),
             line("  printed", TABLE_4.max_celsius),
             *by_wear("max_celsius"),
@@ -157,7 +191,7 @@ def _draw(data: dict[str, Any], critical: float) -> Figure:
     (first, second), (third, fourth) = figure.subplots(2, 2)
     ticks = [label_of(row).replace(", ", "\n") for row in TABLE_4]
     unworn = {"unworn": data["unworn_width_um"]}
-    share = f"share of the contact above {critical:g} °C [%]"
+    share = f"contact area above {critical:g} °C [%]"
     exceeded = "temperature exceeded on 10 % [°C]"
     draw_beside(first, ticks, _WIDTHS, unworn, "unworn contact width [µm]")
     draw_beside(second, ticks, _SHARES, data["failed_percent"], share)

@@ -17,8 +17,18 @@ from tribo.types import Array
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from .report import Report, agree, line, mean, texts
 from .study import Study
-from .transitions import HIGHEST, SPREAD, celsius_of, draw_beside, ensemble, label_of, oil_a
+from .transitions import (
+    HIGHEST,
+    SPREAD,
+    celsius_of,
+    draw_beside,
+    ensemble,
+    label_of,
+    oil_a,
+    on_surfaces,
+)
 
+_SURFACES = 8
 _LIKE = 0.15  # relative difference of rises that are called alike
 _DECISIVE = 3.0  # ratio of misfits above which the worse reading is rejected
 
@@ -27,10 +37,17 @@ def table6(study: Study) -> Report:
     """Report on temperatures at the transitions of oil A, at two bulk temperatures."""
     transitions = oil_a(study)
     ends = ensemble(study, ("swept", "local"), transitions)
+    white_rate = study.scene("table4").source.entries["wear"]["specific_wear_rate"]
+    seeds = study.stages(study.seeds(_SURFACES), "the white oil's wear rate, surface {}".format)
+    as_white = on_surfaces(
+        [(scene.changed("wear.specific_wear_rate", white_rate), row) for scene, row in transitions],
+        seeds,
+    )
     fraction, swept = transitions[0][0].conditions.critical_area_fraction, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
     exceeded = {wear: celsius_of(its, fraction) for wear, its in ends.items()}
     at_room = highest["swept"] - shown_in(swept["bulk"], "°C") + ROOM_CELSIUS
+    white_at_room = celsius_of(as_white, HIGHEST) - shown_in(as_white["bulk"], "°C") + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
         "load": TABLE_6.normal_load,
@@ -41,6 +58,12 @@ def table6(study: Study) -> Report:
         "misfit_by_bulk_celsius": misfit,
         "width_um": 1e6 * swept["contact_width"],
         "max_celsius_at_room_temperature": at_room,
+        "max_celsius_at_room_temperature_and_white_wear_rate": white_at_room,
+        "velocity_exponent": {
+            "printed": _law(TABLE_6.max_celsius)[2],
+            "computed": _law(mean(at_room))[2],
+            "computed, the white oil's wear rate": _law(mean(white_at_room))[2],
+        },
     }
     tenths = mean(exceeded["swept"])
     values = {
@@ -50,6 +73,8 @@ def table6(study: Study) -> Report:
         "misfit_hot": misfit["100"],
         "misfit_room": misfit["25"],
         **_levels(mean(at_room)),
+        "ratios_white": (TABLE_6.max_celsius - ROOM_CELSIUS) / (mean(white_at_room) - ROOM_CELSIUS),
+        "exponents": list(data["velocity_exponent"].values()),
         "printed_interval": np.ptp(TABLE_6.max_celsius),
         "maxima": mean(highest["swept"]),
         "interval": np.ptp(tenths),
@@ -81,6 +106,14 @@ def _misfit(bulk_celsius: float) -> float:
     law, *_ = np.linalg.lstsq(np.array(terms), np.array(logarithms), rcond=None)
     off = np.array(logarithms) - np.array(terms) @ law
     return float(np.sqrt(off @ off / (len(rows) - len(law))))
+
+
+def _law(celsius: Array) -> Array:
+    """Values of ln C, a, n in rise/friction = C Fᵃ Vⁿ of temperatures [°C] at a bulk of 25 °C."""
+    F, V = TABLE_6.normal_load, TABLE_6.velocity
+    terms = np.column_stack([np.ones(len(F)), np.log(F), np.log(V)])
+    law, *_ = np.linalg.lstsq(terms, np.log((celsius - ROOM_CELSIUS) / TABLE_6.friction))
+    return np.asarray(law)
 
 
 def _levels(at_room: Array) -> dict[str, Any]:

@@ -21,7 +21,7 @@ _GOOD = 0.1  # relative deviation that agrees, as in report.agree
 def fig10(study: Study) -> Report:
     """Report on the transition diagram of the paper's system, which is computed if needed.
 
-    It is that of a specimen of several patches, as `make diagram` computes it.
+    It is that of a specimen of several surface realizations, as `make diagram` computes it.
     """
     sweep = study.scene("irg_transition", {"sweep.realizations": 1})
     name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
@@ -59,7 +59,7 @@ def fig10(study: Study) -> Report:
     values = {
         "friction": sweep.conditions.friction,
         "off": off,
-        "patches": ds.sizes["realization"],
+        "realizations": ds.sizes["realization"],
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
@@ -72,7 +72,7 @@ def fig10(study: Study) -> Report:
             "transitions": transitions,
             "computed": plane.computed + outcome.computed,
             "points": outcome.done,
-            "patches": ds.sizes["realization"],
+            "realizations": ds.sizes["realization"],
         },
         figure=_with_local_wear(diagram(ds, {}), boundary(by_local_wear)),
     )
