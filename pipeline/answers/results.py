@@ -25,6 +25,7 @@ from pipeline.store.schema import (
     COORDINATES,
     DONE,
     FAILED,
+    FIELDS,
     INPUTS,
     MADE,
     PENDING,
@@ -349,7 +350,10 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
     status = ds["status"]
     ds = ds.reset_coords([key for key in MADE if key in ds.coords])
     ds = ds.assign({key: ds[key].broadcast_like(status) for key in MADE if key in ds})
-    ds = ds.expand_dims([dim for dim in _SPECIMEN if dim not in status.dims])
+    # A new dimension reads all values; fields are large, and no answer needs all of them.
+    fields = {key: ds[key].variable for key in FIELDS if key in ds}
+    lacking = [dim for dim in _SPECIMEN if dim not in status.dims]
+    ds = ds.drop_vars(fields).expand_dims(lacking).assign(fields)
     moves = ds["velocity"] > 0
     ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() else ds
     return CaseResults(case, labels, name, ds, tests, from_rest=not moves.all())

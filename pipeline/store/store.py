@@ -246,6 +246,11 @@ class Store:
             if name in FIELDS:
                 ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
                 is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
+                chunks = self.group.field_places(where).tolist()
+                keys = [self.key(name, chunk) for chunk in chunks]
+                known = self.damage.files if self.damage else {}
+                unread = np.array([key in known for key in keys])
+                note(is_lost & done & unread, f"{name} cannot be read")
                 note(is_lost & done, f"{name} is missing")
             elif made is not None and name in DATA and made.dtype.kind == "f":
                 end = made[:, -1] if self.is_stepped(name) else made

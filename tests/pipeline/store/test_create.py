@@ -61,7 +61,8 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
         assert tuple(ds["load"].values) == sweep.loads
         assert tuple(ds["velocity"].values) == sweep.velocities
         assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
-    assert ds.attrs.keys() == {*("Conventions", "title", "source", "history", "license", "scene")}
+    texts = "Conventions", "title", "source", "history", "license", "scene", "stored_steps"
+    assert ds.attrs.keys() == {*texts}
     assert opened(path).sweep == sweep
     assert pipeline.open_sweep(path).attrs.keys() == {*ds.attrs, "sweep"}
     assert zarr.open_group(path, use_consolidated=False)["about"].attrs["history"] == [
