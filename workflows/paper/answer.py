@@ -9,13 +9,14 @@ from pipeline.cli.given import values_in
 from pipeline.cli.output import Result, tell
 
 from .. import paper
+from .report import WORDS
 
 
 def recompute(options: argparse.Namespace) -> Result:
     """Answer ``irg paper``: compute a figure or table of the paper, all of them, or list them."""
     if options.list or options.name is None:
         results, others = paper.RESULTS, paper.NOT_REPRODUCED
-        numbers = {name: paper.WORDS[name]["paper"] for name in results}
+        numbers = {name: WORDS[name]["paper"] for name in results}
         text = [f"{numbers[name]:9} {name:9} {what}" for name, what in results.items()]
         text += ["", "not recomputed", *(f"{name:9} {reason}" for name, reason in others.items())]
         return Result(results | {"not_recomputed": others}, text)

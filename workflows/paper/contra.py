@@ -79,7 +79,7 @@ def contra(study: Study) -> Report:
             ],
         ),
         data={"exponents": exponents, "misfits": misfits, "error": error},
-        figure=_draw(values["n"], error, exponents),
+        figure=_draw(float(usual.mean()), error, exponents),
     )
 
 

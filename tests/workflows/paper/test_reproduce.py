@@ -20,6 +20,7 @@ from pipeline.shipped import WORKFLOWS
 from workflows import paper
 from workflows.paper import transition_diagram
 from workflows.paper.publication import TABLE_4, TABLE_6
+from workflows.paper.report import WORDS
 from workflows.paper.study import Study
 from workflows.paper.synthetic_record import synthetic_record
 
@@ -321,7 +322,7 @@ def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
         assert f"## {name}\n" in gallery
         assert f"]({name}.png)" in gallery
         assert 0 < (WORKFLOWS / f"{name}.png").stat().st_size < 200_000
-        for statement in paper.WORDS[name]["findings"]:
+        for statement in WORDS[name]["findings"]:
             assert named.count(f"{name}.{statement}") == 1
     assert page.count("| [") == len(named)
 
