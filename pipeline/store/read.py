@@ -166,5 +166,5 @@ class _Masked(BackendArray):
             first, *others = map(self._store.group.in_words, self._store.points_where(every))
             what = f"is missing at {first}"
             if others:
-                what += f" and at {len(others)} more done points"
+                what += f" and at {len(others)} more"
             raise damaged(self._store.place, self._name, what)
