@@ -98,7 +98,7 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
     assert "damaged: load\n" in said
     assert "write to another store" in said
     delete(f"{address}/mean_rise/c.0.0.0")
-    with pytest.raises(StoreError, match="mean_rise is missing at 150 N.* and at 1 more; irg verify"):
+    with pytest.raises(StoreError, match=r"is missing at 150 N.* and at 1 more; irg"):
         open_sweep(address).load()
 
 
