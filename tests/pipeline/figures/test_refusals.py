@@ -75,7 +75,7 @@ REFUSALS = {
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),
     "plain title": (plot("diagram", plain=True, title="A"), "a plain figure has no title"),
     "rows of two": (rows_of_two, "rows under several conditions"),
-    "rows": (rows_beyond, "no row has a verdict: load is 9000 N"),
+    "rows": (rows_beyond, "no row has a verdict: load 9000 N is outside"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done; give another"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
@@ -87,6 +87,7 @@ REFUSALS = {
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s; the sweep has 0.5 to"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
+    "step": (plot("fields", step=-1), "the store has the fields at the end of each point alone"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "tests of pins": (lambda: pipeline.plot(two_pins(), "tests"), "select one by pin_radius"),
     "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) waits for its point"),
@@ -94,5 +95,10 @@ REFUSALS = {
 
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "figures", REFUSALS, {"fields.fields InputError": "tests/pipeline/run/test_goal.py"}
+    "figures",
+    REFUSALS,
+    {
+        "fields.fields InputError": "tests/pipeline/run/test_goal.py",
+        "fields._require_step InputError": "tests/pipeline/store/test_own.py, with steps",
+    },
 )
