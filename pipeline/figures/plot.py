@@ -7,12 +7,12 @@ import os
 import pkgutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.answers.conditions import NAMES
+from pipeline.answers.conditions import NAMES, ConditionValues
 from pipeline.answers.results import open_sweep
 from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures import style
@@ -26,6 +26,17 @@ from pipeline.units import in_si
 from tribo import InputError
 
 Kind = Literal["diagram", "rows", "ramp", "fields", "temperature", "tests"]
+
+
+class PlotOptions(ConditionValues, total=False):
+    """Options of the kinds of figures, and conditions to judge by."""
+
+    realization: int
+    log: bool
+    load: Any
+    velocity: Any
+    step: int
+    show: str
 
 
 KINDS: dict[str, Callable[..., Figure]] = {
@@ -48,7 +59,7 @@ def plot(
     plain: bool = False,
     title: str | None = None,
     dpi: float | None = None,
-    **options: Any,
+    **options: Unpack[PlotOptions],
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
 

@@ -103,6 +103,11 @@ def trade(
         If the sweep has no boundary, or the store exists.
     TriboError
         If a point has no solution.
+
+    Examples
+    --------
+    >>> import pipeline  # doctest: +SKIP
+    >>> pipeline.trade("first_try", "results/trade.zarr").table  # doctest: +SKIP
     """
     sweep, report = sweep_of(scene), progress or silent
     require_boundary(sweep)

@@ -134,7 +134,7 @@ class Planes:
             others = range(MOST_PATCHES, MOST_PATCHES + PATCHES)
             rises = [self.point("fine", patch, load, at)[0] for patch in others]
         logs = np.log(rises)
-        level = logs.max() if self.conditions.criterion.is_highest else logs.mean()
+        level = logs.max() if self.conditions.critical_area_fraction == 0 else logs.mean()
         factor = self.conditions.friction_factor(np.array([at])).item()
         here, there = _y(self._plane, load, np.array([velocity, at]))
         deviation = 0.0 if self.fixed else logs.std(ddof=1) / np.sqrt(len(logs))

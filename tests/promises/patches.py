@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.answers.error import SURFACE
+from pipeline.answers.error import SURFACE, rise_errors
 from pipeline.answers.judge import JudgedCase
 from pipeline.answers.results import cases_of
 from tests.helpers.campaigns import conclude, table
@@ -68,7 +68,8 @@ def stated(ds, load, velocity):
     (case,) = cases_of(ds)
     judge = JudgedCase(case).under(case.sweep.conditions)
     at = np.array([load]), np.array([velocity])
-    return np.exp(judge.field(*at)).item(), judge.errors(*at)[SURFACE].item()
+    errors = rise_errors(judge.specimen, judge.promised, *at)
+    return np.exp(judge.field(*at)).item(), errors[SURFACE].item()
 
 
 def scene_is_local(name):

