@@ -24,8 +24,9 @@ WORN = (
     '[[tested]]\nload = "300 N"\nvelocity = "3 m/s"\noutcome = "severe"\nfriction = 0.12\n'
     'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }\n'
 )
-HELD = '[[tested]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\nhold = "3 s"\n'
-PARTED = HELD.replace("hold", 'with = { "fidelity.increments" = 80 }\nhold').replace("3 s", "60 s")
+HELD = '[[tested]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
+HELD += 'with = { "loading.hold" = "3 s" }\n'
+PARTED = HELD.replace('"3 s"', '"60 s", "fidelity.increments" = 80')
 
 
 def load(folder, *tests, sweep=""):
