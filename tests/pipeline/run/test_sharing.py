@@ -26,10 +26,10 @@ ROWS = [
     for load, velocity in PLACES
 ]
 PHYSICS = {
-    "end": {},
+    "end": {"sweep.steps": "end"},
     "course": {"sweep.steps": "course"},
     "hold": {"loading.hold": "20 s"},
-    "local wear": {"wear.pattern": "local"},
+    "local wear": {"wear.pattern": "local", "sweep.steps": "end"},
     "no wear": {"without": ["wear"]},
     "heat of the past": {"fidelity.heat_model": "history"},
 }
