@@ -52,7 +52,11 @@ def answer_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
     spread = spread if spread.sizes else spread.expand_dims("place")
     frame = spread.to_dataframe().reset_index()
     columns = [*(dim for dim in dims if dim in frame and dim != "place"), *wanted]
-    heads = [_heading(name, found) for name in columns]
+    short_heads = [_heading(name, found) for name in columns]
+    heads = [  # both outcomes of a point are in one row
+        head if short_heads.count(head) == 1 else name.replace("_", " ")
+        for name, head in zip(columns, short_heads, strict=True)
+    ]
     return frame_of(heads, frame[columns].itertuples(index=False, name=None))
 
 
