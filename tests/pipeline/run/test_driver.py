@@ -1,6 +1,7 @@
 """Drivers of sweeps: clusters that change, workers that die, and what the user is told."""
 
 import sys
+from contextlib import closing
 
 import dask
 import pytest
@@ -10,7 +11,7 @@ import pipeline
 from pipeline.run.cluster import CONFIGURATION
 from tests.helpers import tiny
 from tests.helpers.entries import changed
-from tests.pipeline.run.test_cluster import when_done
+from tests.pipeline.run.test_cluster import Cluster, when_done
 from tests.pipeline.run.test_sweep import content
 
 OWN_WORKERS = True
@@ -130,6 +131,19 @@ def test_a_worker_without_this_program_is_named(processes, path):
         match=r"a Dask worker cannot run this program: .*pipeline\.run\.work",
     ):
         pipeline.run_sweep(SWEEP, path, client=client)
+
+
+def test_a_scheduler_without_this_program_is_named(tmp_path, path):
+    with (
+        closing(Cluster(tmp_path / "cluster")) as cluster,
+        Client(cluster.address, set_as_default=False) as client,
+    ):
+        client.run_on_scheduler(lambda: sys.modules.update({"pipeline.run.work": None}))
+        with pytest.raises(
+            pipeline.ExecutionError,
+            match=r"the Dask scheduler cannot read tasks of this program: .*pipeline\.run\.work",
+        ):
+            pipeline.run_sweep(SWEEP, path, client=client)
 
 
 def test_the_time_to_go_is_that_of_the_points_so_far(processes, path):

@@ -64,6 +64,7 @@ ELSEWHERE = {
     "drive.lost ExecutionError": "test_driver.py",
     "watch.__call__ ExecutionError": "test_driver.py",
     "watch._check ExecutionError": "test_driver.py",
+    "watch._check_scheduler ExecutionError": "test_driver.py",
     "watch.require_program ExecutionError": "test_driver.py",
     "watch.reached ExecutionError": "test_driver.py",
 }
