@@ -46,6 +46,10 @@ class Asked:
     def notes(self):
         return self.found.attrs["notes"].split(" | ")
 
+    @property
+    def not_included(self):
+        return self.found.attrs["not_included"]
+
 
 def asked(ds, load, velocity, **conditions):
     """The answer on one place of a sweep."""

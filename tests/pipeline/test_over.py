@@ -131,7 +131,7 @@ def test_commands_answer_for_each_value(swept, folder, irg):
 def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     (legend,) = pipeline.plot(swept, "diagram", friction=0.12).legends
     assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
-    assert "friction 0.12, bulk 25" in legend.get_title().get_text()
+    assert "friction 0.12, bulk temperature 25" in legend.get_title().get_text()
     said = irg("plot", swept, "--kind", "temperature", code=2)
     assert "select one by pin_radius" in said
     with pytest.raises(InputError, match="the sweep has no realization 1"):

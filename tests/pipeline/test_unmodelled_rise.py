@@ -87,7 +87,7 @@ def test_each_answer_names_it_where_it_is_not_zero(irg, store, tmp_path):
     assert LINE in irg("point", tmp_path / "own.toml", *place, *few)
     figure = pipeline.plot(store, **RISE)
     texts = (text.get_text().replace("\n", " ") for text in figure.findobj(Text))
-    assert any("bulk 25 °C, rise +6 %" in text for text in texts)
+    assert any("bulk temperature 25 °C, rise +6 %" in text for text in texts)
 
 
 def test_a_run_with_another_one_computes_nothing_and_is_judged_by_it(irg, tmp_path):
