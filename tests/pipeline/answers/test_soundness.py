@@ -19,7 +19,8 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
     out = []
     out = ["-o", str(tmp_path / "a.png")] if command == "plot" else out
     assert main([command, str(copy), *place, *out]) == 2
-    words = {"flipped": "cannot be read", "missing": "is missing at 9 of 9 done points"}[harm]
+    missing = "is missing at 150 N, 0.5 m/s and at 8 more"
+    words = {"flipped": "cannot be read", "missing": missing}[harm]
     assert f"rise_quantile {words}; irg verify names what is damaged" in capsys.readouterr().err
 
 
