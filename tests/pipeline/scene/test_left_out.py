@@ -38,4 +38,4 @@ def test_earlier_turns_that_are_not_counted_are_said(scene):
 def test_sharp_ends_are_said_of_a_cylinder_at_rest(scene, entries, is_said):
     note = note_on_ends(scene(entries))
     assert (note is not None) == is_said
-    assert note is None or note.startswith("sharp pin ends, not computed: severe")
+    assert note is None or note.startswith("the pin's sharp ends are not modelled; severe")

@@ -39,7 +39,7 @@ def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
     assert seeds(3, **{"disk.roughness.seed": 5}) == ([5, 6, 7], 5)
     assert seeds(2, without=["disk.roughness.seed"]) == ([0, 1], 0)
     assert seeds([9, 4], **{"disk.roughness.seed": 5}) == ([4, 9], 4)
-    with pytest.raises(pipeline.SceneFileError, match=r"2 needs a .disk.roughness. that is made"):
+    with pytest.raises(pipeline.SceneFileError, match=r"2 needs a rough disk, .disk.roughness."):
         seeds(2, without=["disk.roughness"])
 
 
