@@ -189,6 +189,17 @@ class _Tasks:
         A worker that hangs delays only the results that are asked for together with its own.
         """
         found = []
+        for answer, jobs in list(self._fetches.items()):
+            if all(future.status == "finished" for future in jobs):
+                continue
+            # Its worker died before it was fetched. If none was left, Dask never computes it again.
+            answer.cancel()
+            for future, job in self._fetches.pop(answer).items():
+                if future.status == "finished":
+                    self._finished[future] = job
+                else:
+                    self._lost.append(job)
+                    future.release()
         for answer in [one for one in self._fetches if one.done()]:
             results = answer.result()
             for future, job in self._fetches.pop(answer).items():
