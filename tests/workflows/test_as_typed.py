@@ -40,7 +40,7 @@ def script_of(text):
     lines = ["set -ev"]
     for match in BLOCK.finditer(text):
         language, block, row = match.groups()
-        saved = re.search(r"Save this as `(\S+)`[^`]*\Z", text[: match.start()])
+        saved = re.search(r"Save this as\s`(\S+)`[^`]*\Z", text[: match.start()])
         if row:
             lines += re.findall(r"`(irg \w+ [^`]+)`", row)
         elif saved or language == "toml":
