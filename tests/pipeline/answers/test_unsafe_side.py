@@ -8,7 +8,6 @@ import xarray as xr
 
 import pipeline
 from pipeline import boundary
-from pipeline.answers.judge import UNDECIDED
 from tests.helpers import synthetic
 from tests.helpers.asked import asked
 from tests.helpers.entries import bare_test
@@ -46,4 +45,4 @@ def test_an_error_that_one_patch_does_not_know_decides_nothing():
         both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
         found = asked(both, 400.0, 0.75)
         assert np.isnan(found.temperature_error)
-        assert found.verdict == UNDECIDED
+        assert found.verdict == "undecided"
