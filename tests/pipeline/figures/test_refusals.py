@@ -75,7 +75,7 @@ REFUSALS = {
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),
     "plain title": (plot("diagram", plain=True, title="A"), "a plain figure has no title"),
     "rows of two": (rows_of_two, "rows under several conditions"),
-    "rows": (rows_beyond, "no row has a verdict: load 9000 N is outside"),
+    "rows": (rows_beyond, "no row has a verdict: load is 9000 N; the sweep"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done; give another"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
