@@ -30,6 +30,7 @@ from tribo.types import Array
 Source = str | Path | Mapping[str, Sequence[Any]]
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
 _SAME = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
+_PATH = re.compile(r"\w+(\.\w+)+")  # of an entry
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
@@ -79,8 +80,13 @@ class Column(NamedTuple):
 
     @property
     def is_label(self) -> bool:
-        """True if the cells are words, or quantities that no condition has, such as angles."""
-        return not any(self._is_condition(k) for k, cell in enumerate(self.cells) if cell)
+        """True if the cells are words, or quantities that no condition has, such as angles.
+
+        A path, such as pin.radius, is no label: it would be shown and would not act.
+        """
+        return not _PATH.fullmatch(self.name) and not any(
+            self._is_condition(k) for k, cell in enumerate(self.cells) if cell
+        )
 
     def _is_condition(self, row: int) -> bool:
         entry = self.entry(row)

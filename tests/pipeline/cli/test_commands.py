@@ -66,10 +66,10 @@ def test_status_counts_done_points_that_the_scene_no_longer_asks_for(scene, stor
 
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
-    place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "standard")
+    place = ("--load", "600 N", "--velocity", "4 m/s", "--friction", 0.15, "--preset", "standard")
     said = irg("point", scene, *place, "--set", "caveat=of no rig", "-o", out)
-    assert said.startswith("Severe: severe wear is ")
-    assert "  numerical error     ± " in said
+    assert said.startswith("Severe: probability of severe wear ")
+    assert "  numerical error (95 %)  ± " in said
     (held,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
     assert (held["load [N]"], held["verdict"]) == ("600", "severe")
     notes = held["notes"].split(" | ")
@@ -78,7 +78,7 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     width = float(held["contact width [µm]"])
     assert re.search(rf"contact width \[µm\] +{width:.4g}\n", said)
     said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", code=2)
-    assert "velocity is -1 m/s; give a velocity above 0" in said
+    assert "velocity is -1 m/s; it must be above 0" in said
 
 
 TESTS = """
@@ -109,7 +109,7 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert "(90 % range, from the prior)" in alone.replace("\n    ", " ")
     assert "some verdicts are withheld" not in alone
     other_surface = irg(*point, "--set", "sweep.realizations=[3, 4]", "--realization", 4)
-    assert re.search(r"of the rise \(90 %\), by [12] tests? and the", other_surface)
+    assert re.search(r"\(90 % range, from [12] tests? and the", other_surface)
     (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
@@ -203,7 +203,7 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
     rows = [[line for line in text.splitlines() if line.startswith("0.")] for text in (few, whole)]
     assert [*map(len, rows)] == [8, 15]
     assert (rows[0][0], rows[0][-1]) == (rows[1][0], rows[1][-1])
-    assert "7 more rows: --all, or -o TABLE.csv" in few
+    assert "7 more rows: use --all, or -o TABLE.csv" in few
     assert max(map(len, few.splitlines())) <= 100
     refused = irg("boundary", store, "--by", "test", code=2)
     assert "the scene has no tests" in refused

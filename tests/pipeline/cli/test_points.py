@@ -10,7 +10,7 @@ from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.asked import asked, named
 
-DUTY = "flank;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
+DUTY = "flank;load [kN];velocity [m/min];remark\nA;0.3;90;cold start\nB;0.5;120;\nC;9;120;\n"
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
         )
         assert float(row["critical velocity [m/s]"]) == pytest.approx(here.critical_velocity, 1e-5)
         assert row["verdict"] == here.verdict
-    assert (first["flank"], first["remark"]) == ("1", "cold start")
+    assert (first["flank"], first["remark"]) == ("A", "cold start")
     assert beyond["verdict"] == "unknown"
     assert "load is 9000 N; the sweep has" in beyond["reason"]
 
@@ -43,7 +43,7 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n-1,2\n400,fast\n")
     said = irg("margin", "out.zarr", "--points", duty, code=2)
-    assert "the table: 2 faults" in said
+    assert "duty.csv: 2 faults" in said
     assert 'row 3, load [N]: "-1 N" is out of range; give a load above 0' in said
     assert 'row 4, velocity [m/s]: "fast" is not a number' in said
     duty.write_text("load [N],velocity [m/s]\n400,2\n400\n")
@@ -110,13 +110,13 @@ def test_entries_that_need_a_run_are_refused_in_a_table(store, tmp_path, irg, he
     points = tmp_path / "duty.csv"
     points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
     said = irg("margin", "out.zarr", "--points", points, code=2)
-    assert f'column "{head}" cannot act after the simulation' in said
+    assert f'the column "{head}" is not known; give it one of load, velocity, friction' in said
 
 
 def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):
     place = ["--load", "400 N", "--velocity", "1.4 m/s"]
     alone = irg("margin", "out.zarr", *place).splitlines()
-    assert alone[0].startswith("Mild: severe wear is ")
+    assert alone[0].startswith("Mild: probability of severe wear ")
     assert len(alone) <= 14
     assert max(map(len, alone)) <= 100
     both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
@@ -125,7 +125,9 @@ def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):
 
 def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tests(store, irg):
     place = ["--load", "400 N", "--velocity", "1.4 m/s"]
-    held = "friction 0.12 (tests 0.091 to 0.103), bulk 60 °C, critical temperature 150 °C"
+    held = (
+        "friction 0.12 (tests 0.091 to 0.103), bulk temperature 60 °C, critical temperature 150 °C"
+    )
     own = [
         "--friction",
         0.12,
@@ -134,10 +136,12 @@ def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tes
         "--critical-temperature",
         "150 degC",
     ]
-    assert irg("margin", "out.zarr", *place, *own).splitlines()[1].endswith(f"  {held}")
+    said = " ".join(irg("margin", "out.zarr", *place, *own).split())
+    assert f" conditions {held} " in said
     said = irg("margin", "out.zarr", *place, "--friction", 0.12, "--without-tests")
-    assert "  friction 0.12, bulk 25 °C, critical temperature 145 °C" in said
-    assert irg("boundary", "out.zarr", *own).startswith(f"conditions: {held}")
+    assert "  friction 0.12, bulk temperature 25 °C, critical temperature 145 °C" in said
+    said = " ".join(irg("boundary", "out.zarr", *own).split())
+    assert said.startswith(f"conditions: {held}")
 
 
 def test_the_rows_of_a_table_state_their_own_conditions(store, tmp_path, irg):
@@ -157,16 +161,16 @@ def test_a_text_of_too_many_rows_is_refused_before_its_rows_are_read(store, tmp_
 
 def test_a_long_table_shows_the_worst_points(store, tmp_path, irg):
     points = tmp_path / "duty.csv"
-    rows = [f"{300 + 10 * k},{1 + 0.05 * k},{k + 1}" for k in range(20)]
-    points.write_text("load [N],velocity [m/s],hours\n" + "\n".join(rows))
+    rows = [f"{300 + 10 * k},{1 + 0.05 * k}" for k in range(20)]
+    points.write_text("load [N],velocity [m/s]\n" + "\n".join(rows))
     said = irg("margin", "out.zarr", "--points", points)
     lines = said.splitlines()
     assert max(map(len, lines)) <= 100
-    assert "12 more rows: --all, or -o TABLE.csv" in said
+    assert "12 more rows: use --all, or -o TABLE.csv" in said
     record = irg("margin", "out.zarr", "--points", points, "--json")
     worst = min(record, key=lambda one: one["temperature margin [K]"])
     shown = [line.split() for line in lines if line.split()[:1] and line.split()[0].isdigit()]
-    assert f"{worst['load [N]']:g}" in [row[1] for row in shown if len(row) > 2]
+    assert f"{worst['load [N]']:g}" in [row[0] for row in shown if len(row) > 2]
     assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24
 
 
