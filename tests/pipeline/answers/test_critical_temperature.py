@@ -31,10 +31,10 @@ def heat(load, velocity):
     return 0.1 * float(synthetic.rise(load, velocity, 0.9))
 
 
-def brute_force(tests, places, bias=0.05, scatter=0.055):
+def brute_force(tests, places, bias=0.15, scatter=0.055):
     """Median of the critical temperature without a bias [K], and P at places (load, V, bulk)."""
-    u = np.linspace(-2.5, 2.5, 401)[:, None, None]
-    b = bias * student.ppf((np.arange(60) + 0.5) / 60, 4)[None, :, None]
+    u = np.linspace(-2.5, 2.5, 201)[:, None, None]
+    b = bias * student.ppf((np.arange(240) + 0.5) / 240, 4)[None, :, None]
     v = np.linspace(math.log(0.004), math.log(5), 60)
     critical, s = BULK + 120 * np.exp(u), np.exp(v)
     logs = student.logpdf(u, 4) - 4 * v - 2 * scatter**2 / s**2
