@@ -33,6 +33,7 @@ from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import Place
 from pipeline.units import in_si
+from pipeline.words import split_notes
 from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
@@ -118,7 +119,7 @@ def diagram(
     surface = f", surface {realization}" * (realization is not None)
     style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     legend |= entry
-    notes = [*words.not_included_lines(found)][:1]
+    notes = [*words.not_included_lines(found)][:1] + split_notes(words.told(found, "notes"))[:1]
     style.legend_below(
         figure,
         2 if len(legend) == 4 else 3,

@@ -49,7 +49,7 @@ _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # limits of the width of a figure [m]
 _COARSEST, _FINEST = 30, 1200  # limits of the resolution of a figure [dpi]
 _LETTER = 0.55  # mean width of a letter over the font size
-_CAPTION = 5  # most lines of a caption in a figure of usual width
+_CAPTION = 8  # most lines of a caption in a figure of usual width
 _MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
 
 _OF_COLOUR = re.compile(r"color$|prop_cycle$|usetex$")
