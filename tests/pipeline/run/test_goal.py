@@ -206,7 +206,7 @@ def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path
     said = irg(*goal)
     reached = re.search(r"accuracy 3 % reached: at most ± ([\d.]+) %, at (\d+) N", said)
     rows = irg("boundary", out, "--json")
-    stated = {row["load [N]"]: row["velocity error [%]"] for row in rows}
+    stated = {row["load [N]"]: row["numerical error [%]"] for row in rows}
     assert float(reached[1]) == pytest.approx(max(stated.values()), abs=0.01)
     assert stated[float(reached[2])] == max(stated.values()) < accuracy
     for step in plane, goal:  # the same commands once more compute nothing
