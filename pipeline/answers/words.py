@@ -319,8 +319,10 @@ def error_lines(found: xr.Dataset) -> Iterator[str]:
         surface = found["velocity_error_surface"].values
         part = f", of which surface sampling {_percents(surface)}" * bool(np.nanmax(surface))
         yield f"numerical error (95 %): ± {_percents(errors)} of the critical velocity{part}"
+    elif found["critical_velocity"].notnull().any():
+        yield "numerical error of the critical velocity: unknown"
     else:
-        yield "numerical error: unknown"
+        yield "numerical error: not stated, as no critical velocity lies within the sweep"
     yield model_error_line(found)
 
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import io
 import itertools
 import math
-import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata, resources
@@ -18,21 +16,28 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from jinja2 import Environment
-from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import case_dims, open_sweep, sweep_of
-from pipeline.answers.tables import cells_of, short, writable_path, write_text
-from pipeline.figures import style
+from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows, row_names
 from pipeline.figures.tested import draw_tests
+from pipeline.page.parts import (
+    Grid,
+    Items,
+    Picture,
+    Section,
+    as_sentence,
+    picture_of,
+    table_of,
+    without_help,
+)
 from pipeline.scene.entries import flat
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -67,40 +72,13 @@ _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_NARROW = 0.075  # width of figures on a telephone [m]
 _NO_INPUTS = ("fidelity", "measured", "tested", "sweep", "title", "caveat", "extends", "without")
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
 _MOST_TOLD = 12  # loads of a boundary that are told in place of a figure
 
 
-class Grid(NamedTuple):
-    """A table of a page; the row number `bold` stands out."""
-
-    caption: str
-    heads: list[str]
-    rows: list[list[str]]
-    bold: int = -1
-
-
-class Picture(NamedTuple):
-    """A figure of a page, for usual and for narrow screens, as addresses that hold all data."""
-
-    usual: str
-    narrow: str
-    alt: str
-    caption: str
-
-
-class Items(NamedTuple):
-    """Lines of a list."""
-
-    lines: list[str]
-
-
 Conditions = Mapping[str, Any]
-Section = tuple[str, list[str | Grid | Picture | Items]]
-"""Heading of a section, and its parts."""
 
 
 class Answer(NamedTuple):
@@ -173,8 +151,8 @@ def report(
     if found is None:
         line = words.next_run_line
         told = pipeline.boundary(ds, **conditions)
-        said = [] if told["critical_velocity"].ndim > 1 else [_sentence(line(told))]
-        said += map(_sentence, words.not_included_lines(told))
+        said = [] if told["critical_velocity"].ndim > 1 else [as_sentence(line(told))]
+        said += map(as_sentence, words.not_included_lines(told))
         plane = _plane(ds, conditions)
         answer = Answer("", "Boundary between mild and severe wear", said, plane)
     elif not found.sizes:
@@ -211,13 +189,13 @@ def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answe
     place = here["load"].item(), here["velocity"].item()
     headline = f"{HEADLINES[here['verdict'].item()]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
     facts = dict(words.margin_facts(here))
-    said = [_verdict(here), *map(_sentence, words.not_included_lines(here))]
+    said = [_verdict(here), *map(as_sentence, words.not_included_lines(here))]
     critical = f"critical velocity at {place[0]:.4g} N: {facts.get('critical velocity')}"
-    said += [_sentence(critical)] * ("critical velocity" in facts)
+    said += [as_sentence(critical)] * ("critical velocity" in facts)
     said += [f"The verdict is withheld: {here['reason'].item()}."] * bool(here["reason"].item())
     decider = words.to_decide(here)
     said += [f"To decide it, {decider}."] * bool(decider)
-    said += map(_sentence, _plain(words.common_lines(here)))
+    said += map(as_sentence, without_help(words.common_lines(here)))
     table = Grid(
         "The operating point in numbers", ["quantity", "value"], [*map(list, facts.items())]
     )
@@ -247,13 +225,13 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         )
     )
     caption = "Temperature margin of each row: critical minus governing temperature."
-    picture = _picture(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
-    grid = _grid(margin_frame(found), "Operating points; the deciding one is bold", decides)
+    picture = picture_of(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
+    grid = table_of(margin_frame(found), "Operating points; the deciding one is bold", decides)
     notes = [
         *words.conditions_lines(found), *words.not_included_lines(found),
         *words.reason_lines(found), *words.row_warnings(found), *words.common_lines(found),
     ]  # fmt: skip
-    notes = [*map(_sentence, _plain(notes))]
+    notes = [*map(as_sentence, without_help(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, Items(notes)])]
     if {*PLANE} <= {*ds["status"].dims}:
         places = xr.broadcast(found["load"], found["velocity"])
@@ -263,7 +241,7 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
         sections.append(("Errors", [Items(_errors(words.model_error_line(found)))]))
     counts = Counter(verdicts)
     told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
-    said = [f"Operating points: {told}.", *map(_sentence, words.not_included_lines(found))]
+    said = [f"Operating points: {told}.", *map(as_sentence, words.not_included_lines(found))]
     if codes[decides] in HEADLINES:
         (row,) = found.sizes
         said.insert(0, _verdict(found.isel({row: decides})))
@@ -274,7 +252,7 @@ def _verdict(here: xr.Dataset) -> str:
     """The sentence on one operating point, whose verdict the headline has."""
     verdict, _, rest = words.sentence(here).partition(": ")
     begins = "probability of severe wear "
-    return _sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
+    return as_sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
 
 
 def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ()) -> list[Section]:
@@ -297,18 +275,18 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
         f"normal load. Computed critical velocity by load: {'; '.join(told)}"
     )
-    caption = _sentence(words.conditions_lines(found)[0])
+    caption = as_sentence(words.conditions_lines(found)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
     if missing := found.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
     loads, velocities = ([place[axis] for place in within] for axis in (0, 1))
-    picture = _picture(
+    picture = picture_of(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
     )
     title = "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
     crosses = bool(found["critical_velocity"].notnull().all())
     is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
-    grid = _grid(short(boundary_frame(found), ["outcome"] * is_plain), title)
+    grid = table_of(short(boundary_frame(found), ["outcome"] * is_plain), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
@@ -322,7 +300,7 @@ def _errors(*lines: str) -> list[str]:
     found = list[str]()
     for line in lines:
         origin = [text for begin, text in origins.items() if line.startswith(begin)]
-        found.append(" ".join([_sentence(line), *map(_sentence, origin)]))
+        found.append(" ".join([as_sentence(line), *map(as_sentence, origin)]))
     return found
 
 
@@ -331,12 +309,12 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     found = pipeline.compare_tests(ds, **conditions)
     told = "Computed rise ratio of each test, next to its outcome."
     alt = f"{told} The table below has the numbers."
-    yield _picture(lambda: draw_tests(ds, conditions), told, alt)
+    yield picture_of(lambda: draw_tests(ds, conditions), told, alt)
     table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
     y = found["log_rise_ratio"].values
     computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
     table.insert(2, "computed", computed)
-    yield _grid(table, "Tests, each at its own conditions, and what is computed for them")
+    yield table_of(table, "Tests, each at its own conditions, and what is computed for them")
     if lines := [*words.test_lines(found)]:
         yield Items(lines)
 
@@ -354,14 +332,14 @@ def _common(
     )
     rows = [
         [table, "; ".join(f"{_name_of(path, table)} {text}" for path, text in pairs), "scene"]
-        for table, pairs in itertools.groupby(shown, lambda pair: _table_of(pair[0]))
+        for table, pairs in itertools.groupby(shown, lambda pair: _part_of(pair[0]))
     ]
     rows += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
     inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], rows)
     yield "Conditions and inputs", [inputs]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
     notes = split_notes(words.told(pipeline.points(ds, **single), "notes"))
-    limits = map(_sentence, _plain([*notes, *pipeline.warned(ds).lines()]))
+    limits = map(as_sentence, without_help([*notes, *pipeline.warned(ds).lines()]))
     others = [line for line in limits if line not in said]
     yield "What is not covered", [_MODEL, *[Items(others)] * bool(others)]
     choices = [
@@ -378,12 +356,7 @@ def _common(
     yield "How this was computed", [Items(origin)]
 
 
-def _plain(lines: Iterable[str]) -> list[str]:
-    """Lines without references to pages of help, which a reader of the report may not have."""
-    return [re.sub(r" \(irg help [\w-]+\)", "", line) for line in lines]
-
-
-def _table_of(path: str) -> str:
+def _part_of(path: str) -> str:
     """Table of an entry, such as "pin" or "materials.steel"."""
     return path.rpartition(".")[0] if path.startswith("materials") else path.partition(".")[0]
 
@@ -394,25 +367,3 @@ def _name_of(path: str, table: str) -> str:
 
 def _text_of(value: Any) -> str:
     return ", ".join(map(_text_of, value)) if isinstance(value, list) else str(value)
-
-
-def _sentence(line: str) -> str:
-    return f"{line[:1].upper()}{line[1:]}" + "." * (not line.endswith("."))
-
-
-def _grid(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
-    frame = short(frame.replace("", None))
-    heads = [str(head).replace("_", " ") for head in frame]
-    return Grid(caption, heads, cells_of(frame, "–", digits=3), bold)
-
-
-def _picture(draw: Callable[[], Figure], caption: str, alt: str) -> Picture:
-    """Draw a figure twice, for usual and for narrow screens."""
-    drawn = []
-    for width in (None, _NARROW):
-        with style.fitted(width, plain=True):
-            written = io.BytesIO()
-            draw().savefig(written, format="svg", metadata={"Date": None})
-        text = base64.b64encode(written.getvalue()).decode()
-        drawn.append(f"data:image/svg+xml;base64,{text}")
-    return Picture(drawn[0], drawn[1], alt, caption)
