@@ -423,7 +423,7 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     for row in evidence.rows:
         test, own = row.test, row.conditions
         for name, value in {
-            "test": test.number, "outcome": test.outcome or "transition",
+            "test": test.number, "outcome": test.outcome,
             "load": test.normal_load, "velocity": test.velocity,
             "friction": own.friction_at(test.velocity) if own else math.nan,
             "bulk_temperature": own.bulk_temperature if own else math.nan,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from pipeline.quantities import display
-from pipeline.sweep.case import Test
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 
 USUAL_SHARE = 0.1
@@ -15,7 +15,7 @@ _SAME = 1e-6  # relative rounding difference of equal frictions
 
 
 def heating_words(
-    conditions: Conditions, velocity: float | None = None, tests: Iterable[Test] = ()
+    conditions: Conditions, velocity: float | None = None, tests: Iterable[SpecimenTest] = ()
 ) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk temperature 25 °C".
 
@@ -29,7 +29,7 @@ def heating_words(
     return f"friction {friction:.4g}{beside}, {bulk}{added * bool(conditions.unmodelled_rise)}"
 
 
-def _test_frictions(conditions: Conditions, tests: Iterable[Test]) -> str:
+def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
     """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
     used = {test.velocity: test.case.conditions.friction_at(test.velocity) for test in tests}
     same = (
@@ -43,7 +43,7 @@ def _test_frictions(conditions: Conditions, tests: Iterable[Test]) -> str:
 
 
 def verdict_conditions(
-    conditions: Conditions, velocity: float | None = None, tests: Iterable[Test] = ()
+    conditions: Conditions, velocity: float | None = None, tests: Iterable[SpecimenTest] = ()
 ) -> str:
     """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
 

@@ -16,7 +16,7 @@ from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
-from pipeline.sweep.case import Test
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.conditions import Conditions, rise_limit, with_own
 from tribo import InputError
 from tribo.simulation.film import film_excess
@@ -38,7 +38,7 @@ class ComparedTest:
     where the test says nothing, or has no result.
     """
 
-    test: Test
+    test: SpecimenTest
     conditions: Conditions | None
     severe: float = math.nan
     mild: float = math.nan
@@ -49,7 +49,7 @@ class ComparedTest:
     def __str__(self) -> str:
         test = self.test
         place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-        return f"test {test.number} ({test.outcome or 'transition'}, {place})"
+        return f"test {test.number} ({test.outcome}, {place})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +118,8 @@ class Evidence:
         A test without a y might rule them out.
         """
         kinds, why = {row.test.outcome for row in self.without_result}, waiting_text(self)
-        no_mild = why * bool(kinds & {"severe", None})
-        no_severe = why * bool(kinds & {"mild", None})
+        no_mild = why * bool(kinds & {"severe", "transition"})
+        no_severe = why * bool(kinds & {"mild", "transition"})
         if self.critical is not None:
             one_sided = "the critical temperature is found by tests, of which none was "
             results = [*map(outcome_of, self.specimens)]
@@ -152,7 +152,7 @@ class Evidence:
             place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
             at = f"friction {own.friction_at(test.velocity):.3g}"
             bulk = display(own.bulk_temperature, "°C", 3)
-            yield f"{test.outcome or 'transition'}, {place} at {at} and bulk {bulk}"
+            yield f"{test.outcome}, {place} at {at} and bulk {bulk}"
 
 
 def waiting_text(evidence: Evidence) -> str:
@@ -180,7 +180,7 @@ def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evide
 
 
 def _compared(
-    case: CaseResults, specimen: Specimen, oil: Conditions, test: Test,
+    case: CaseResults, specimen: Specimen, oil: Conditions, test: SpecimenTest,
     points: tuple[TestPoint, ...],
 ) -> ComparedTest:  # fmt: skip
     try:
@@ -203,7 +203,7 @@ def _compared(
     )  # fmt: skip
 
 
-def _is_outside(case: CaseResults, test: Test, point: TestPoint, own: Conditions) -> bool:
+def _is_outside(case: CaseResults, test: SpecimenTest, point: TestPoint, own: Conditions) -> bool:
     """True if a film carries too much at a point of a test."""
     oil, held = case.sweep.lubricant, point.columns
     if oil is None or not case.sweep.base.has_film or "film_inlet" not in held:
@@ -244,13 +244,13 @@ def ruled_out(
         if own is None or test.case.scene != case.sweep.scene:
             continue
         for kind, place in (("severe", test.places[-1]), ("mild", test.places[0])):
-            if test.outcome not in (kind, None) or (kind == "mild" and row.is_outside):
+            if test.outcome not in (kind, "transition") or (kind == "mild" and row.is_outside):
                 continue
             there = [*place, own.friction_at(place[1]), own.bulk_temperature]
             ways = np.array([_apart(a, b) for a, b in zip(here, there, strict=True)])
             ways = ways if kind == "severe" else -ways
             holds = (ways >= 0).all(axis=0)
-            if test.outcome is None and len(test.places) == 1:
+            if test.outcome == "transition" and len(test.places) == 1:
                 holds &= (ways > 0).any(axis=0)
             masks[kind] |= holds
             for k in np.flatnonzero(holds).tolist():

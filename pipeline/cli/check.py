@@ -135,7 +135,7 @@ def _meaning_rows(
     yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
     if added := unmodelled_rise_words(sweep.conditions):
         yield "", added
-    elif sweep.scene.friction_heat and not sweep._measured:
+    elif sweep.scene.friction_heat and not sweep.tests:
         yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text

@@ -37,8 +37,7 @@ def infer(options: argparse.Namespace) -> Result:
         raise InputError(f"{flags_of(ignored)} applies only with --contact-width")
     if not sweep.tests:
         raise InputError(
-            f"scene {sweep.name} has no tests; add a [[measured]] with load and velocity, or a "
-            "[[tested]] with an outcome"
+            f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
     least = replace(sweep._alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
     with working("simulating the tests") as progress, writing(options.kept, least) as store:

@@ -92,7 +92,7 @@ def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
     """The tests of a scene, each at its own conditions, beside what is computed there."""
     found = pipeline.compare_tests(ds, **conditions_in(options))
     if not found.sizes["test"]:
-        raise InputError("the scene has no tests; add [[measured]] or [[tested]] to it")
+        raise InputError("the scene has no tests; add [[tests]] to it")
     table = answer_frame(found)
     lines: list[Any] = ["tests, each at its own friction and bulk temperature", short(table)]
     return Result(

@@ -65,7 +65,7 @@ def mark_tests(
             far.append(number)
             continue
         faint = abs((test.bulk_temperature or own) - bulk) > _SAME_BULK
-        kinds.append(test.outcome or "transition")
+        kinds.append(test.outcome)
         mark_test(axes, number, kinds[-1], (place[1], place[0]), faint)
         places.append(place)
         others |= faint

@@ -36,9 +36,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
     found = pipeline.compare_tests(ds, **conditions)
     if not found.sizes["test"]:
-        raise InputError(
-            "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene"
-        )
+        raise InputError("the scene has no tests to draw; add [[tests]] to it")
     known = found.isel(test=found["reason"].values == "")
     if not known.sizes["test"]:
         why = found.attrs["tests_without_result"]

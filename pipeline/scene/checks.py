@@ -7,15 +7,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import tribo
-from pipeline.quantities import UNITS, display
+from pipeline.quantities import display
 from pipeline.scene.facts import expect_contacts
 from pipeline.scene.faults import Fault, Faults
 from pipeline.scene.format import StagesTable
 from pipeline.scene.library import library
-from pipeline.scene.stages import axis_of, stages_of
+from pipeline.scene.stages import stages_of
 from pipeline.scene.tracks import track_length
 from pipeline.sweep.case import Case
-from pipeline.units import to_si
 from pipeline.words import did_you_mean, quoted
 from tribo.simulation.pins import sizes_of
 
@@ -176,13 +175,3 @@ def _unfit_friction(scene: Any) -> Misfits:
     if nodes and friction.coefficient == 0:
         words = "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
         yield "friction.coefficient", words
-
-
-@_check("measured")
-def _unfit_steps(scene: Any) -> Misfits:
-    for number, test in enumerate(scene.measured or ()):
-        if test.step:
-            value = getattr(test, name := axis_of(test.step))
-            if to_si(test.step, like=test.step) >= value:
-                words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
-                yield f"measured[{number}].step", f"{quoted(test.step)} {words}"

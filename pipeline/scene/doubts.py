@@ -10,7 +10,7 @@ from pipeline.quantities import display
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, cases_alone, facts_of
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import number_at
-from pipeline.sweep.case import Test
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.left_out import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sweep import Sweep
@@ -160,7 +160,7 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 def notes_on_scene(sweep: Sweep) -> tuple[Remark, ...]:
     """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
-    plane, found = sweep.scene.loading, dict[str, list[Test]]()
+    plane, found = sweep.scene.loading, dict[str, list[SpecimenTest]]()
     for test in sweep.tests:  # each is simulated with its own past
         if words := _difference(test.case.scene.loading, plane):
             found.setdefault(words, []).append(test)
@@ -195,7 +195,7 @@ def doubt_on_runs(sweep: Sweep) -> str:
 
     Both ends of such a run had a past that no entry states.
     """
-    runs = dict[str, list[Test]]()
+    runs = dict[str, list[SpecimenTest]]()
     for test in sweep.tests:
         if isinstance(test.case.scene.loading, Ramp):
             runs.setdefault(str(test.number), []).append(test)
@@ -208,7 +208,7 @@ def doubt_on_runs(sweep: Sweep) -> str:
     )
 
 
-def _named(tests: Sequence[Test]) -> str:
+def _named(tests: Sequence[SpecimenTest]) -> str:
     """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
     names = [*dict.fromkeys(str(test.number) for test in tests)]
     more = f" and {len(names) - _MANY} more" * (len(names) > _MANY)

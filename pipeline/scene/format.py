@@ -9,13 +9,7 @@ from typing import Any, ClassVar, get_type_hints
 import tribo
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.scene.faults import Faults
-from pipeline.scene.format_of_tests import (
-    StagedRunTable,
-    TableFile,
-    Test,
-    TransitionTable,
-    list_of_tests,
-)
+from pipeline.scene.format_of_tests import TableFile, Test
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
     BULK,
@@ -320,10 +314,7 @@ class SceneFile(Declared):
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None
     sweep: A[Any, table_of(SweepTable), "The points of the load–velocity plane to compute."]
-    measured: A[tuple[Any, ...], list_of_tests(TransitionTable),
-        "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
-        "model's own error."] = ()
-    tested: A[tuple[Any, ...], list_of_tests(Test, StagedRunTable),
-        "Tests that stayed mild or turned severe: a table, a run by stages, or a file for each, "
-        "for `irg infer`, and for the model's own error."] = ()
+    tests: A[tuple[Any, ...], List(Either(table_of(Test), table_of(TableFile))),
+        "Tests of specimens, a table for each, or a file with many: for the diagram, for "
+        "`irg infer`, and for the probability of severe wear."] = ()
 # fmt: on

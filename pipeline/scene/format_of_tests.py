@@ -1,4 +1,4 @@
-"""The format of tests in scene files: measured transitions, outcomes, and runs by stages."""
+"""The format of tests in scene files: a point with its outcome, or one specimen in stages."""
 
 from __future__ import annotations
 
@@ -25,11 +25,6 @@ from pipeline.sweep.case import OUTCOMES
 NAME = Either(Text(), Whole(at_least=0))
 
 
-def list_of_tests(*own: type) -> List:
-    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`."""
-    return List(Either(*map(table_of, (own[0], TableFile, *own[1:]))))
-
-
 # fmt: off
 class TableFile(Declared):
     form_name = "table of rows"
@@ -46,10 +41,26 @@ class EvenLevels(Declared):
     step: A[str, LEVEL, "What each stage is above the one before."]
     hold: A[float, HELD, "Time for which each stage is held."]
 
-class TestTable(Declared):
+class Test(Declared):
     form_name = "entries"
-    load: A[float, LOAD, "Normal load on the pin."]
-    velocity: A[float, VELOCITY, "Sliding velocity of the test."]
+    load: A[float | None, LOAD,
+        "Normal load on the pin; left out where stages of load end the test."] = None
+    velocity: A[float | None, VELOCITY,
+        "Sliding velocity of the test; left out where stages of velocity end it."] = None
+    outcome: A[str | None, OneOf(OUTCOMES),
+        'Outcome at the end of the hold; "transition" if load or velocity was raised until wear '
+        "became severe. Needed without `mild_up_to` and `severe_at`."] = None
+    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
+        "Step of velocity or of load by which a transition was reached: wear was still mild one "
+        "step before."] = None
+    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
+        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
+        "default those of `[loading]`, whose rate leads from stage to stage."] = None
+    mild_up_to: A[Any, Scalar(),
+        "Highest mild stage, instead of the outcome: a load if `velocity` is given, a velocity if "
+        "`load` is; give it alone if no stage was severe."] = None
+    severe_at: A[Any, Scalar(),
+        "Severe stage; give it alone if it was the first stage."] = None
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
     bulk_temperature: A[float | None, BULK,
@@ -60,27 +71,4 @@ class TestTable(Declared):
         "Critical temperature, failing share, `[oil]` and `[model]` are those of the scene."] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default the next one that is free."] = None
-
-class TransitionTable(TestTable):
-    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
-        "Step of velocity or of load by which the transition was reached: wear was still mild one "
-        "step before."] = None
-
-class _RunTable(TestTable):
-    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
-        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
-        "default those of `[loading]`, whose rate leads from stage to stage."] = None
-
-class Test(_RunTable):
-    outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
-
-class StagedRunTable(_RunTable):
-    form_name = "run by stages"
-    load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
-    velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]
-    mild_up_to: A[Any, Scalar(),
-        "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
-        "velocity if `load` is; give it alone if no stage was severe."] = None
-    severe_at: A[Any, Scalar(),
-        "Severe stage of a run; give it alone if it was the first stage."] = None
 # fmt: on

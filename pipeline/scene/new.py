@@ -10,7 +10,6 @@ from pathlib import Path
 
 from pipeline.paths import reason_of, user_path
 from pipeline.scene.entries import Entries, entry_at
-from pipeline.scene.tests import LISTS
 from pipeline.shipped import shipped_scenes
 from pipeline.words import did_you_mean
 from tribo import InputError
@@ -80,5 +79,5 @@ def _files_of(entries: Entries) -> Iterator[str]:
     rows = entry_at(entries, "sweep.along")
     tables = [rows] if isinstance(rows, dict) else [{"file": rows}] if isinstance(rows, str) else []
     tables += [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
-    tables += [one for key in LISTS for one in entries.get(key, [])]
+    tables += entries.get("tests", [])
     yield from (str(one["file"]) for one in tables if "file" in one)

@@ -20,7 +20,7 @@ from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
 from pipeline.scene.rows import cases_of, rows_of, with_first_rows
 from pipeline.scene.tables import keys_of, table_of
-from pipeline.scene.tests import LISTS, read_tests, with_listed_tests
+from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import override_entries, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
@@ -31,8 +31,8 @@ from pipeline.sweep.variants import SEED
 from pipeline.units import in_si
 from pipeline.words import did_you_mean
 
-FILES = ("disk.roughness.file", "loading.file")
-"""Entries that name a file beside the scene."""
+FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
+"""Entries that may name a file beside the scene."""
 PresetName = Literal["standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
@@ -74,7 +74,7 @@ def load_scene(
     path, faults = scene_path(path), Faults()
     replaced = _path_overrides(overrides or {}, preset, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
-    folders = {key: document.file_of(key).parent for key in (*FILES, *LISTS, "sweep.along")}
+    folders = {key: document.file_of(key).parent for key in FILES}
     source = Source(path.stem, document.entries(), Files(folders))
     try:
         sweep = source.read(faults)

@@ -11,9 +11,11 @@ from typing import Any
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import EvenLevels, StagedRunTable, Test
+from pipeline.scene.format_of_tests import EvenLevels, Test
 from pipeline.scene.kinds import LOAD, VELOCITY
+from pipeline.scene.tables import table_of
 from pipeline.units import si_unit, to_si
+from pipeline.words import quoted
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
@@ -60,39 +62,67 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
     In a run by stages the load or the velocity of one specimen rises stage by stage. It is replaced
     by a test at its last mild stage and a test at its first severe stage, if the run states these
-    stages. A faulty run is added to `faults`, and left out.
+    stages. Faulty tests are added to `faults`, and left out.
     """
-    lists = {key: getattr(scene, key) for key in ("measured", "tested")}
-    given = {str(one.number) for tests in lists.values() for one in tests or ()}
+    given = {str(one.number) for one in scene.tests or ()}
     free = (number for number in itertools.count(1) if str(number) not in given)
-    named_before, expanded = set[str](), dict[str, Any]()
-    for key, listed in lists.items():
-        tests = list[Any]()
-        for index, entry in enumerate(listed or ()):
-            named = replace(entry, number=next(free)) if entry.number is None else entry
-            if (name := str(named.number)) in named_before:
-                problem = f"{name} is the number of two tests; give each its own, or leave it out"
-                faults.refuse(f"{key}[{index}].number", problem)
-            named_before.add(name)
-            if isinstance(named, StagedRunTable):
-                tests += _read_stages(named, f"{key}[{index}]", faults)
-            else:
-                tests.append(named)
-        expanded[key] = listed and tuple(tests)
-    return replace(scene, **expanded)
+    named_before, tests = set[str](), list[Test]()
+    for index, entry in enumerate(scene.tests or ()):
+        place = f"tests[{index}]"
+        named = replace(entry, number=next(free)) if entry.number is None else entry
+        if (name := str(named.number)) in named_before:
+            problem = f"{name} is the number of two tests; give each its own, or leave it out"
+            faults.refuse(f"{place}.number", problem)
+        named_before.add(name)
+        if faults.touches(place):
+            continue
+        if problems := [*test_faults(named)]:
+            for key, problem in problems:
+                faults.refuse(f"{place}.{key}", problem)
+        elif ends := _ends_of(named):
+            tests += _read_stages(named, ends, place, faults)
+        else:
+            tests.append(named)
+    return replace(scene, tests=scene.tests and tuple(tests))
 
 
-def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[Test]:
+def test_faults(test: Test) -> Iterator[tuple[str, str]]:
+    """Yield the entries of a test that are missing or do not fit others, and why."""
+    if ends := _ends_of(test):
+        given = [name for name in _KINDS if getattr(test, name) is not None]
+        if len(given) != 1:
+            problem = "both load and velocity are" if given else "neither load nor velocity is"
+            yield "load", f"{problem} given beside stages; give the one that all stages have"
+        for key in ("outcome", "step"):
+            if getattr(test, key) is not None:
+                yield key, f"does not fit {', '.join(ends.values())}; leave it out"
+        return
+    for key in ("load", "velocity", "outcome"):
+        if getattr(test, key) is None:
+            yield key, f"missing; give {table_of(Test).keys[key].kind}"
+    if test.outcome == "transition" and test.stages is not None:
+        words = "do not fit a transition; give mild_up_to and severe_at instead of the outcome"
+        yield "stages", words
+    if test.step is None:
+        return
+    if test.outcome != "transition":
+        words = 'belongs to a transition; leave it out, or give outcome = "transition"'
+        yield "step", f"{quoted(test.step)} {words}"
+        return
+    value = getattr(test, name := axis_of(test.step))
+    if value is not None and to_si(test.step, like=test.step) >= value:
+        words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
+        yield "step", f"{quoted(test.step)} {words}"
+
+
+def _ends_of(test: Test) -> dict[str, str]:
+    """Entries that state the ends of a run by stages, by the outcome there; else empty."""
+    return {outcome: key for outcome, key in _STAGES if getattr(test, key) is not None}
+
+
+def _read_stages(entry: Test, given: dict[str, str], place: str, faults: Faults) -> Iterator[Test]:
     """Tests at the last mild and the first severe stage of a run, which `entry` states."""
-    if faults.touches(place):
-        return
-    varied = [name for name in _KINDS if getattr(entry, name) is None]
-    given = {outcome: key for outcome, key in _STAGES if getattr(entry, key) is not None}
-    if len(varied) != 1:
-        problem = "both load and velocity are" if not varied else "neither load nor velocity is"
-        faults.refuse(place, f"{problem} given beside stages; give the one that all stages have")
-        return
-    (name,) = varied
+    (name,) = (name for name in _KINDS if getattr(entry, name) is None)
     read = _KINDS[name].read
     ends = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
     if None in ends.values():
@@ -101,8 +131,8 @@ def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[
         low, high = (display(ends[outcome], UNITS[name]) for outcome in ("severe", "mild"))
         faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
-    common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
-    if entry.stages is not None and ends:
+    common = {key: one for key, one in vars(entry).items() if key not in given.values()}
+    if entry.stages is not None:
         last = max(ends.values())  # the last stage that is named ends the specimen
         with faults.at(f"{place}.stages"):
             found, levels, holds = levels_of(entry.stages, last)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from pipeline.limits import MOST_ROWS
@@ -13,11 +12,11 @@ from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import StagedRunTable, TableFile, TransitionTable
+from pipeline.scene.format_of_tests import TableFile
 from pipeline.scene.format_of_tests import Test as TestEntry
-from pipeline.scene.stages import axis_of, levels_of, stages_of
-from pipeline.scene.tables import Table, table_of
-from pipeline.sweep.case import TEST, Case, Test
+from pipeline.scene.stages import axis_of, levels_of, stages_of, test_faults
+from pipeline.scene.tables import table_of
+from pipeline.sweep.case import TEST, Case, SpecimenTest
 from pipeline.sweep.conditions import with_own
 from pipeline.table import read_table, rows_of
 from pipeline.units import to_si
@@ -25,14 +24,13 @@ from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
 
-LISTS = {"measured": TransitionTable, "tested": TestEntry}
 _OWN = {
     "friction": ("friction",),
     "bulk_temperature": ("temperature.bulk",),
 }
 """Entries of the scene that entries of a test replace, by name of the entry of the test."""
 _OF_ALL = (
-    "extends", "without", "title", "caveat", "sweep", "measured", "tested", "oil", "model",
+    "extends", "without", "title", "caveat", "sweep", "tests", "oil", "model",
     "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""
@@ -40,47 +38,44 @@ _OF_ALL = (
 
 def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries:
     """Entries in which tests that name a file are replaced by its rows, each of them a test."""
-    entries = dict(entries)
-    for key, declared in LISTS.items():
-        listed = entries.get(key)
-        rows = list[Any]()
-        for number, entry in enumerate(listed if isinstance(listed, list) else ()):
-            if not (isinstance(entry, dict) and "file" in entry):
-                rows.append(entry)
-                continue
-            before, place = len(faults), f"{key}[{number}]"
-            own = table_of(TableFile).read(entry, place, faults)
-            if len(faults) > before:
-                continue
-            with faults.at(f"{place}.file"):
-                sheet = read_table(files.path(key, own.file), MOST_ROWS, own.decimal, own.ignore)
-                names = {one.name for one in sheet.columns}
-                staged = key == "tested" and names & {"mild_up_to", "severe_at"}
-                table = table_of(StagedRunTable if staged else declared)
-                needed = ("load", "velocity", "outcome")[: 3 if key == "tested" else 2]
-                faults_in = partial(_faults_in, table)
-                rows += rows_of(sheet, table.keys, faults_in, () if staged else needed)
-        if isinstance(listed, list):
-            entries[key] = rows
-            if not rows:
-                del entries[key]
-    return entries
+    listed, rows = entries.get("tests"), list[Any]()
+    if not isinstance(listed, list):
+        return entries
+    for number, entry in enumerate(listed):
+        if not (isinstance(entry, dict) and "file" in entry):
+            rows.append(entry)
+            continue
+        before, place = len(faults), f"tests[{number}]"
+        own = table_of(TableFile).read(entry, place, faults)
+        if len(faults) > before:
+            continue
+        with faults.at(f"{place}.file"):
+            sheet = read_table(files.path("tests", own.file), MOST_ROWS, own.decimal, own.ignore)
+            is_staged = {"mild_up_to", "severe_at"} & {one.name for one in sheet.columns}
+            needed = () if is_staged else ("load", "velocity", "outcome")
+            rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed)
+    others = {key: one for key, one in entries.items() if key != "tests"}
+    return others | ({"tests": rows} if rows else {})
 
 
-def _faults_in(table: Table, row: Entries) -> Faults:
-    table.read(row, "", found := Faults())
-    return found
+def _faults_in(row: Entries) -> Iterator[tuple[str, str]]:
+    made = table_of(TestEntry).read(row, "", found := Faults())
+    yield from ((fault.key, fault.problem) for fault in found)
+    if not found:
+        yield from test_faults(made)
 
 
-def read_tests(entries: Entries, files: Files, scene: Built, faults: Faults) -> tuple[Test, ...]:
+def read_tests(
+    entries: Entries, files: Files, scene: Built, faults: Faults
+) -> tuple[SpecimenTest, ...]:
     """Tests of a scene, each with the case to simulate; faults are added to `faults`.
 
     A test without `with` or a hold of its own shares its scene.
     """
-    bare = {key: one for key, one in entries.items() if key not in LISTS}
-    known, made, base = dict[str, tuple[Built | None, Faults]](), list[Test](), scene.case
-    for number, (place, entry) in enumerate(_listed(scene.tables)):
-        changes, built = entry.with_ or {}, scene
+    bare = {key: one for key, one in entries.items() if key != "tests"}
+    known, made, base = dict[str, tuple[Built | None, Faults]](), list[SpecimenTest](), scene.case
+    for number, entry in enumerate(scene.tables.tests or ()):
+        place, changes, built = f"tests[{number}]", entry.with_ or {}, scene
         wrong = [*_misplaced(entry, changes)]
         if changes and not wrong:
             if (key := json.dumps(changes)) not in known:
@@ -97,11 +92,6 @@ def read_tests(entries: Entries, files: Files, scene: Built, faults: Faults) -> 
             case = replace(case, scene=_staged(case.scene, entry, scene.tables))
             made.append(_test_of(entry, test_case(case, number, entry)))
     return tuple(made)
-
-
-def _listed(tables: Any) -> Iterator[tuple[str, Any]]:
-    for key in LISTS:
-        yield from ((f"{key}[{k}]", one) for k, one in enumerate(getattr(tables, key) or ()))
 
 
 def _case_of(built: Built, base: Case) -> Case:
@@ -132,16 +122,16 @@ def test_case(case: Case, number: int, own: Any) -> Case:
     return replace(case, name=((TEST, number),), scene=scene, conditions=made, friction_band=None)
 
 
-def _test_of(entry: Any, case: Case) -> Test:
+def _test_of(entry: Any, case: Case) -> SpecimenTest:
     """The test of an entry."""
-    step = getattr(entry, "step", None)
-    return Test(
+    step = entry.step
+    return SpecimenTest(
         normal_load=entry.load,
         velocity=entry.velocity,
         case=case,
         friction=entry.friction,
         bulk_temperature=entry.bulk_temperature,
-        outcome=getattr(entry, "outcome", None),
+        outcome=entry.outcome,
         number=None if entry.number is None else str(entry.number),
         **{} if step is None else {f"{axis_of(step)}_step": to_si(step, like=step)},
     )
@@ -152,8 +142,7 @@ def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
 
     Its window is wide enough for the stages.
     """
-    stages = getattr(entry, "stages", None)
-    if stages is not None:
+    if (stages := entry.stages) is not None:
         if isinstance(scene.loading, MeasuredLoad):
             problem = "stages need a rate of the load; give [loading] a rate, not a record"
             raise InputError(problem)
@@ -169,7 +158,7 @@ def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
     if isinstance(stages, EvenStages) and entry.load > loading.loads[-1]:
         loading = Stages(*stages_of(stages, entry.load), loading.rate)
         scene = widen_window(replace(scene, loading=loading), entry.velocity)
-    step = getattr(entry, "step", None)
+    step = entry.step
     before = to_si(step, like=step) if step and axis_of(step) == "load" else 0.0
     for load in dict.fromkeys((entry.load - before, entry.load)):
         loading.count(load)  # raises if it is no stage

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.sweep.case import Test
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.plan import choose_stations
@@ -63,9 +63,9 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
     return tuple(values)
 
 
-def _former_tests(before: Sweep, sweep: Sweep) -> tuple[Test, ...]:
+def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that those of a scene lack: what is done stays."""
-    known, kept = {slot[:3] for slot in wanted_slots(sweep)}, list[Test]()
+    known, kept = {slot[:3] for slot in wanted_slots(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former):
         places = {(sweep._hash_scene(test.case.scene), *place) for place in test.places}
         kept += [test] if places - known else []

@@ -9,8 +9,8 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import Variant
 from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
-OUTCOMES = ("mild", "severe")
-"""Outcomes of a test; a transition has none."""
+OUTCOMES = ("mild", "severe", "transition")
+"""Outcomes of a test."""
 Place = tuple[float, float]
 """Load [N] and velocity [m/s]."""
 TEST = "test"
@@ -91,8 +91,8 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class Test:
-    """A test on a rig: a measured transition to severe wear, or a point with its outcome.
+class SpecimenTest:
+    """A test on a rig: a point with its outcome, or with a transition to severe wear.
 
     Its case is the scene on its first surface, with what the test itself changes. The conditions
     leave out the critical temperature: it is the oil's.
@@ -103,7 +103,7 @@ class Test:
     case: Case
     friction: float | None = None
     bulk_temperature: float | None = None  # the same in both bodies [K]
-    outcome: Literal["mild", "severe"] | None = None  # None at a transition
+    outcome: Literal["mild", "severe", "transition"] = "transition"
     number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
     velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]

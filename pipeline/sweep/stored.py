@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import tribo
-from pipeline.sweep.case import Case, Test
+from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
@@ -48,7 +48,7 @@ class SweepDataError(InputError):
 _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
-        Sweep, Case, Test, Variants, Column, Stations, Remark, FromLibrary, MissingSurface,
+        Sweep, Case, SpecimenTest, Variants, Column, Stations, Remark, FromLibrary, MissingSurface,
         Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.case import Case, Test
+from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
@@ -55,8 +55,8 @@ class Sweep:
         Ascending loads [N] and velocities [m/s] of the plane.
     variants : Variants
         Table of the labels of the cases.
-    tests : tuple of Test
-        Tests of the scene, each with its own case; those that measured a transition come first.
+    tests : tuple of SpecimenTest
+        Tests of the scene, each with its own case.
     text : str
         The scene file for people, with the scenes that it extends and values of the library.
 
@@ -80,12 +80,14 @@ class Sweep:
     velocities: tuple[float, ...]
     fields: Fields  # of the contact, to store
     steps: Steps | None  # to store; None for the default
-    tests: tuple[Test, ...]
+    tests: tuple[SpecimenTest, ...]
     notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene, and its doubts
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None  # times whose results an existing store has
     judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
-    former: tuple[Test, ...] = ()  # tests that the scene has no more, whose points a store keeps
+    former: tuple[
+        SpecimenTest, ...
+    ] = ()  # tests that the scene has no more, whose points a store keeps
     text: str = field(default="", repr=False)
     source: Any = field(default=None, repr=False)  # tables of the scene file; None from a store
 
@@ -143,11 +145,6 @@ class Sweep:
     def preset(self) -> str | None:
         """Name of the preset that has the scene's numerical choices; None if there is none."""
         return self.base.preset
-
-    @property
-    def _measured(self) -> tuple[Test, ...]:
-        """Tests that measured a transition from mild to severe wear."""
-        return tuple(test for test in self.tests if not test.outcome)
 
     @cached_property
     def _by_name(self) -> dict[Variant, Case]:

@@ -16,7 +16,7 @@ from tests.helpers.points import run_point
 
 AT_ONCE = 30  # points of a commit
 PLANE = {
-    "without": ["measured"],
+    "without": ["tests"],
     "sweep.loads": [f"{load:g} N" for load in np.linspace(200, 750, 12)],
     "sweep.velocities": [f"{velocity:g} m/s" for velocity in np.linspace(0.5, 5, 10)],
 }

@@ -3,7 +3,7 @@
 from dataclasses import fields, replace
 
 import tribo
-from pipeline.sweep.case import Test
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.variants import PLACE_UNITS, Column, Variants, numbered_rows
 
 _SCENE = {one.name for one in fields(tribo.Scene)}
@@ -16,17 +16,16 @@ _CASE = {
     "preset",
     "critical_from_tests",
 }
-_TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
 _SWEEP = {
     "name", "title", "caveat", "notes", "sources", "stations", "loads", "velocities", "fields",
     "steps", "variants",
 }  # fmt: skip
-FIELDS = {*_SCENE, *_CASE, *_TESTS, *_SWEEP}
+FIELDS = {*_SCENE, *_CASE, *_SWEEP, "tests"}
 
 
 def bare_test(load, velocity, friction=None, case=None, **more):
     """A test of a case of its own, or without one, which `changed` gives it."""
-    return Test(load, velocity, case, friction, **more)
+    return SpecimenTest(load, velocity, case, friction, **more)
 
 
 class Rows(Variants):
@@ -53,9 +52,7 @@ def changed(sweep, **values):
         cases = [replace(_case(base, _seeded(name) | one), name=name) for name, one in pairs]
         own["variants"] = table
     made = replace(sweep, base=base, cases=tuple(cases), source=None, **own)
-    tests = [one for one in made.tests if not {*_TESTS} & values.keys()]
-    tests += [one for name in _TESTS for one in values.get(name, ())]
-    tests.sort(key=lambda test: bool(test.outcome))
+    tests = values.get("tests", made.tests)
     numbered = (_with_case(test, k, made.base) for k, test in enumerate(tests))
     return replace(made, tests=tuple(numbered))
 

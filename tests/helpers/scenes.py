@@ -78,9 +78,10 @@ fields = true
 """
 
 MEASURED = """
-[[measured]]
+[[tests]]
 load = "400 N"
 velocity = "2 m/s"
+outcome = "transition"
 """
 
 

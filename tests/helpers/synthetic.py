@@ -190,7 +190,7 @@ def scene(**values):
             "title": "White oil on ground steel",
             "name": "synthetic",
             "friction_band": (0.09, 0.103),
-            "measured": MEASURED,
+            "tests": MEASURED,
             "preset": "fine",
             "loads": tuple(LOADS.tolist()),
             "velocities": tuple(VELOCITIES.tolist()),

@@ -34,7 +34,7 @@ def sweep(increments=6, fidelity=None, **changes):
             "velocities": VELOCITIES,
             "conditions": Conditions(0.1, 298.15, 418.15),
             "friction_band": (0.09, 0.103),
-            "measured": (),
+            "tests": (),
         }
         | changes
     )

@@ -27,7 +27,7 @@ class Section(NamedTuple):
 
     @property
     def header(self) -> str:
-        """Line that begins the table in a scene file, such as "[pin]" or "[[measured]]"."""
+        """Line that begins the table in a scene file, such as "[pin]" or "[[tests]]"."""
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:

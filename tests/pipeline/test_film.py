@@ -145,7 +145,7 @@ def test_a_severe_test_in_a_film_rules_mild_wear_out_and_a_mild_one_in_a_film_no
     cold = {"load": 200.0, "velocity": 1.4, "bulk_temperature": 278.15}
     for outcome in ("severe", "mild"):
         test = bare_test(cold["load"], cold["velocity"], outcome=outcome, bulk_temperature=278.15)
-        ds = filmed(inlet=1e9, tested=(test,), measured=())
+        ds = filmed(inlet=1e9, tests=(test,))
         plane = {name: ds[name] * 0 + 1e-6 for name in ("film_inlet",)}  # no film in the plane
         here = asked(ds.assign(plane), 200.0, 1.5)
         without = asked(ds.assign(plane).assign_attrs(without_tests="yes"), 200.0, 1.5)

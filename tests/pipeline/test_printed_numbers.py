@@ -23,13 +23,13 @@ AXES = (
 )
 FEWER = 'loads = ["400 N", "600 N"]\nvelocities = ["2 m/s", "4 m/s"]\n'
 MILD = """
-[[tested]]
+[[tests]]
 load = "400 N"
 velocity = "1 m/s"
 outcome = "mild"
 """
 TESTED = f"""{MILD}
-[[tested]]
+[[tests]]
 load = "600 N"
 velocity = "3 m/s"
 outcome = "mild"

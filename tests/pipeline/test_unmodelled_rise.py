@@ -26,7 +26,7 @@ FEW = {
 
 def without_tests(ds):
     """The sweep without tests: a measured friction would not follow another one of the scene."""
-    return with_fields(ds, measured=())
+    return with_fields(ds, tests=())
 
 
 def falling():
@@ -116,7 +116,7 @@ def test_check_says_what_is_not_counted_unless_transitions_or_the_entry_count_it
     said = "holder and films are not counted; model.rise adds them"
     assert said not in irg("check", "first_try")
     assert LINE in irg("check", "first_try", "--set", "model.rise=+6 %")
-    (tmp_path / "own.toml").write_text('extends = "first_try"\nwithout = ["measured"]\n')
+    (tmp_path / "own.toml").write_text('extends = "first_try"\nwithout = ["tests"]\n')
     assert irg("check", tmp_path / "own.toml").count(said) == 1
     added = irg("check", tmp_path / "own.toml", "--set", "model.rise=+6 %")
     assert said not in added

@@ -20,7 +20,7 @@ WORKFLOWS = Path(__file__).parents[2] / "workflows"
 LOAD_SHARES = (0.3, 0.5, 0.75, 1.0)
 """Loads of a scene over its reference load."""
 _VELOCITY_STEP = 2.0
-_PLACES = "sweep", "title", "measured", "fidelity", "oil"
+_PLACES = "sweep", "title", "tests", "fidelity", "oil"
 STEEL = {
     "elastic_modulus": "210 GPa",
     "poisson_ratio": 0.3,

@@ -137,7 +137,7 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
         for length in lengths
         for factor in _FACTORS
     ]
-    left_out = ["sweep.loads", "sweep.velocities", "sweep.fields", "measured"]
+    left_out = ["sweep.loads", "sweep.velocities", "sweep.fields", "tests"]
     changes = {"without": left_out, "sweep.along": table}
     changes["sweep.realizations"] = len(study.seeds(_SURFACES))
     scene = study.scene(_STORES[oil], changes)

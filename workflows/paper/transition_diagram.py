@@ -35,7 +35,7 @@ def fig10(study: Study) -> Report:
         return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
 
     rows, transitions, off = [], [], []
-    for entry in sweep._measured:
+    for entry in sweep.tests:
         load, measured = entry.normal_load, entry.velocity
         pair = critical(load), critical(load, entry.friction)
         errors = [velocity / measured - 1 for velocity in pair]

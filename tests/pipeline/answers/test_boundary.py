@@ -106,12 +106,12 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
     """A transition at 0.9 of the limit at all loads moves the line, and leaves the computed one."""
-    plain, limit = synthetic.sweep(measured=()), synthetic.limit()
+    plain, limit = synthetic.sweep(tests=()), synthetic.limit()
     tests = tuple(
         bare_test(load, float(synthetic.critical_velocity(load, 0.9 * limit)))
         for load in (200.0, 400.0, 600.0)
     )
-    found = boundary(synthetic.sweep(measured=tests))
+    found = boundary(synthetic.sweep(tests=tests))
     np.testing.assert_array_equal(found["critical_velocity"], boundary(plain)["critical_velocity"])
     ratio = found["critical_velocity_p50"] / found["critical_velocity"]
     assert ratio.values == pytest.approx((0.9 ** (1 / 0.7)), rel=0.04)

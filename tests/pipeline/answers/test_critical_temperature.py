@@ -17,11 +17,9 @@ BULK, WARM = 298.15, 343.15
 
 
 def swept(*tests, critical=None, **told):
-    measured = tuple(test for test in tests if not test.outcome)
-    tested = tuple(test for test in tests if test.outcome)
     conditions = {"friction": 0.1, "bulk_temperature": BULK, "critical_temperature": critical}
     return synthetic.sweep(
-        measured=measured, tested=tested, conditions=conditions,
+        tests=tests, conditions=conditions,
         critical_from_tests=critical is None, **told,
     )  # fmt: skip
 

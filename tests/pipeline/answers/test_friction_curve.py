@@ -21,7 +21,7 @@ BACK = tribo.Corrections(friction=tribo.Friction(by_velocity=((0.5, 4.0), (2.0, 
 
 def swept(corrections):
     conditions = replace(synthetic.conditions(), corrections=corrections)
-    return synthetic.sweep(velocities=[0.5, 2.0, 6.0], measured=(), conditions=conditions)
+    return synthetic.sweep(velocities=[0.5, 2.0, 6.0], tests=(), conditions=conditions)
 
 
 def temperature(corrections, load, velocity):
@@ -49,7 +49,7 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
     def rise(load, velocity, quantile=1.0):
         return synthetic.rise(load, velocity, quantile)
 
-    ds = synthetic.sweep(measured=tuple(tests[:3]), tested=tuple(tests[3:]), conditions=conditions)
+    ds = synthetic.sweep(tests=tests, conditions=conditions)
     found = pipeline.compare_tests(ds)["governing_temperature"].values
     for test, hot in zip(tests, found, strict=True):
         friction = test.friction or 0.1 * float(FALLING.friction.at(test.velocity))

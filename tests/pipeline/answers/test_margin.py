@@ -17,7 +17,7 @@ LIMIT = synthetic.limit()
 
 
 def without_model_error(**told):
-    return synthetic.sweep(model_bias=0.0, model_scatter=0.001, measured=(), **told)
+    return synthetic.sweep(model_bias=0.0, model_scatter=0.001, tests=(), **told)
 
 
 @pytest.mark.parametrize(("load", "velocity"), [(320.0, 2.1), (480.0, 2.25)])
@@ -56,9 +56,7 @@ def lifted(*, status=None):
     if status:
         told[status[0]]["status"] = status[1]
     parts = [
-        synthetic.sweep(
-            rise=lambda F, V, q=1.0, k=k: k * synthetic.rise(F, V, q), measured=(), **own
-        )
+        synthetic.sweep(rise=lambda F, V, q=1.0, k=k: k * synthetic.rise(F, V, q), tests=(), **own)
         for k, own in zip(FACTORS, told, strict=True)
     ]
     return xr.concat(parts, xr.Variable("realization", range(4)), combine_attrs="override")
@@ -66,7 +64,7 @@ def lifted(*, status=None):
 
 @pytest.mark.parametrize("share", [None, 0.5, 0.0])
 def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their_highest(share):
-    alone = synthetic.sweep(measured=())
+    alone = synthetic.sweep(tests=())
     found = asked(lifted(), 400.0, 2.0, critical_area_fraction=share)
     factor = FACTORS.max() if share == 0 else np.exp(np.log(FACTORS).mean())
     rise = asked(alone, 400.0, 2.0, critical_area_fraction=share).governing_temperature - 298.15

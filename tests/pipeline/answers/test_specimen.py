@@ -35,7 +35,7 @@ def patches(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
                 k * (F / 400.0) ** (growth * own) * synthetic.rise(F, V, q)
             ),
             status=(states or {}).get(seed),
-            **{"measured": ()} | told,
+            **{"tests": ()} | told,
         )
         deviations = np.full(one["rise_sampling"].shape, sampling)
         one["rise_sampling"] = one["rise_sampling"].dims, deviations
@@ -178,7 +178,7 @@ def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
 
 
 def test_a_test_is_computed_on_the_first_patch_and_stands_on_the_level_of_the_specimen():
-    tests = {"measured": (bare_test(400.0, 2.0),)}
+    tests = {"tests": (bare_test(400.0, 2.0),)}
     several = patches((1.0, 1.21), **tests)
     hotter = patches((1.1,), **tests)
     both = [asked(ds, 600.0, 1.5).probability for ds in (several, hotter)]

@@ -17,16 +17,14 @@ LIMIT = synthetic.limit()
 LOAD = 400.0
 
 
-def at(y, outcome=None, **own):
+def at(y, outcome="transition", **own):
     """Test at which y = ln(rise/limit) is a given number."""
     velocity = synthetic.critical_velocity(LOAD, math.exp(y) * LIMIT)
     return bare_test(LOAD, float(velocity), outcome=outcome, **own)
 
 
 def swept(*tests, **told):
-    transitions = tuple(test for test in tests if not test.outcome)
-    others = tuple(test for test in tests if test.outcome)
-    return synthetic.sweep(measured=transitions, tested=others, **told)
+    return synthetic.sweep(tests=tests, **told)
 
 
 def chances(ds, *ys):
@@ -85,7 +83,8 @@ def test_a_test_outside_the_plane_counts_as_one_inside():
 
 @pytest.mark.parametrize("state", [PENDING, FAILED])
 @pytest.mark.parametrize(
-    ("outcome", "closed"), [("severe", {"mild"}), ("mild", {"severe"}), (None, {"mild", "severe"})]
+    ("outcome", "closed"),
+    [("severe", {"mild"}), ("mild", {"severe"}), ("transition", {"mild", "severe"})],
 )
 def test_while_a_test_has_no_result_no_verdict_is_given_that_it_may_forbid(state, outcome, closed):
     ds = swept(at(0.0, outcome))

@@ -25,7 +25,7 @@ def critical(load):
 def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on(corrections):
     law = replace(synthetic.conditions(), corrections=corrections)
     moving, rest = (
-        synthetic.sweep(velocities=v, measured=TESTS, conditions=law, preset="standard")
+        synthetic.sweep(velocities=v, tests=TESTS, conditions=law, preset="standard")
         for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
     )
     for load in (200.0, 310.0, 600.0):
@@ -37,7 +37,7 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
 
 
 def test_an_error_that_one_patch_does_not_know_decides_nothing():
-    ds = synthetic.sweep(measured=(), preset="standard")
+    ds = synthetic.sweep(tests=(), preset="standard")
     unstable = ds.copy(deep=True)
     unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)
     assert asked(ds, 400.0, 0.75).verdict == "mild"

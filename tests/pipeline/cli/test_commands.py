@@ -82,12 +82,12 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
 
 
 TESTS = """
-[[tested]]
+[[tests]]
 load = "200 N"
 velocity = "1 m/s"
 outcome = "severe"
 
-[[tested]]
+[[tests]]
 load = "600 N"
 velocity = "4 m/s"
 outcome = "severe"

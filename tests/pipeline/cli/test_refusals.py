@@ -84,7 +84,7 @@ REFUSALS = {
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
-    "no tests": (irg("infer", "fig5"), "has no tests; add a [[measured]]"),
+    "no tests": (irg("infer", "fig5"), "has no tests; add [[tests]]"),
     "none to show": (irg("boundary", "tiny.zarr", "--by", "test"), "the scene has no tests; add"),
     "ignored": (irg("infer", "first_try", "--duration", "9 s"),
                 "--duration applies only with --contact-width"),

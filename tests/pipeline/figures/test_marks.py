@@ -25,7 +25,7 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
         bare_test(901.0, 2.0, outcome="mild"),
         bare_test(200.0, 9.0, outcome="mild"),
     )
-    axes = pipeline.plot(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
+    axes = pipeline.plot(synthetic.sweep(*NARROW, tests=tests)).axes[0]
     places, colours = lines(axes), faces(axes)
     assert places["test mild"].tolist() == [[1.5, 250.0]]
     assert places["test severe"].tolist() == [[3.0, 500.0]]

@@ -16,7 +16,7 @@ LIMIT = synthetic.limit()
 
 
 def sweep(**told):
-    whole = {"loads": LOADS, "velocities": VELOCITIES, "measured": (), "friction_band": None}
+    whole = {"loads": LOADS, "velocities": VELOCITIES, "tests": (), "friction_band": None}
     return synthetic.sweep(**whole | told)
 
 
@@ -107,7 +107,7 @@ def test_the_heavy_line_is_the_boundary_with_tests_if_there_are_any():
 
     alone, words = widths(sweep())
     assert not any("with tests" in one for one in words)
-    both, words = widths(sweep(measured=(bare_test(400.0, 2.25),)))
+    both, words = widths(sweep(tests=(bare_test(400.0, 2.25),)))
     assert words[1:3] == ["boundary with tests (50 %)", "computed boundary, numerical error"]
     assert both["boundary with tests"] == alone["boundary"] > 2 * both["boundary"]
 

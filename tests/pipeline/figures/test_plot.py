@@ -165,7 +165,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         bare_test(900.0, 1.0, 0.07),
     )
     mild = bare_test(200.0, 3.0, outcome="mild")
-    axes = plot(synthetic.sweep(measured=tests, tested=(mild,)), "tests").axes[0]
+    axes = plot(synthetic.sweep(tests=(*tests, mild)), "tests").axes[0]
 
     def ratio(test, velocity):
         rise = synthetic.rise(test.normal_load, velocity, 0.9)
@@ -181,7 +181,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
 
 
 def test_a_diagram_names_a_test_without_a_result():
-    ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
+    ds = synthetic.sweep(tests=(bare_test(600.0, 1.5),))
     waiting = synthetic.with_tests(ds, status=PENDING)
     said = plot(waiting).legends[0].get_title().get_text()
     assert "some verdicts are withheld: test 1 (transition, 600 N, 1.5 m/s) waits for" in said

@@ -45,11 +45,11 @@ def begun():
 
 
 def over_computed(*measured, **values):
-    return lambda: pipeline.plot(synthetic.sweep(measured=measured, **values), "tests")
+    return lambda: pipeline.plot(synthetic.sweep(tests=measured, **values), "tests")
 
 
 def begun_tests():
-    ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
+    ds = synthetic.sweep(tests=(bare_test(600.0, 1.5),))
     return pipeline.plot(synthetic.with_tests(ds, status=PENDING), "tests")
 
 

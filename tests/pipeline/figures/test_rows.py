@@ -16,14 +16,14 @@ POINTS = {
 
 @pytest.fixture(scope="module")
 def found():
-    return pipeline.margin(synthetic.sweep(measured=()), POINTS)
+    return pipeline.margin(synthetic.sweep(tests=()), POINTS)
 
 
 def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
     assert row_names(found) == ["idle", "part", "full", "gone"]
     assert row_names(found.drop_vars("case"))[0] == "200 N, 1 m/s"
     turned = {"angle [deg]": [0, 30], "load [N]": [200, 300], "velocity [m/s]": [1, 2]}
-    named = row_names(pipeline.margin(synthetic.sweep(measured=()), turned))
+    named = row_names(pipeline.margin(synthetic.sweep(tests=()), turned))
     assert named == ["angle 0 deg", "angle 30 deg"]
     axes = draw_rows(found, "duty").axes[0]
     places = {
@@ -42,7 +42,7 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
 
 def test_many_rows_have_some_labels_and_rows_without_a_verdict_are_refused():
     many = {"load [N]": [400.0] * 100, "velocity [m/s]": [1.0 + k / 50 for k in range(100)]}
-    found = pipeline.margin(synthetic.sweep(measured=()), many)
+    found = pipeline.margin(synthetic.sweep(tests=()), many)
     assert len(draw_rows(found, "").axes[0].get_yticks()) <= 41
     with pytest.raises(InputError, match="no row has a verdict: load is 9000 N; the sweep"):
         draw_rows(pipeline.margin(synthetic.sweep(), {k: v[3:] for k, v in POINTS.items()}), "")

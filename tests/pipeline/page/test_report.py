@@ -90,7 +90,7 @@ def checked(text):
 
 @pytest.fixture(scope="module")
 def sweep():
-    return synthetic.sweep(measured=(), tested=TESTS)
+    return synthetic.sweep(tests=TESTS)
 
 
 @pytest.fixture(scope="module")

@@ -19,12 +19,12 @@ SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace(
     'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true',
     'loads = ["400 N"]\nvelocities = ["1 m/s", "2 m/s"]',
 )
-STEP = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nstep = "1 m/s"\n'
+STEP = '[[tests]]\nload = "400 N"\nvelocity = "2 m/s"\noutcome = "transition"\nstep = "1 m/s"\n'
 WORN = (
-    '[[tested]]\nload = "300 N"\nvelocity = "3 m/s"\noutcome = "severe"\nfriction = 0.12\n'
+    '[[tests]]\nload = "300 N"\nvelocity = "3 m/s"\noutcome = "severe"\nfriction = 0.12\n'
     'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }\n'
 )
-HELD = '[[tested]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
+HELD = '[[tests]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
 HELD += 'with = { "loading.hold" = "3 s" }\n'
 PARTED = HELD.replace('"3 s"', '"60 s", "fidelity.increments" = 80')
 

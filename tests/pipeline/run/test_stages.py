@@ -22,19 +22,19 @@ TEXT = (
     .replace("[48, 16]", "[96, 16]")
 )
 TESTS = """
-[[tested]]
+[[tests]]
 velocity = "2 m/s"
 stages = { first = "100 N", step = "20 N", hold = "20 s" }
 mild_up_to = "100 N"
 severe_at = "120 N"
 
-[[tested]]
+[[tests]]
 velocity = "2 m/s"
 stages = [["60 N", "1 s"], ["400 N", "1 s"]]
 mild_up_to = "60 N"
 severe_at = "400 N"
 
-[[tested]]
+[[tests]]
 load = "300 N"
 stages = [["1 m/s", "20 s"], ["4 m/s", "5 s"]]
 mild_up_to = "1 m/s"

@@ -12,7 +12,7 @@ TEXT = "".join([
     PAPER[: PAPER.index("[fidelity]")].replace("[576, 480]", "[480, 480]"),
     '[fidelity]\npreset = "standard"\n\n[sweep]\nloads = ["200 N", "400 N", "600 N", "750 N"]\n',
     'velocities = { from = "1 m/s", to = "4 m/s", step = "0.6 m/s" }\nfields = true\n\n',
-    PAPER[PAPER.index("[[measured]]") :],
+    PAPER[PAPER.index("[[tests]]") :],
 ])  # fmt: skip
 ROUGHNESS = TEXT[TEXT.index("ra =") : TEXT.index("[window]")]
 MEASURED_SURFACE = 'file = "surface.npy"\nheight_unit = "um"\npixel_size = ["0.8 um", "0.95 um"]\n'

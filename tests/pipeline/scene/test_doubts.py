@@ -22,7 +22,7 @@ SOURCE = load_scene("first_try").source
 
 def with_test(load):
     velocity = max(SMOOTH.velocities)
-    return changed(SMOOTH, loads=(200.0, 750.0), tested=(bare_test(load, velocity),))
+    return changed(SMOOTH, loads=(200.0, 750.0), tests=(bare_test(load, velocity),))
 
 
 def said_of(sweep, **facts):

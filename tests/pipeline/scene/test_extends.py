@@ -55,11 +55,12 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
     [sweep]
     loads = ["300 N"]
     velocities = { to = "2.2 m/s" }
-    [[measured]]
+    [[tests]]
     load = "300 N"
     velocity = "2 m/s"
+    outcome = "transition"
     """
-    text = TEXT[: TEXT.index("[[measured]]")] + entries[entries.index("[[measured]]") :]
+    text = TEXT[: TEXT.index("[[tests]]")] + entries[entries.index("[[tests]]") :]
     for old, new in (
         ('"2 mm"', '"4 mm"'),
         ('["200 N", "400 N", "600 N", "750 N"]', '["300 N"]'),
@@ -73,10 +74,10 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
 
 
 def test_entries_may_be_left_out(write):
-    keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
+    keys = '"wear", "friction.band", "tests", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
     assert sweep.scene.wear is sweep.friction_band is None
-    assert sweep._measured == ()
+    assert sweep.tests == ()
     assert sweep.scene.hardness == np.inf
     assert sweep.scene.disk.elastic_modulus == 210e9
 

@@ -14,16 +14,16 @@ WEAR = 'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }'
 @pytest.fixture
 def load(tmp_path):
     def load_tests(*tests, top=""):
-        listed = "".join(f"\n[[{name}]]\n{entries}\n" for name, entries in tests)
-        scene = f'extends = "first_try"\nwithout = ["measured"]\n{top}{listed}'
+        listed = "".join(f"\n[[tests]]\n{entries}\n" for entries in tests)
+        scene = f'extends = "first_try"\nwithout = ["tests"]\n{top}{listed}'
         (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
         return pipeline.load_scene(tmp_path / "lab.toml")
 
     return load_tests
 
 
-def transition(*entries, load="400 N", velocity="2 m/s"):
-    return "measured", "\n".join([f'load = "{load}"', f'velocity = "{velocity}"', *entries])
+def transition(*entries, outcome="transition"):
+    return "\n".join(['load = "400 N"', 'velocity = "2 m/s"', f'outcome = "{outcome}"', *entries])
 
 
 def test_a_test_has_the_scene_with_its_own_entries(load):
@@ -70,7 +70,7 @@ def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
     own = 'with = { "pin.material" = "100Cr6", "fidelity.preset" = "fine" }'
     sweep = load(
         transition(own, 'step = "0.5 m/s"'),
-        ("tested", f'load = "300 N"\nvelocity = "1 m/s"\noutcome = "mild"\n{WEAR}'),
+        f'load = "300 N"\nvelocity = "1 m/s"\noutcome = "mild"\n{WEAR}',
     )
     stored = parse_sweep(sweep_text(sweep), {})
     assert stored == sweep
@@ -81,13 +81,13 @@ def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
 
 FAULTS = {
     'with = { "wear.specific_wear_rat" = "1e-7 mm^3/(N m)" }':
-        r'measured\[0\].with: wear.specific_wear_rat: unknown key \(did you mean "specific_wear',
-    'with = { "pin.radius" = "3 N" }': r"measured\[0\].with: pin.radius: .*give a length",
+        r'tests\[0\].with: wear.specific_wear_rat: unknown key \(did you mean "specific_wear',
+    'with = { "pin.radius" = "3 N" }': r"tests\[0\].with: pin.radius: .*give a length",
     'with = { "sweep.loads" = ["3 N"] }': r'"sweep.loads" is the same in all tests of a scene',
     'with = { "temperature.critical" = "200 degC" }': r"is the same in all tests of a scene",
     'friction = 0.1\nwith = { "friction.coefficient" = 0.2 }': "set by the friction of this test",
-    "with = 3": r"measured\[0\].with: 3 is not a table; give a table of entries by their paths",
-    'step = "3 m/s"': r'measured\[0\].step: "3 m/s" is not below the velocity, 2 m/s; give less',
+    "with = 3": r"tests\[0\].with: 3 is not a table; give a table of entries by their paths",
+    'step = "3 m/s"': r'tests\[0\].step: "3 m/s" is not below the velocity, 2 m/s; give less',
     'step = "400 N"': r'"400 N" is not below the load, 400 N',
     'step = "3 mm"': r'"3 mm" is another quantity; give a velocity above 0, such as',
 }  # fmt: skip
@@ -104,4 +104,4 @@ def test_all_faults_of_all_tests_are_named_at_once(load):
     with pytest.raises(pipeline.SceneFileError) as caught:
         load(transition(bad), transition(), transition('with = { "a.b" = 1 }'))
     places = [fault.partition(":")[0] for fault in caught.value.faults]
-    assert places == ["measured[0].with", "measured[0].with", "measured[2].with"]
+    assert places == ["tests[0].with", "tests[0].with", "tests[2].with"]

@@ -13,8 +13,8 @@ def told(tmp_path, irg):
 
     def ask(*tests):
         scene = tmp_path / "scene.toml"
-        begin = 'extends = "first_try"\nwithout = ["measured"]\n'
-        scene.write_text(begin + "".join(f"[[tested]]\n{one}" for one in tests))
+        begin = 'extends = "first_try"\nwithout = ["tests"]\n'
+        scene.write_text(begin + "".join(f"[[tests]]\n{one}" for one in tests))
         return [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
 
     return ask
@@ -46,8 +46,8 @@ def test_a_specimen_of_several_places_without_stages_is_doubted(told):
 def test_more_stages_of_the_same_kind_are_no_other_past(tmp_path, irg):
     scene = tmp_path / "scene.toml"
     scene.write_text(
-        'extends = "srv"\n[sweep]\nloads = ["200 N"]\n[[tested]]\nvelocity = "0.1 m/s"\n'
-        'mild_up_to = "300 N"\n[[tested]]\nvelocity = "0.1 m/s"\nmild_up_to = "200 N"\n'
+        'extends = "srv"\n[sweep]\nloads = ["200 N"]\n[[tests]]\nvelocity = "0.1 m/s"\n'
+        'mild_up_to = "300 N"\n[[tests]]\nvelocity = "0.1 m/s"\nmild_up_to = "200 N"\n'
         'stages = { first = "100 N", step = "100 N", hold = "30 s" }\n'
     )
     said = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]

@@ -29,7 +29,7 @@ def paths_of(table, place=""):
         yield path
         if path == "sweep.over":
             yield from value
-        if str(value).endswith(".csv") and (key == "along" or place in ("tested", "measured")):
+        if str(value).endswith(".csv") and (key == "along" or place == "tests"):
             head, *_ = (WORKFLOWS / value).read_text("utf-8").splitlines()
             names = [
                 re.sub(r"\s*\[.*", "", one).replace(" ", "_") for one in re.split("[;,]", head)
@@ -45,10 +45,9 @@ def test_every_entry_is_used_by_a_shipped_scene_or_by_the_paper_and_its_evidence
     used = {path for scene in scenes for path in paths_of(scene)}
     evidence = [*WORKFLOWS.glob("paper/*.py"), *Path("tests/promises").glob("*.py")]
     code = "\n".join(file.read_text("utf-8") for file in evidence)
-    lists = {path.replace("measured.", "tested.") for path in used} | used
-    unused = {path for path, _ in all_keys()} - lists
+    unused = {path for path, _ in all_keys()} - used
     in_code = {path for path in unused if f'"{path}"' in code or f"{path.split('.')[-1]}=" in code}
-    one_form = {f"{place}.{key}" for place in ("loading", "measured") for key in TABLE}
+    one_form = {f"{place}.{key}" for place in ("loading", "tests") for key in TABLE}
     assert unused - in_code - one_form == set()
 
 

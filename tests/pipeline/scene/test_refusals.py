@@ -16,7 +16,7 @@ from tests.helpers.stored import parse_sweep, sweep_text
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
-STAGES = '\n[[tested]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\n'
+STAGES = '\n[[tests]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\n'
 
 
 def scene(*changes, text=TEXT, **overrides):
@@ -136,13 +136,13 @@ EVEN = '{ first = "200 N", step = "200 N", hold = "60 s" }'
 def stages(what, loads=("200 N", "400 N"), more="", **others):
     """Function that reads the scene with the loading in stages."""
     loading = (RAMP, f'rate = "150 N/s"\nstages = {what}\n{more}')
-    return lambda: scene(loading, **{"sweep.loads": [*loads], "without": "measured"} | others)
+    return lambda: scene(loading, **{"sweep.loads": [*loads], "without": "tests"} | others)
 
 
 def staged(test, loading=RAMP):
     """Function that reads the scene with one test by stages."""
-    text = f"{TEXT}\n[[tested]]\nstages = {EVEN}\n{test}\n"
-    return lambda: scene((RAMP, loading), text=text, without="measured")
+    text = f"{TEXT[: TEXT.index('[[tests]]')]}\n[[tests]]\nstages = {EVEN}\n{test}\n"
+    return lambda: scene((RAMP, loading), text=text)
 
 
 def staged_record():
@@ -154,21 +154,35 @@ def staged_record():
 def warmed():
     """Read a scene whose disk keeps heat, with a test by stages of velocity."""
     test = {"load": "400 N", "stages": [["1 m/s", "5 s"]], "severe_at": "1 m/s"}
-    return scene(tested=[test], without="measured", **{"disk.track_length": "300 mm"})
+    return scene(tests=[test], without="tests", **{"disk.track_length": "300 mm"})
 
 
 TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
-    "number twice": (entry("tested", [{**TEST, "number": 2}] * 2, without="measured"),
-                     "tested[1].number: 2 is the number of two tests"),
-    "entry of a test": (entry("tested", [{**TEST, "with": {"pin.radius": 3}}], without="measured"),
-                        "tested[0].with: pin.radius: 3 has no unit"),
-    "entry of a test later": (lambda: scene().changed("tested", [{**TEST, "with": {"wear.x": 3}}]),
-                              "tested[0].with: wear.x: unknown key"),
-    "step of a test": (entry("measured", [{"load": "4 N", "velocity": "1 m/s", "step": "3 mm"}]),
-                       '"3 mm" is another quantity'),
+    "number twice": (entry("tests", [{**TEST, "number": 2}] * 2, without="tests"),
+                     "tests[1].number: 2 is the number of two tests"),
+    "entry of a test": (entry("tests", [{**TEST, "with": {"pin.radius": 3}}], without="tests"),
+                        "tests[0].with: pin.radius: 3 has no unit"),
+    "entry of a test later": (lambda: scene().changed("tests", [{**TEST, "with": {"wear.x": 3}}]),
+                              "tests[0].with: wear.x: unknown key"),
+    "step of a test": (entry("tests", [{**TEST, "step": "3 mm"}]), '"3 mm" is another quantity'),
+    "step of no transition": (entry("tests", [{**TEST, "step": "1 N"}]),
+                              'tests[0].step: "1 N" belongs to a transition; leave it out'),
+    "test without outcome": (entry("tests", [{"load": "4 N", "velocity": "1 m/s"}]),
+                             'tests[0].outcome: missing; give "mild", "severe" or "transition"'),
+    "test without load": (entry("tests", [{"velocity": "1 m/s", "outcome": "mild"}]),
+                          "tests[0].load: missing; give a load above 0"),
+    "outcome of stages": (
+        entry("tests", [{"velocity": "1 m/s", "outcome": "mild", "severe_at": "4 N"}]),
+        "tests[0].outcome: does not fit severe_at; leave it out"),
+    "ends of neither": (entry("tests", [{"severe_at": "4 N"}]),
+                        "tests[0].load: neither load nor velocity is given beside stages"),
+    "stages of a transition": (
+        entry("tests", [{**TEST, "outcome": "transition", "stages": [["400 N", "1 s"]]}]),
+        "tests[0].stages: do not fit a transition; give mild_up_to and severe_at"),
+    "list of before": (entry("measured", [TEST]), "measured: unknown key"),
     "load without stage": (stages(EVEN, ["300 N"]), "300 N is no stage; give some of 200 N"),
     "hold of stages": (stages(EVEN, more='hold = "4 s"'), "each of the stages has its own"),
     "file of stages": (stages(EVEN, more='file = "a.csv"'), "a record is no stages"),

@@ -8,8 +8,8 @@ import pipeline
 @pytest.fixture
 def tested(tmp_path):
     def load(*entries):
-        text = "".join(f"\n[[tested]]\n{entry}\n" for entry in entries)
-        head = 'extends = "first_try"\nwithout = ["measured"]\n'
+        text = "".join(f"\n[[tests]]\n{entry}\n" for entry in entries)
+        head = 'extends = "first_try"\nwithout = ["tests"]\n'
         (tmp_path / "lab.toml").write_text(head + text, encoding="utf-8")
         return pipeline.load_scene(tmp_path / "lab.toml").tests
 

@@ -48,7 +48,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         velocities=tuple(0.5 + 0.25 * i for i in range(19)),
         conditions=Conditions(0.1, 298.15, 418.15),
         friction_band=(0.09, 0.103),
-        measured=(
+        tests=(
             bare_test(750.0, 1.25, 0.103, number="1"),
             bare_test(600.0, 1.5, 0.1, number="2"),
             bare_test(400.0, 2.25, 0.091, number="3"),
@@ -93,7 +93,7 @@ def test_what_may_be_left_out_takes_its_default(read):
         ("failing_share = 0.1\n", ""),
         (TEXT[TEXT.index("[fidelity]") : TEXT.index("[sweep]")], ""),
         ("fields = true\n", ""),
-        (TEXT[TEXT.index("[[measured]]") :], ""),
+        (TEXT[TEXT.index("[[tests]]") :], ""),
     )
     assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
@@ -101,7 +101,7 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.conditions.critical_area_fraction == 0.1
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.fields
-    assert sweep._measured == ()
+    assert sweep.tests == ()
 
 
 def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
@@ -252,7 +252,7 @@ def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, data):
     (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
     document = copy.deepcopy(tomllib.loads(TEXT))
     if data.draw(st.booleans()):
-        document |= {"extends": "base.toml", "without": ["wear.pattern", "measured"]}
+        document |= {"extends": "base.toml", "without": ["wear.pattern", "tests"]}
         for key in data.draw(st.lists(st.sampled_from(sorted(document)), unique=True)):
             del document[key]
     for _ in range(data.draw(st.integers(1, 3))):

@@ -20,7 +20,7 @@ WINDOW = "pixels = [48, 16]"
 def load(tmp_path):
     def read(loading=EVEN, *tests, change=("", "")):
         text = SCENE.replace(RAMP, loading).replace(*change)
-        text += "".join(f"\n[[tested]]\n{test}\n" for test in tests)
+        text += "".join(f"\n[[tests]]\n{test}\n" for test in tests)
         (tmp_path / "lab.toml").write_text(text, encoding="utf-8")
         return pipeline.load_scene(tmp_path / "lab.toml")
 

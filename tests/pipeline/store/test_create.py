@@ -131,13 +131,11 @@ def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, mon
 
 def test_conditions_and_titles_follow_the_scene_file(path):
     commit(path, SWEEP, [POINT])
-    commit(
-        path, tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), measured=()), ()
-    )
+    commit(path, tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), tests=()), ())
     kept = opened(path).sweep
     assert kept.title == "Renamed"
     assert kept.conditions.friction == 0.2
-    assert kept._measured == ()
+    assert kept.tests == ()
     assert_is_as_computed(path, [POINT])
 
 

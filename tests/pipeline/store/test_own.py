@@ -124,7 +124,7 @@ CUT = {
 
 @pytest.mark.parametrize("cut", CUT.values(), ids=[*CUT])
 def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(cut, tmp_path):
-    tested = tiny.full(measured=(bare_test(250.0, 1.0), bare_test(600.0, 0.5)))
+    tested = tiny.full(tests=(bare_test(250.0, 1.0), bare_test(600.0, 0.5)))
     commit_all(tmp_path / "tested.zarr", tested)
     plain = cut(xr.open_zarr(tmp_path / "tested.zarr"))
     own = cut(pipeline.open_sweep(tmp_path / "tested.zarr"))
