@@ -78,7 +78,7 @@ def _those_of(held: Mapping[str, Remark], count: int) -> str:
     labels = [*held]
     more = f" and {len(labels) - _MOST_NAMED} more" * (len(labels) > _MOST_NAMED)
     named = f"{', '.join(labels[:_MOST_NAMED])}{more}" if len(held) < count else "all rows"
-    alike = f"; numbers are of {labels[0]}" * (len(texts) > 1)
+    alike = f"; numbers are of row {labels[0]}" * (len(texts) > 1)
     return f" (in {named}{alike})"
 
 

@@ -294,7 +294,7 @@ class SceneFile(Declared):
         "The loaded body, which wears: a cylinder across the sliding direction, a ball, or a "
         "crowned roller."]
     disk: A[Disk, "The body that slides under the pin."]
-    window: A[Window, "The simulated patch of the contact, x along sliding and y across."]
+    window: A[Window, "The simulated part of the contact, x along sliding and y across."]
     loading: A[RampTable | StagesTable | Record,
         "Growth of the load: a ramp, stages of one specimen, or a recorded load."]
     motion: A[MotionTable | None,

@@ -1,4 +1,4 @@
-"""What the model leaves out of a scene, in words: heat of earlier turns, sharp ends, films."""
+"""What the model leaves out of a scene, in words: heat of earlier revolutions, sharp ends, films."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def note_on_turns(sweep: Sweep) -> str | None:
     around = display(next(iter(tracks.values())).length, "mm", 3)
     entries = " and ".join(f"{body}.diameter" for body in bodies)
     return (
-        f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
-        f"track: on tracks of {around} they would warm the contact further; give {entries} and "
-        "width, or track_length"
+        f"heat from earlier revolutions of the {' and the '.join(bodies)} is not included; on "
+        f"tracks of {around} it warms the contact further: set {entries} and width, or "
+        "track_length, or enter the bulk temperature of the warm tracks"
     )
 
 

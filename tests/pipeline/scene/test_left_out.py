@@ -20,11 +20,11 @@ def scene(tmp_path):
 
 def test_earlier_turns_that_are_not_counted_are_said(scene):
     said = note_on_turns(scene(ROLLING))
-    assert said.startswith("earlier turns of the pin and the disk are not counted")
-    assert said.endswith("; give pin.diameter and disk.diameter and width, or track_length")
+    assert said.startswith("heat from earlier revolutions of the pin and the disk is not included")
+    assert ": set pin.diameter and disk.diameter and width, or track_length, or enter" in said
     alone = note_on_turns(scene(ROLLING | {"disk.track_length": "314 mm"}))
-    assert "turns of the pin are not" in alone
-    assert "give pin.diameter and width" in alone
+    assert "revolutions of the pin is not" in alone
+    assert "set pin.diameter and width" in alone
     for entries in ({}, {"motion": {"slide_roll_ratio": 2}}, {"motion": {"slide_roll_ratio": -2}}):
         assert note_on_turns(scene(entries)) is None
     assert note_on_turns(scene(ROLLING | {"sweep.velocities": ["0 m/s"]})) is None
