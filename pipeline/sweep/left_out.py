@@ -1,4 +1,4 @@
-"""What the model leaves out of a scene, in words: heat of earlier revolutions, sharp ends, films."""
+"""What the model leaves out of a scene, in words: heat of earlier turns, sharp ends, films."""
 
 from __future__ import annotations
 

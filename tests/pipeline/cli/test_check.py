@@ -61,7 +61,9 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
         ratio = (row["disk_velocity"] - row["pin_velocity"]) / mean
         assert row["slide_roll_ratio"] == pytest.approx(ratio)
     assert (last["pin_velocity"], last["disk_velocity"]) == pytest.approx((0.938, 6.53), rel=1e-3)
-    words = [one["meaning"] for one in found["statements"] if "earlier revolutions" in one["meaning"]]
+    words = [
+        one["meaning"] for one in found["statements"] if "earlier revolutions" in one["meaning"]
+    ]
     assert len(words) == 1
     assert words[0].endswith("(in all rows; numbers are of row A)")
 
