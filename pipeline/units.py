@@ -96,7 +96,7 @@ class Unit(NamedTuple):
     zero: Decimal = Decimal(0)
 
 
-@functools.lru_cache(maxsize=65536)  # variants repeat nearly all of their entries
+@functools.lru_cache(maxsize=65536)  # cases repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a text such as ``"0.27 um"``, without rounding.

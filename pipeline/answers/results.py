@@ -36,12 +36,12 @@ from pipeline.store.schema import (
     split_arrays,
     test_variable,
 )
+from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, wanted_slots
 from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.stored import sweep_of_plain
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import Label, Variant
 from pipeline.units import to_si
 from tribo import InputError
 from tribo.simulation.severity import (
@@ -175,7 +175,7 @@ class CaseResults:
 
     sweep: Sweep  #: The case and its patches, as the scene states them.
     labels: Mapping[str, Label]  #: Values of varied entries, by dimension [SI].
-    name: Variant  #: The case, as the sweep names it.
+    name: CaseName  #: The case, as the sweep names it.
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
     from_rest: bool = False  #: True if the sweep also has velocity 0.
@@ -327,9 +327,9 @@ def sweeps_of(ds: xr.Dataset) -> Iterator[tuple[Sweep, xr.Dataset]]:
         yield _named(part.squeeze(dims), sweep)[0], part
 
 
-def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, Variant]:
+def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     """The case of a sweep to which a dataset without varied entries belongs, and its name."""
-    table, name = sweep.variants, []
+    table, name = sweep.case_table, []
     for column in table.chosen:
         if column.name not in ds.coords:
             raise InputError(f"the dataset has lost its coordinate {column.name}; keep it")
@@ -337,7 +337,7 @@ def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, Variant]:
     if not name:
         return sweep, ()
     words = ", ".join(f"{key} {one}" for key, one in table.in_words(tuple(name)).items())
-    return replace(sweep._take(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
+    return replace(sweep._select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
 
 
 def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]) -> CaseResults:

@@ -21,21 +21,21 @@ from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import (
+    CaseFacts,
     Facts,
-    RowFacts,
     Span,
-    cases_alone,
+    case_facts,
     facts_of,
     facts_of_all,
     require_bearable_load,
-    row_facts,
+    single_cases,
 )
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
+from pipeline.sweep.case_table import CASE
 from pipeline.sweep.left_out import UNKNOWN_FILM
 from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.estimate import Estimate, worker_bytes
 from tribo import InputError, Scene, lubrication_regime
 from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
@@ -44,13 +44,13 @@ from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    cases, along = cases_alone(sweep, _MOST_ROWS), sweep.variants.labels("load") is not None
+    cases, along = single_cases(sweep, _MOST_ROWS), sweep.case_table.column("load") is not None
     for _, case in cases:
         key = "sweep.along" if along else "sweep.loads"
         require_bearable_load(case, max(case.loads), key)
     require_free_names(sweep)
     facts = facts_of_all(cases) if along else facts_of(sweep)
-    rows_of_sweep = [row_facts(*one) for one in cases] if along else []
+    rows_of_sweep = [case_facts(*one) for one in cases] if along else []
     memory, machine = worker_bytes(sweep), machine_memory()
     needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
     if memory > machine:
@@ -69,7 +69,7 @@ def check(options: argparse.Namespace) -> Result:
     frame = frame_of(_HEADS, rows)
     shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
-    table = [_row_frame(rows_of_sweep), ""] if along else []
+    table = [_case_frame(rows_of_sweep), ""] if along else []
     document = {
         "title": sweep.title,
         "preset": sweep.preset,
@@ -89,15 +89,15 @@ _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _row_frame(rows: Sequence[RowFacts]) -> pd.DataFrame:
-    """Table of the contacts in the rows of a sweep, each at its own load and velocity."""
+def _case_frame(rows: Sequence[CaseFacts]) -> pd.DataFrame:
+    """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
     heads = (
-        "row", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
+        "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
     found = [
         (
-            one.row, one.load, *(float(f"{number:.4g}") for number in (
+            one.case, one.load, *(float(f"{number:.4g}") for number in (
                 one.half_width, one.pressure, one.pin_velocity, one.disk_velocity,
                 one.slide_roll_ratio, one.film_parameter,
             )),
@@ -108,7 +108,7 @@ def _row_frame(rows: Sequence[RowFacts]) -> pd.DataFrame:
 
 
 def _meaning_rows(
-    sweep: Sweep, facts: Facts, rows: Sequence[RowFacts], memory: str
+    sweep: Sweep, facts: Facts, rows: Sequence[CaseFacts], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
@@ -186,15 +186,15 @@ def _text(span: Span, unit: str = "") -> str:
 
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Yield rows on the cost of a sweep: points, steps, time and disk."""
-    velocities = sweep.variants.labels("velocity") or sweep.velocities
+    velocities = sweep.case_table.column("velocity") or sweep.velocities
     counts = [
         counted(len(sweep.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
-    names = {"realization": "surfaces", VARIANT: "rows"}
-    if sweep.variants.labels("load"):
-        counts, names[VARIANT] = [], "rows, each at its own load and velocity"
-    for name, values in sweep.variants.axes.items():
+    names = {"realization": "surfaces", CASE: "rows"}
+    if sweep.case_table.column("load"):
+        counts, names[CASE] = [], "rows, each at its own load and velocity"
+    for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
     steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"

@@ -17,9 +17,9 @@ from pipeline.cli.output import tell
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ALIKE
+from pipeline.sweep.case_table import CASE, dimension_of
 from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import VARIANT, dimension_of
 from pipeline.units import to_si
 from tribo import Fidelity, InputError
 
@@ -118,9 +118,9 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
     A note is printed for each varied entry, as its other values are ignored.
     """
     sweep = scene_in(options)
-    for column in sweep.variants.chosen:
+    for column in sweep.case_table.chosen:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
-        if column.name == VARIANT:
+        if column.name == CASE:
             key, what = "along", "values are the scene's own or those of its first row"
         tell(f"note: sweep.{key} is ignored here; {what}; choose another by --set")
     return sweep

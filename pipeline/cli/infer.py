@@ -39,7 +39,7 @@ def infer(options: argparse.Namespace) -> Result:
         raise InputError(
             f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
-    least = replace(sweep._alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
+    least = replace(sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
     with working("simulating the tests") as progress, writing(options.kept, least) as store:
         compute_here(store, source=stored_tests_of(sweep), report=progress)
     ds = computed_dataset(store)

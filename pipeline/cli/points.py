@@ -35,7 +35,7 @@ def point(options: argparse.Namespace) -> Result:
         raise InputError(f"velocity is {velocity:g} m/s; it must be above 0")
     velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
     places = replace(
-        sweep._take_surface(options.realization)._alone(),
+        sweep._take_surface(options.realization)._single_case(),
         steps="end",
         loads=(load,),
         velocities=velocities,

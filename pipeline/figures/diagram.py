@@ -319,9 +319,9 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
 
 def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
     """Draw the transition of each case in its own colour; return the entries of the legend."""
-    planes = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).stack(case=dims)
-    planes = planes.transpose("case", *PLANE)
-    shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, planes.sizes["case"]))
+    planes = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).stack(line=dims)
+    planes = planes.transpose("line", *PLANE)
+    shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, planes.sizes["line"]))
     legend = Legend()
     for one, shade in zip(planes, shades, strict=True):
         name = ", ".join(_name(plane[dim], one[dim].item()) for dim in dims)

@@ -25,10 +25,10 @@ from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import CANNOT, POLL, Watch
 from pipeline.run.work import Case, ExecutionError, simulate_point
 from pipeline.store.store import Writer
+from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord, Task, choose_stations
 from pipeline.sweep.stations import Fields
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import Variant
 
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
@@ -132,7 +132,7 @@ class _Tasks:
             points = [job.task.point for job in group]
             futures = self._client.map(
                 simulate_point,
-                [self._case(point.variant) for point in points],
+                [self._case(point.case) for point in points],
                 points,
                 key=[
                     f"point-{point.load:g}N-{point.velocity:g}ms-{self._name}-{next(self._numbers)}"
@@ -145,9 +145,9 @@ class _Tasks:
             self.running.update(zip(futures, group, strict=True))
             self._ended.update(futures)
 
-    def _case(self, variant: Variant) -> bytes:
-        case = self._sweep.case(variant)
-        fields = self._store.fields_of(variant)
+    def _case(self, name: CaseName) -> bytes:
+        case = self._sweep.case(name)
+        fields = self._store.fields_of(name)
         key = self._sweep._hash_scene(case.scene), fields
         if key not in self._cases:
             made = Case(case.scene, self._stations, fields, case.has_film)

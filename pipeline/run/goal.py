@@ -44,7 +44,7 @@ def percent(share: float) -> str:
 def require_boundary(sweep: Sweep) -> None:
     """Raise an `InputError` unless a sweep has a boundary, whose error can be a goal."""
     why = ""
-    if any({"load", "velocity"} & row.keys() for row in sweep.variants.rows):
+    if any({"load", "velocity"} & row.keys() for row in sweep.case_table.rows):
         why = "each row of the sweep has its own load and velocity"
     elif not any(velocity > 0 for velocity in sweep.velocities):
         why = "sweep.velocities has none above 0"
@@ -61,7 +61,7 @@ def why_fixed(sweep: Sweep) -> str:
     if sweep.scene.roughness is None:
         return "smooth, not reduced by computing"
     if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
-        areas = len(sweep.variants.labels("realization") or (0,))
+        areas = len(sweep.case_table.column("realization") or (0,))
         return f"{areas} area{'s' * (areas > 1)} of a scan, not reduced by computing"
     seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None
     return f"{len(seeds)} listed seeds, not reduced by computing" if isinstance(seeds, list) else ""
@@ -72,7 +72,7 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
 
     `before` is the sweep of the store, if there is one, whose preset is kept.
     """
-    if any(one.key.startswith("fidelity.") for one in sweep.variants.columns):
+    if any(one.key.startswith("fidelity.") for one in sweep.case_table.columns):
         raise InputError("sweep.over varies [fidelity], which the accuracy chooses; leave it out")
     if before is not None:
         able = [sweep.with_fidelity(before.scene.fidelity, before.preset)]
@@ -119,7 +119,7 @@ class GoalRun:
         error = percent(velocity_error(chosen) or 0.0)
         report(Progress(f"preset {chosen.preset} (up to {error}){own}"))
         self.is_fixed, self._report = bool(why_fixed(chosen)), report
-        patches = [len(x.variants.axes.get("realization", ())) for x in (sweep, before) if x]
+        patches = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
         if not self.is_fixed:
             self.sweep = chosen._with_patches(max(*patches, _LEAST_PATCHES))
@@ -127,7 +127,7 @@ class GoalRun:
 
     @property
     def _seeds(self) -> tuple[int, ...]:
-        return tuple(map(int, self.sweep.variants.axes.get("realization", (0,))))
+        return tuple(map(int, self.sweep.case_table.axes.get("realization", (0,))))
 
     def next_points(self, store: Store) -> list[Point]:
         """Points to compute next, all on the first patch or all on further ones; empty at the end.
@@ -137,7 +137,7 @@ class GoalRun:
         """
         cases = cases_of(ascending(store_dataset(store)))
         found, to_come, most, between = list[tuple[Point, int]](), 0, 0, set[float]()
-        has_seeds, axes = "realization" in self.sweep.variants.axes, self._seeds
+        has_seeds, axes = "realization" in self.sweep.case_table.axes, self._seeds
         seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
         for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
             places = search.next_places()
@@ -223,7 +223,7 @@ def reached(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[Reached]:
         loads, crosses = search.loads, np.isfinite(search.critical)
         whole = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
         worst = int(np.argmax(np.where(crosses, np.nan_to_num(whole, nan=np.inf), -np.inf)))
-        own = case.sweep.variants.in_words(case.name) if case.name else {}
+        own = case.sweep.case_table.in_words(case.name) if case.name else {}
         found.append(
             Reached(
                 case=", ".join(f"{key} {value}" for key, value in own.items()),

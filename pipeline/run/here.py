@@ -40,9 +40,9 @@ def _simulated(
 ) -> Iterator[PointRecord]:
     stations = choose_stations(store.sweep)
     for point in points:
-        scene = store.sweep.case(point.variant).scene
+        scene = store.sweep.case(point.case).scene
         try:
-            film, fields = store.sweep.case(point.variant).has_film, store.fields_of(point.variant)
+            film, fields = store.sweep.case(point.case).has_film, store.fields_of(point.case)
             made = run_point(scene, stations, point, None, report, film, fields)
         except TriboError as error:
             if point in needed:

@@ -35,9 +35,9 @@ from pipeline.scene.tracks import disc_of, track_length
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
+from pipeline.sweep.case_table import AREAS
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.remarks import FromLibrary
-from pipeline.sweep.variants import AREAS
 from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
 from tribo.simulation import widen_window

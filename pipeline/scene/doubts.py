@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from pipeline.quantities import display
-from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, cases_alone, facts_of
+from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of, single_cases
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import number_at
 from pipeline.sweep.case import SpecimenTest
@@ -56,7 +56,7 @@ def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
     """
     values = [*_unusual_values(sweep)]
     noted = [one for one in sweep.notes if one.grade == "warning" and one.place not in dict(values)]
-    chosen, found = cases_alone(sweep, _MOST_CASES), dict[str, dict[str, Remark]]()
+    chosen, found = single_cases(sweep, _MOST_CASES), dict[str, dict[str, Remark]]()
     for label, case in chosen:
         for one in doubts(case, facts_of(case)):
             # Cases that differ in the numbers of a doubt share it.
@@ -84,9 +84,9 @@ def _those_of(held: Mapping[str, Remark], count: int) -> str:
 
 def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:
     """Warnings of values of the sweep's columns that are outside their entry's usual range."""
-    for column in sweep.variants.columns:
+    for column in sweep.case_table.columns:
         kind = number_at(SceneFile, column.key)
-        labels = (row[column.name] for row in sweep.variants.rows)
+        labels = (row[column.name] for row in sweep.case_table.rows)
         known = [*dict.fromkeys(one for one in labels if isinstance(one, int | float))]
         odd = [one for one in known if unusual(one, kind.usual, kind.unit)]
         if odd:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.quantities import display, display_sides
+from pipeline.sweep.case_table import PLACE_UNITS
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import PLACE_UNITS
 from tribo import InputError, Scene, contact_modulus
 from tribo.simulation.lubrication import SurfaceFacts, find_lubrication, surface_facts
 from tribo.types import Array
@@ -50,10 +50,10 @@ class Facts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RowFacts:
-    """Numbers of one row of a sweep, at its own load and velocity."""
+class CaseFacts:
+    """Numbers of one case of a sweep, at its own load and velocity."""
 
-    row: str  #: Its label, else its number.
+    case: str  #: Its label, else its number.
     load: float  # [N]
     half_width: float  # of Hertz, smooth, elastic and unworn [m]
     pressure: float  # the highest of that contact [Pa]
@@ -63,33 +63,33 @@ class RowFacts:
     film_parameter: float  # NaN if it is not known
 
 
-def cases_alone(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
-    """Cases of a sweep, each with its label, and rows at their own place; of many, some evenly."""
-    names, rows = sweep.variants.given, sweep.variants.rows
+def single_cases(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
+    """Cases of a sweep, each with its label, at its own place if it has one; at most `most`."""
+    names, rows = sweep.case_table.without_surfaces.names, sweep.case_table.rows
     if len(names) == 1:
         return [("", sweep)]
-    labels = [one for one in sweep.variants.columns if one.along and not one.entry]
+    labels = [one for one in sweep.case_table.columns if one.along and not one.entry]
     labels = [one for one in labels if one.name not in PLACE_UNITS]
-    alone = list[tuple[str, Sweep]]()
+    found = list[tuple[str, Sweep]]()
     for name in names[:: math.ceil(len(names) / most)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
-        case, words = sweep._take(name), [*sweep.variants.in_words(name).values()]
+        case, words = sweep._select_case(name), [*sweep.case_table.in_words(name).values()]
         if "load" in row:
             case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
             words = [one.in_words(row[one.name]) for one in labels] or words
-        alone.append((" ".join(map(str, words)), case))
-    return alone
+        found.append((" ".join(map(str, words)), case))
+    return found
 
 
-def row_facts(label: str, sweep: Sweep) -> RowFacts:
-    """Numbers of a row, given by its label and the sweep of its case alone."""
+def case_facts(label: str, sweep: Sweep) -> CaseFacts:
+    """Numbers of a case, by its label and the sweep of this case."""
     scene, (load,), (velocity,) = sweep.scene, sweep.loads, sweep.velocities
     hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
     pin, disk = scene.velocities_at(velocity)
     film, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
     bulk = sweep.conditions.bulk_temperature
-    return RowFacts(
-        row=label,
+    return CaseFacts(
+        case=label,
         load=load,
         half_width=hertz.half_width,
         pressure=hertz.peak_pressure,

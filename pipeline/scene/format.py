@@ -237,7 +237,7 @@ class Temperature(Declared):
         "Contact temperature above which the lubricant fails; needed to judge wear. With "
         '"from tests" the tests of the scene find it, and what they leave open is in each answer.'
         ] = None
-    failing_share: A[float, Share(at_least=0, below=1),
+    critical_area_fraction: A[float, Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides."] = 0.1
 
@@ -276,7 +276,7 @@ class SweepTable(Declared):
         'each point; "steps" to store them at each step that is stored.'] = False
     steps: A[str | None, OneOf(("course", "end")),
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
-        'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
+        'for a ramp with wear and no hold, if no cases share contacts; else "end".'] = None
 
 class SceneFile(Declared):
     extends: A[str | None,

@@ -68,7 +68,7 @@ class Test(Declared):
     with_: A[dict[str, Any] | None, Changes(),
         "Other entries of the scene that differ in this test, by their paths, such as "
         '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
-        "Critical temperature, failing share, `[oil]` and `[model]` are those of the scene."] = None
+        "Critical temperature and area fraction, `[oil]` and `[model]` stay the scene's."] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default the next one that is free."] = None
 # fmt: on

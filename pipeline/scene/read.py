@@ -13,21 +13,21 @@ import tribo
 from pipeline.limits import MOST_POINTS
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
+from pipeline.scene.cases import listed_cases, read_cases, with_first_case
 from pipeline.scene.doubts import doubts_of_all
 from pipeline.scene.entries import Entries, flat, replace_values
 from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
-from pipeline.scene.rows import cases_of, rows_of, with_first_rows
 from pipeline.scene.tables import keys_of, table_of
 from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import override_entries, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
+from pipeline.sweep.case_table import SEED
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import SEED
 from pipeline.units import in_si
 from pipeline.words import did_you_mean
 
@@ -96,15 +96,15 @@ class Source:
     def read(self, faults: Faults) -> Sweep | None:
         """Read the sweep; None if an entry is faulty, with all faults added to `faults`.
 
-        An `InputError` is raised for the first fault that only a row of the sweep shows.
+        An `InputError` is raised for the first fault that only a case of the sweep shows.
         """
         entries = with_listed_tests(self.entries, self.files, faults)
-        entries, along = with_first_rows(entries, self.files, faults)
+        entries, along = with_first_case(entries, self.files, faults)
         scene = build(entries, self.files, faults)
         if scene is None:
             return None
-        rows = rows_of(scene, along)
-        seeds = rows.table.labels("realization")
+        listed = listed_cases(scene, along)
+        seeds = listed.table.column("realization")
         if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
             seed = seeds[0]  # the scene itself is on the first of them, as it is of a scan
             entries = replace_values(entries, {SEED: seed})
@@ -117,8 +117,8 @@ class Source:
             title=scene.tables.title or self.name,
             caveat=scene.tables.caveat,
             base=scene.case,
-            cases=() if faults else tuple(cases_of(entries, self.files, scene, rows, key)),
-            variants=rows.table,
+            cases=() if faults else tuple(read_cases(entries, self.files, scene, listed, key)),
+            case_table=listed.table,
             loads=declared.loads,
             velocities=declared.velocities,
             fields=declared.fields,
@@ -154,13 +154,13 @@ def _with_path(words: str, entries: Entries) -> str:
 
 def _require_few_points(sweep: Sweep) -> None:
     """Raise an `InputError` if a sweep has too many points, before they are made."""
-    rows = sweep.variants
-    loads = len(sweep.loads) if rows.labels("load") is None else 1
-    velocities = len(sweep.velocities) if rows.labels("velocity") is None else 1
-    if (count := len(rows) * loads * velocities) > MOST_POINTS:
+    table = sweep.case_table
+    loads = len(sweep.loads) if table.column("load") is None else 1
+    velocities = len(sweep.velocities) if table.column("velocity") is None else 1
+    if (count := len(table) * loads * velocities) > MOST_POINTS:
         raise tribo.InputError(
             f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
-            "loads, velocities or variants"
+            "loads, velocities or cases"
         )
 
 
@@ -227,7 +227,7 @@ def run_point(
     (False, '158 °C')
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    variant = () if realization is None else (("realization", realization),)
+    case = () if realization is None else (("realization", realization),)
     sweep = sweep_of(sweep)
-    scene, stations = sweep.case(variant).scene, choose_stations(sweep)
-    return plan.run_point(scene, stations, Point(*place, variant), progress=progress or silent)
+    scene, stations = sweep.case(case).scene, choose_stations(sweep)
+    return plan.run_point(scene, stations, Point(*place, case), progress=progress or silent)

@@ -31,7 +31,7 @@ _OWN = {
 """Entries of the scene that entries of a test replace, by name of the entry of the test."""
 _OF_ALL = (
     "extends", "without", "title", "caveat", "sweep", "tests", "oil", "model",
-    "temperature.critical", "temperature.failing_share",
+    "temperature.critical", "temperature.critical_area_fraction",
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""
 
@@ -95,7 +95,7 @@ def read_tests(
 
 
 def _case_of(built: Built, base: Case) -> Case:
-    """Case of changed entries, with critical temperature, failing share and `[model]` of `base`."""
+    """Case of changed entries; critical temperature, area fraction and `[model]` are of `base`."""
     own = built.case
     if own is base:
         return base

@@ -143,9 +143,9 @@ def _opened(
     store.damage = None
     store.ask(points(sweep))
     if store.tests:
-        rows = store.tests.sweep.variants.by_name
+        rows = store.tests.sweep.case_table.by_name
         every = points(store.tests.sweep)
-        store.tests.ask(one for one in every if rows[one.variant][TEST] != NO_TEST)
+        store.tests.ask(one for one in every if rows[one.case][TEST] != NO_TEST)
     return store
 
 
@@ -289,7 +289,7 @@ def take_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
     Points of the two stores are the same if scene, load and velocity are the same, whatever their
-    variants are called. Damaged points are not copied. Nothing is copied if the stores keep results
+    cases are called. Damaged points are not copied. Nothing is copied if the stores keep results
     at different times, or `other` lacks a variable of `store`.
     """
     pairs = zip(store.groups, other.groups, strict=False)

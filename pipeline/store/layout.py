@@ -53,6 +53,7 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.sweep.case import TEST
+from pipeline.sweep.case_table import CaseName, in_order
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import (
     NO_TEST,
@@ -63,7 +64,6 @@ from pipeline.sweep.points_of_tests import (
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import Variant, in_order
 from tribo import QUANTILES, TriboError
 from tribo.types import Array, Indices, Mask
 
@@ -101,15 +101,15 @@ class Group:
 
     @cached_property
     def axes(self) -> Axes:
-        """Values along each dimension, and of the columns of the table of variants."""
+        """Values along each dimension, and of the columns of the table of cases."""
         sweep, stations = self.sweep, choose_stations(self.sweep)
-        rows = {name: in_order(values) for name, values in sweep.variants.axes.items()}
+        rows = {name: in_order(values) for name, values in sweep.case_table.axes.items()}
         # A column that a dimension determines has a value for each label, in the same order.
         rows |= {
             column.name: [values[label] for label in rows[column.along]]
-            for column, values in sweep.variants.coordinates.items()
+            for column, values in sweep.case_table.coordinates.items()
         }
-        scenes = [case.scene for case in sweep._given]
+        scenes = [case.scene for case in sweep._on_first_surface]
         if self.prefix:
             kept = (
                 stations.kept(sweep.case(name).scene, load, velocity)
@@ -134,7 +134,7 @@ class Group:
         """Points of a group of tests: each row has its own load and velocity."""
         return [
             Point(float(row["load"]), float(row["velocity"]), name)
-            for name, row in self.sweep.variants.by_name.items()
+            for name, row in self.sweep.case_table.by_name.items()
         ]
 
     @cached_property
@@ -161,7 +161,7 @@ class Group:
     @cached_property
     def seeds(self) -> frozenset[str]:
         """Dimensions of random surfaces, of which the first alone has fields."""
-        return frozenset(one.name for one in self.sweep.variants.columns if one.is_seed)
+        return frozenset(one.name for one in self.sweep.case_table.columns if one.is_seed)
 
     def have_fields(self, where: Indices) -> Mask:
         """True for points with fields: those on the first surface of each case.
@@ -216,7 +216,7 @@ class Group:
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at some indices; `where` has an array for each of `dims`, as from `nonzero`."""
-        names, columns = [*PLANE, *self.sweep.variants.axes], []
+        names, columns = [*PLANE, *self.sweep.case_table.axes], []
         for name in names:
             numbers = where[self.dims.index(self.variables[name].dims[0])]
             columns.append([self.axes[name][number] for number in numbers.tolist()])
@@ -227,16 +227,16 @@ class Group:
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        return self.sweep._scene_hashes[point.variant]
+        return self.sweep._scene_hashes[point.case]
 
     def in_words(self, point: Point) -> str:
         """Write a point as text, such as "400 N, 2 m/s, pin.radius 2 mm", or "…, test 1"."""
         if self.prefix:
-            number = int(self.sweep.variants.by_name[point.variant][TEST])
+            number = int(self.sweep.case_table.by_name[point.case][TEST])
             test = "an earlier test" if number == NO_TEST else f"test {number + 1}"
-            return f"{point._replace(variant=())}, {test}"
-        words = self.sweep.variants.in_words(point.variant)
-        return str(point._replace(variant=tuple(words.items())))
+            return f"{point._replace(case=())}, {test}"
+        words = self.sweep.case_table.in_words(point.case)
+        return str(point._replace(case=tuple(words.items())))
 
 
 @dataclass(frozen=True, eq=False)
@@ -479,7 +479,7 @@ def _made_coordinates(group: Group) -> dict[str, Array]:
     stations, dims = choose_stations(sweep), wanted["time"].dims
 
     @functools.cache
-    def known(name: Variant, load: float, velocity: float | None) -> list[Any]:
+    def known(name: CaseName, load: float, velocity: float | None) -> list[Any]:
         kept = stations.kept(sweep.case(name).scene, load, velocity)
         lacking = [(math.nan,) * 3] * (group.sizes[group.step] - len(kept))
         slid = [math.nan if one.slid is None else one.slid for one in kept]
@@ -492,7 +492,7 @@ def _made_coordinates(group: Group) -> dict[str, Array]:
     own = TEST_POINT in axes  # a test may have stages of velocity
     sizes = [group.sizes[dim] if dim in dims else 1 for dim in group.dims]
     ramps = [
-        known(point.variant, point.load, point.velocity if own else None)
+        known(point.case, point.load, point.velocity if own else None)
         for point in group.points_at(np.nonzero(np.ones(sizes)))
     ]
     time, normal_load, way = (along(dims, one) for one in np.moveaxis(np.array(ramps), -1, 0))

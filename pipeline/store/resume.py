@@ -9,12 +9,12 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.sweep.case import SpecimenTest
+from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import wanted_slots
-from pipeline.sweep.sweep import Sweep, variant_words
-from pipeline.sweep.variants import in_order
+from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.words import quoted
 from tribo import InputError
 
@@ -43,11 +43,12 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
     )
-    if [*before.variants.axes] != [*sweep.variants.axes]:  # the scene has all cases of the store
+    old, new = before.case_table, sweep.case_table
+    if [*old.axes] != [*new.axes]:  # the scene has all cases of the store
         return joined
-    union, own = before.variants.union(sweep.variants), sweep.variants.by_name
-    cases = tuple((sweep if name in own else before).case(name) for name in union.names)
-    return replace(joined, variants=union, cases=cases)
+    union = old.union(new)
+    cases = tuple((sweep if name in new.by_name else before).case(name) for name in union.names)
+    return replace(joined, case_table=union, cases=cases)
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:
@@ -79,7 +80,7 @@ def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
     `goal` is the option that the store was last run with for an accuracy, if there is one.
     """
     growing = [f"the store is grown by: irg run SCENE {goal}"] * bool(goal)
-    old, new = stored.variants, sweep.variants
+    old, new = stored.case_table, sweep.case_table
     kept, wanted = (one._scene_hashes for one in (stored, sweep))
     if [*old.axes] != [*new.axes] and not {*kept.values()} <= {*wanted.values()}:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
@@ -93,7 +94,7 @@ def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
             scenes = (one.case(name).scene for one in (stored, sweep))
             different += changes_in_words(*scenes)
         if different:
-            row = f"scene with {', '.join(variant_words(name))}: " if name else ""
+            row = f"scene with {', '.join(case_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
             if all(words.startswith("fidelity.") for words in different):
                 yield from growing

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.sweep.case_table import ROWS
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
@@ -157,14 +157,14 @@ def is_of_points(dim: str) -> bool:
 
 
 def require_free_names(sweep: Sweep) -> None:
-    """Raise an `InputError` if a column of the table of variants has the name of a variable.
+    """Raise an `InputError` if a column of the table of cases has the name of a variable.
 
     The error is also raised if two columns have the same name. A load or a velocity of each row is
     allowed.
     """
-    names = Counter(one.name for one in sweep.variants.columns)
+    names = Counter(one.name for one in sweep.case_table.columns)
     used = {INPUTS, *VARIABLES} - {*PLANE}
-    for name in (one.name for one in sweep.variants.columns if one.along and not one.is_seed):
+    for name in (one.name for one in sweep.case_table.columns if one.along and not one.is_seed):
         if name in used or names[name] > 1:
             raise InputError(
                 f"a column of the rows is called {name}, as is one of the dataset; give it another "
@@ -175,7 +175,7 @@ def require_free_names(sweep: Sweep) -> None:
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """All variables that the store of a sweep has, by name."""
     require_free_names(sweep)
-    first = sweep.variants.rows[0]
+    first = sweep.case_table.rows[0]
     kinds = {str: "str", int: "int64", float: "float64"}
     table = {
         one.name: Variable(
@@ -185,11 +185,11 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
             kinds[type(first[one.name])],
             {"shown_in": one.shown} if one.shown else {},
         )
-        for one in sweep.variants.columns
+        for one in sweep.case_table.columns
     }
-    front = tuple(sweep.variants.axes)
-    chosen = tuple(one.name for one in sweep.variants.chosen)  # further surfaces have no fields
-    absent = {*ROWS}  # the table of variants adds its own
+    front = tuple(sweep.case_table.axes)
+    chosen = tuple(one.name for one in sweep.case_table.chosen)  # further surfaces have no fields
+    absent = {*ROWS}  # the table of cases adds its own
     placed = frozenset(table)
     if not sweep.fields:
         absent |= {"x", "y", *FIELDS}
@@ -200,13 +200,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         dims = (*PLANE, "step", "x", "y") if has_steps else variable.dims
         inner = tuple(dim for dim in dims if dim not in placed)
         outer = chosen if name in FIELDS else front
-        outer = _variant_dims(name, sweep) if name in MADE else outer
+        outer = _case_dims(name, sweep) if name in MADE else outer
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
     along = [*sorted(columns), *MADE]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
-    if TEST_POINT not in sweep.variants.axes:
+    if TEST_POINT not in sweep.case_table.axes:
         return table
     return {
         TEST_STEP if name == "step" else name: one._replace(
@@ -216,13 +216,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     }
 
 
-def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of variants on which time, load or sliding distance (`name`) depend."""
-    table = sweep.variants
+def _case_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
+    """Dimensions of cases on which time, load or sliding distance (`name`) depend."""
+    table = sweep.case_table
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):
         return tuple(table.axes)
-    ramps = {ramp_of(case.scene) for case in sweep._given}
+    ramps = {ramp_of(case.scene) for case in sweep._on_first_surface}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
 
 

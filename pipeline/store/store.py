@@ -46,11 +46,11 @@ from pipeline.store.schema import (
     path_of,
 )
 from pipeline.sweep.case import TEST
+from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.stations import Fields
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import Variant
 from tribo.types import Indices, Mask
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
@@ -127,10 +127,10 @@ class Store:
 
     # Indices of points
 
-    def fields_of(self, variant: Variant) -> Fields:
+    def fields_of(self, case: CaseName) -> Fields:
         """Which fields of the points of a case are stored."""
         first = {(dim, self.axes[dim][0]) for dim in self.group.seeds}
-        return self.sweep.fields if first <= {*variant} else False
+        return self.sweep.fields if first <= {*case} else False
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
@@ -529,7 +529,7 @@ class Writer:
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that failed or is damaged: load [N], velocity [m/s], reason and variant.
+    """A point that failed or is damaged: load [N], velocity [m/s], reason and case.
 
     `place` describes the point in words, with entries in the user's units.
     """
@@ -537,11 +537,11 @@ class FailedPoint:
     load: float
     velocity: float
     message: str
-    variant: Variant = ()
+    case: CaseName = ()
     place: str = field(default="", compare=False)
 
     def __str__(self) -> str:
-        return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.message}"
+        return f"{self.place or Point(self.load, self.velocity, self.case)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -634,7 +634,7 @@ def _told(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
     """Points by index, each with what is wrong with it."""
     points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
     return tuple(
-        FailedPoint(*point[:2], fault, point.variant, store.group.in_words(point))
+        FailedPoint(*point[:2], fault, point.case, store.group.in_words(point))
         for point, fault in zip(points, faults.values(), strict=True)
     )
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, Self
 
+from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.variants import Variant
 from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 OUTCOMES = ("mild", "severe", "transition")
@@ -43,7 +43,7 @@ class Case:
         True if the critical temperature, which conditions then lack, is found by the tests.
     """
 
-    name: Variant
+    name: CaseName
     scene: Scene
     conditions: Conditions
     friction_band: tuple[float, float] | None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from pipeline.sweep.variants import dimension_of
+from pipeline.sweep.case_table import dimension_of
 from tribo import Conditions as Conditions
 from tribo import InputError
 from tribo.simulation import verdict
@@ -16,7 +16,7 @@ PATHS = {
     "friction": "friction.coefficient",
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
-    "critical_area_fraction": "temperature.failing_share",
+    "critical_area_fraction": "temperature.critical_area_fraction",
     "unmodelled_rise": "model.rise",
 }
 """Entries of the scene file that act after the simulation, by the conditions' names."""

@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
+from pipeline.sweep.case_table import CaseName, Row
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.stations import Fields, Stations, load_that_counts
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.sweep.variants import Labels, Variant
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     Note,
@@ -53,7 +53,7 @@ _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan
 class PointResult:
     """Temperatures, wear and warnings that were computed at one load and velocity."""
 
-    point: Point  #: Load, velocity and variant.
+    point: Point  #: Load, velocity and case.
     #: Values at each station, the end last, by variable of the dataset: shape (n_step,), or
     #: (n_step, n_quantile).
     columns: dict[str, Array]
@@ -121,17 +121,17 @@ class PointRecord:
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
-    """All points of a sweep, by variant, then by velocity, then by load."""
+    """All points of a sweep, by case, then by velocity, then by load."""
     return tuple(
         Point(load, velocity, name)
-        for name, row in sweep.variants.by_name.items()
+        for name, row in sweep.case_table.by_name.items()
         for velocity in _places(row, "velocity", sweep.velocities)
         for load in _places(row, "load", sweep.loads)
     )
 
 
-def _places(row: Labels, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities (`axis`) of a variant: its own single value, else `usual`."""
+def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
+    """Loads or velocities (`axis`) of a case: its own single value, else `usual`."""
     return (row[axis],) if axis in row else usual
 
 
@@ -152,14 +152,14 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     numbers: dict[Scene, int] = {}
 
     @functools.cache
-    def ramp(name: Variant, velocity: float, load: float) -> tuple[Any, ...]:
+    def ramp(name: CaseName, velocity: float, load: float) -> tuple[Any, ...]:
         scene = sweep.case(name).scene
         number = numbers.setdefault(mechanics(scene), len(numbers))
         return number, *ramp_key(scene, load, velocity)
 
-    order = sorted(todo, key=lambda point: point.variant)
-    found = [Task(point, ramp(point.variant, point.velocity, point.load)) for point in order]
-    yield from sorted(found, key=lambda task: (task.ramp, task.point.load, task.point.variant))
+    order = sorted(todo, key=lambda point: point.case)
+    found = [Task(point, ramp(point.case, point.velocity, point.load)) for point in order]
+    yield from sorted(found, key=lambda task: (task.ramp, task.point.load, task.point.case))
 
 
 def run_point(
@@ -281,20 +281,23 @@ def choose_stations(sweep: Sweep) -> Stations:
     """Stations (times of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
-    steps, scenes = sweep.steps, [case.scene for case in sweep._given]
+    steps, cases = sweep.steps, sweep._on_first_surface
+    scenes = [case.scene for case in cases]
     if not steps:
-        # Variants that share contacts would take 2.9 to 4.4 times as long with temperatures at all
+        # Cases that share contacts would take 2.9 to 4.4 times as long with temperatures at all
         # steps of the course.
         are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
-        rows = [
+        contacts = [
             (mechanics(sweep.case(name).scene), row.get("velocity"))
-            for name, row in sweep.variants.by_name.items()
+            for name, row in sweep.case_table.by_name.items()
         ]
-        are_alone = len({*rows}) == len(rows)
-        wears = any(scene.wears for scene in scenes)
-        steps = "course" if are_ramps and wears and are_alone else "end"
+        wears, are_distinct = (
+            any(scene.wears for scene in scenes),
+            len({*contacts}) == len(contacts),
+        )
+        steps = "course" if are_ramps and wears and are_distinct else "end"
     # A disc or a track that keeps heat gets warmer while the load is held.
-    loading, kept = sweep.scene.loading, [case.conditions.corrections for case in sweep._given]
+    loading, kept = sweep.scene.loading, [case.conditions.corrections for case in cases]
     holds = isinstance(loading, Ramp) and bool(loading.hold)
     warms = holds and any(corrections.keeps_heat for corrections in kept if corrections)
     return Stations(steps, warms)

@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from pipeline.sweep.case import TEST
+from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import PLACE_UNITS, Column, Variants
 
 TEST_POINT = "test_point"
 """Dimension of the points of tests."""
@@ -59,7 +59,7 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
-        variants=Variants(columns, rows),
+        case_table=CaseTable(columns, rows),
         loads=tuple(sorted({slot.load for slot in slots})),
         velocities=tuple(sorted({slot.velocity for slot in slots})),
         fields=False,

@@ -11,12 +11,12 @@ from typing import Any
 
 import tribo
 from pipeline.sweep.case import Case, SpecimenTest
+from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.sweep import Sweep
-from pipeline.sweep.variants import Column, Variants
 from tribo import InputError, TriboError
 from tribo.surface import UnknownHeights
 from tribo.types import Array
@@ -48,7 +48,7 @@ class SweepDataError(InputError):
 _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
-        Sweep, Case, SpecimenTest, Variants, Column, Stations, Remark, FromLibrary, MissingSurface,
+        Sweep, Case, SpecimenTest, CaseTable, Column, Stations, Remark, FromLibrary, MissingSurface,
         Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
@@ -85,7 +85,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
     try:
         sweep = decode(whole, _CLASSES, arrays)
-        if not isinstance(sweep, Sweep) or not 0 < len(sweep.cases) == len(sweep.variants):
+        if not isinstance(sweep, Sweep) or not 0 < len(sweep.cases) == len(sweep.case_table):
             raise CodecError("it has no case for each row")
     except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error

@@ -9,11 +9,11 @@ from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.case import Case, SpecimenTest
+from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Fields, Stations, Steps
-from pipeline.sweep.variants import AREAS, Variant, Variants, surfaces
 from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
 
 
@@ -22,18 +22,18 @@ class Point(NamedTuple):
 
     load: float  # on the whole pin [N]
     velocity: float  # [m/s]
-    variant: Variant = ()
+    case: CaseName = ()
 
     def __str__(self) -> str:
-        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *variant_words(self.variant)])
+        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *case_words(self.case)])
 
 
-def variant_words(variant: Variant) -> list[str]:
+def case_words(case: CaseName) -> list[str]:
     """Describe the labels that name a case, each as text such as "surface 3"."""
     return [
         f"{'surface' if name == 'realization' else name} "
         + (f"{value:g}" if isinstance(value, float) else f"{value}")
-        for name, value in variant
+        for name, value in case
     ]
 
 
@@ -50,10 +50,10 @@ class Sweep:
     base : Case
         The scene itself, without the entries that cases replace.
     cases : tuple of Case
-        One for each row of `variants`, in its order.
+        One for each row of `case_table`, in its order.
     loads, velocities : tuple of float
         Ascending loads [N] and velocities [m/s] of the plane.
-    variants : Variants
+    case_table : CaseTable
         Table of the labels of the cases.
     tests : tuple of SpecimenTest
         Tests of the scene, each with its own case.
@@ -75,7 +75,7 @@ class Sweep:
     caveat: str | None  # what readers of answers must know
     base: Case
     cases: tuple[Case, ...]
-    variants: Variants = field(repr=False)
+    case_table: CaseTable = field(repr=False)
     loads: tuple[float, ...]
     velocities: tuple[float, ...]
     fields: Fields  # of the contact, to store
@@ -105,13 +105,13 @@ class Sweep:
         return hash(self._meaning)
 
     def __repr__(self) -> str:
-        return f"{self.name}: {self.title} ({len(self.variants)} rows)"
+        return f"{self.name}: {self.title} ({len(self.case_table)} cases)"
 
     @cached_property
     def _meaning(self) -> str:
         plane = self.loads, self.velocities, self.fields, self.steps
         words = self.title, self.caveat
-        return digest(((self.base, *self.cases), plane, words, self.tests, self.variants))
+        return digest(((self.base, *self.cases), plane, words, self.tests, self.case_table))
 
     @cached_property
     def doubts(self) -> tuple[Remark, ...]:
@@ -147,41 +147,41 @@ class Sweep:
         return self.base.preset
 
     @cached_property
-    def _by_name(self) -> dict[Variant, Case]:
+    def _by_name(self) -> dict[CaseName, Case]:
         return {case.name: case for case in self.cases}
 
-    def case(self, name: Variant = ()) -> Case:
+    def case(self, name: CaseName = ()) -> Case:
         """The case of a name, by default the scene itself; `InputError` if there is none."""
         if not name:
             return self.base
         if name not in self._by_name:
-            raise self.variants.unknown(name)
+            raise self.case_table.unknown(name)
         return self._by_name[name]
 
     @cached_property
-    def _given(self) -> tuple[Case, ...]:
-        """Cases that the user chose: of each, the one on the first random surface."""
-        if not self.variants.chosen:
+    def _on_first_surface(self) -> tuple[Case, ...]:
+        """Cases that the user chose, each on its first surface."""
+        if not self.case_table.chosen:
             return (self.base,)
-        chosen = {one.name for one in self.variants.chosen}
-        first: dict[Variant, Case] = {}
+        chosen = {one.name for one in self.case_table.chosen}
+        first: dict[CaseName, Case] = {}
         for case in self.cases:
             first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
         return tuple(first.values())
 
-    def _alone(self, name: Variant = ()) -> Self:
-        """The sweep of one case, by default of the scene itself, without variants."""
+    def _single_case(self, name: CaseName = ()) -> Self:
+        """The sweep of one case, by default of the scene itself."""
         case = replace(self.case(name), name=())
-        return replace(self, base=case, cases=(case,), variants=Variants())
+        return replace(self, base=case, cases=(case,), case_table=CaseTable())
 
-    def _take(self, name: Variant) -> Self:
-        """The sweep of the random surfaces of one variant, named without them."""
-        table, wanted = self.variants.surfaces_of(name), {*name}
+    def _select_case(self, name: CaseName) -> Self:
+        """The sweep of the random surfaces of one case, named without them."""
+        table, wanted = self.case_table.surfaces_of(name), {*name}
         own = [case for case in self.cases if wanted <= {*case.name}]
         if not own:
-            raise self.variants.unknown(name)
+            raise self.case_table.unknown(name)
         cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
-        return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), variants=table)
+        return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), case_table=table)
 
     def _hash_scene(self, scene: Scene) -> str:
         """SHA-256 of a scene, computed once for this sweep."""
@@ -194,7 +194,7 @@ class Sweep:
         return {}
 
     @cached_property
-    def _scene_hashes(self) -> dict[Variant, str]:
+    def _scene_hashes(self) -> dict[CaseName, str]:
         """SHA-256 of the scene of each case, by the name of the case."""
         return {case.name: self._hash_scene(case.scene) for case in self.cases}
 
@@ -202,7 +202,7 @@ class Sweep:
         """The sweep with another value of an entry, as in a scene file; None removes the entry.
 
         The scene is read again. A preset (``fidelity.preset``) replaces all numerical choices, and
-        a coefficient of friction scales the curves of friction. Variants that set the entry keep
+        a coefficient of friction scales the curves of friction. Cases that set the entry keep
         their own value.
 
         Raises
@@ -228,13 +228,14 @@ class Sweep:
         """The sweep on this many random surfaces, counted from its own seed on."""
         rough = self.scene.roughness
         assert isinstance(rough, SelfAffineRoughness)
-        variants = self.variants.without_surfaces * surfaces(range(rough.seed, rough.seed + count))
-        given = dict(zip(self.variants.without_surfaces.names, self._given, strict=True))
+        chosen = self.case_table.without_surfaces
+        table = chosen * surfaces(range(rough.seed, rough.seed + count))
+        first = dict(zip(chosen.names, self._on_first_surface, strict=True))
         cases = tuple(
-            replace(given[(*others,)].on_surface(int(seed)), name=(*others, (dim, seed)))
-            for *others, (dim, seed) in variants.names
+            replace(first[(*others,)].on_surface(int(seed)), name=(*others, (dim, seed)))
+            for *others, (dim, seed) in table.names
         )
-        return replace(self, cases=cases, variants=variants)
+        return replace(self, cases=cases, case_table=table)
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced by `changes`, values by name.
@@ -252,10 +253,10 @@ class Sweep:
 
     def _with_hold(self, duration: float) -> Self:
         """The scene alone with another `duration` at the full load after the ramp [s]."""
-        return replace(self._alone(), base=self.base.held(duration), tests=())
+        return replace(self._single_case(), base=self.base.held(duration), tests=())
 
     def _take_surface(self, seed: int | None) -> Self:
-        """The sweep on the random surface of a seed, without variants; itself for None."""
+        """The sweep of the scene itself on the random surface of a seed; itself for None."""
         if seed is None:
             return self
         if self.scene.roughness is None:
@@ -263,7 +264,7 @@ class Sweep:
                 f"realization is {seed}, and the disk of the scene is smooth; leave it out"
             )
         if not isinstance(self.scene.roughness, SelfAffineRoughness):  # an area of a scan
-            return self.changed(AREAS, [seed])._alone()
+            return self.changed(AREAS, [seed])._single_case()
         base = replace(self.base.on_surface(seed), name=())
         tests = tuple(replace(test, case=test.case.on_surface(seed)) for test in self.tests)
-        return replace(self, base=base, cases=(base,), variants=Variants(), tests=tests)
+        return replace(self, base=base, cases=(base,), case_table=CaseTable(), tests=tests)

@@ -79,8 +79,8 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     sweep, available = sweep_of(sweep), cores()
     workers = workers or available
     every = [*tasks(points_of(sweep), sweep)]
-    given = list(sweep.variants.given)
-    scene = sweep._take(given[len(given) // 2])
+    given = sweep.case_table.without_surfaces.names
+    scene = sweep._select_case(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
     work = _TaskTimes(scene, contact_time, heat_time, is_course)
@@ -124,8 +124,8 @@ class _TaskTimes:
 
     def _seconds(self, task: Task, has: dict[Any, Any]) -> float:
         """Time of a task [s]; `has` keeps ramps and contacts of those before, and gets its own."""
-        load, velocity, variant = task.point
-        scene = self.sweep.case(variant).scene if self.is_of_tests else self.sweep.scene
+        load, velocity, case = task.point
+        scene = self.sweep.case(case).scene if self.is_of_tests else self.sweep.scene
         if (key := (scene, load, velocity)) not in self._steps:
             stations = choose_stations(self.sweep)
             self._steps[key] = _count_steps(scene, stations, load, velocity)

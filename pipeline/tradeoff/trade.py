@@ -141,7 +141,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         curve_errors(x, row, one[None])[0]
         for row, one in zip(field.rows(field.velocities)[crosses], at, strict=True)
     ] / exponents(field, loads, critical)
-    patches = len(sweep.variants.axes.get("realization", (0,)))
+    patches = len(sweep.case_table.axes.get("realization", (0,)))
     kind = specimen.is_highest, specimen.alone
     shares = patches_share(patches, *kind) / patches_share(specimen.patches[crosses], *kind)
     surface = shares * search.errors[SURFACE, crosses]
@@ -173,7 +173,7 @@ def seconds_of_point(sweep: Sweep, near: float) -> float:
 
 def seconds_of_loads(sweep: Sweep, near: float) -> float:
     """Processor time [s] of all loads at the velocity next to `near` [m/s], which share a ramp."""
-    case, trunks = sweep._given[0], Trunks()
+    case, trunks = sweep._on_first_surface[0], Trunks()
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - near))
     began = time.process_time()
     for load in sweep.loads:

@@ -137,8 +137,8 @@ def places(ds):
     dims = ds["status"].dims
     for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
         values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
-        if "variant" in values:  # each variant has its own velocity
-            values["velocity"] = float(ds["velocity"].sel(variant=values["variant"]))
+        if "case" in values:  # each case has its own velocity
+            values["velocity"] = float(ds["velocity"].sel(case=values["case"]))
         load, velocity = values.pop("load"), values.pop("velocity")
         yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))
 
@@ -246,7 +246,7 @@ class Trial:
         """Number of times that each point was reported to drivers as done, by point."""
         lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
         rows = (json.loads(line) for line in lines if line.endswith("\n"))
-        return Counter(Point(*place, tuple(map(tuple, variant))) for *place, variant in rows)
+        return Counter(Point(*place, tuple(map(tuple, case))) for *place, case in rows)
 
     def go(self, disturbances):
         """Disturb one driver after the other, then complete the sweep; add faults to the report."""

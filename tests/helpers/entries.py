@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import tribo
 from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.variants import PLACE_UNITS, Column, Variants, numbered_rows
+from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column, numbered_cases
 
 _SCENE = {one.name for one in fields(tribo.Scene)}
 _CASE = {
@@ -18,7 +18,7 @@ _CASE = {
 }
 _SWEEP = {
     "name", "title", "caveat", "notes", "sources", "stations", "loads", "velocities", "fields",
-    "steps", "variants",
+    "steps", "case_table",
 }  # fmt: skip
 FIELDS = {*_SCENE, *_CASE, *_SWEEP, "tests"}
 
@@ -28,15 +28,15 @@ def bare_test(load, velocity, friction=None, case=None, **more):
     return SpecimenTest(load, velocity, case, friction, **more)
 
 
-class Rows(Variants):
-    """A table of variants, and the objects that each of its rows replaces, by path."""
+class Rows(CaseTable):
+    """A table of cases, and the objects that each of its rows replaces, by path."""
 
     def __init__(self, table, changes):
         super().__init__(table.columns, table.rows)
         object.__setattr__(self, "changes", [*changes])
 
     def __rmul__(self, other):
-        return Rows(Variants.__mul__(other, self), [*self.changes] * len(other))
+        return Rows(CaseTable.__mul__(other, self), [*self.changes] * len(other))
 
 
 def changed(sweep, **values):
@@ -45,12 +45,12 @@ def changed(sweep, **values):
     own = {name: value for name, value in values.items() if name in _SWEEP}
     objects = {name: value for name, value in values.items() if name in {*_SCENE, *_CASE}}
     base, *cases = (_case(one, objects) for one in (sweep.base, *sweep.cases))
-    if rows := own.pop("variants", None):
-        table = Variants(rows.columns, rows.rows)
+    if rows := own.pop("case_table", None):
+        table = CaseTable(rows.columns, rows.rows)
         changes = getattr(rows, "changes", [{} for _ in rows.rows])
         pairs = zip(table.names, changes, strict=True)
         cases = [replace(_case(base, _seeded(name) | one), name=name) for name, one in pairs]
-        own["variants"] = table
+        own["case_table"] = table
     made = replace(sweep, base=base, cases=tuple(cases), source=None, **own)
     tests = values.get("tests", made.tests)
     numbered = (_with_case(test, k, made.base) for k, test in enumerate(tests))
@@ -92,13 +92,13 @@ def _replaced(made, path, value):
 
 
 def rows(name, changes, velocities=None, loads=None):
-    """Variants of a sweep; `changes` has for each label the changed fields [SI] or objects."""
+    """Cases of a sweep; `changes` has for each label the changed fields [SI] or objects."""
     places = {"load": loads, "velocity": velocities}
     return labelled_rows(name, changes, **{k: v for k, v in places.items() if v is not None})
 
 
 def placed_rows(*places):
-    """Numbered variants, each (load, velocity), or with further labels."""
+    """Numbered cases, each (load, velocity), or with further labels."""
     held = [
         {**labels, "load": load, "velocity": velocity}
         for load, velocity, labels in ((*one, {})[:3] for one in places)
@@ -106,22 +106,22 @@ def placed_rows(*places):
     columns = (
         Column(name, PLACE_UNITS.get(name, "1"), meaning=f"{name} of the row") for name in held[0]
     )
-    return numbered_rows(columns, held)
+    return numbered_cases(columns, held)
 
 
 def two_pins():
-    """Two variants of a sweep, with pin radii of 1 and 2 mm."""
+    """Two cases of a sweep, with pin radii of 1 and 2 mm."""
     column = Column("pin_radius", "m", entry="pin.radius", shown="mm")
     radii = (1e-3, 2e-3)
-    table = Variants((column,), tuple({"pin_radius": one} for one in radii))
+    table = CaseTable((column,), tuple({"pin_radius": one} for one in radii))
     return Rows(table, [{"pin.radius": one} for one in radii])
 
 
 def labelled_rows(name, changes, **places):
-    """Table of variants along one dimension, called `name`: a row for each label in `changes`.
+    """Table of cases along one dimension, called `name`: a row for each label in `changes`.
 
-    For each label, `changes` has the objects that the variant replaces. `places` may give each
-    variant its own ``load`` [N] or ``velocity`` [m/s].
+    For each label, `changes` has the objects that the case replaces. `places` may give each
+    case its own ``load`` [N] or ``velocity`` [m/s].
     """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
@@ -130,4 +130,4 @@ def labelled_rows(name, changes, **places):
         {name: label} | {one: float(values[k]) for one, values in places.items()}
         for k, label in enumerate(changes)
     )
-    return Rows(Variants((key, *own), tuple(labels)), [*changes.values()])
+    return Rows(CaseTable((key, *own), tuple(labels)), [*changes.values()])

@@ -6,4 +6,4 @@ from pipeline.sweep.plan import choose_stations
 
 def run_point(sweep, point, trunks=None):
     """Simulate a point of a sweep, as a worker would."""
-    return plan.run_point(sweep.case(point.variant).scene, choose_stations(sweep), point, trunks)
+    return plan.run_point(sweep.case(point.case).scene, choose_stations(sweep), point, trunks)

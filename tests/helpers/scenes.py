@@ -65,7 +65,7 @@ coefficient = 0.1
 [temperature]
 bulk = "25 degC"
 critical = "145 degC"
-failing_share = 0.1
+critical_area_fraction = 0.1
 
 [fidelity]
 pixels_per_element = 1

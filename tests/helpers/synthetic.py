@@ -130,7 +130,7 @@ def sweep(
     judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
     of = scene(conditions=judged, fields=fields, **plane | told)
-    first = of._given[0].scene
+    first = of._on_first_surface[0].scene
     area = np.prod(first.grid.size) * first.pin.patches(first.grid)
     with np.errstate(invalid="ignore"):
         pressure = scalars["normal_load"] / (scalars["contact_fraction"] * area)

@@ -50,7 +50,7 @@ def swept(folder):
 
 def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, folder):
     ds = pipeline.open_sweep(swept)
-    assert not load(folder)._alone().variants.columns
+    assert not load(folder)._single_case().case_table.columns
     assert ds["pin_radius"].values.tolist() == [0.002, 0.004]
     assert ds["pin_radius"].attrs["units"] == "m"
     assert ds["max_rise"].dims == ("pin_radius", "load", "velocity", "step")
@@ -86,7 +86,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
         tmp_path, over, materials,
         **{"sweep.velocities": ["2 m/s"], "sweep.loads": ["600 N"], "sweep.realizations": [3, 4]},
     )  # fmt: skip
-    assert list(sweep.variants.axes) == ["friction_coefficient", "pin_material", "realization"]
+    assert list(sweep.case_table.axes) == ["friction_coefficient", "pin_material", "realization"]
     ramps = {task.ramp for task in tasks(points(sweep), sweep)}
     assert (len(points(sweep)), len(ramps)) == (8, 4)  # both frictions continue one ramp
     commit_all(tmp_path / "out.zarr", sweep)
@@ -104,7 +104,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     one = ds.sel(friction_coefficient=[0.12], pin_material=["hard"])
     assert cases_of(one)[0].sweep.conditions.friction == 0.12
     hottest = pipeline.temperatures(pipeline.end_of_point(ds))["max_temperature"]
-    assert hottest.dims == (*sweep.variants.axes, "load", "velocity")
+    assert hottest.dims == (*sweep.case_table.axes, "load", "velocity")
     rises = hottest - 298.15
     ratio = rises.sel(friction_coefficient=0.12) / rises.sel(friction_coefficient=0.08)
     np.testing.assert_allclose(ratio.values, 1.5, rtol=1e-12)

@@ -21,9 +21,9 @@ from pipeline.answers.error import INTERPOLATION, rise_errors, total
 from pipeline.answers.preset_error import preset_bound
 from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
+from pipeline.sweep.case_table import CaseTable
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.sweep import Point
-from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
@@ -125,7 +125,7 @@ def computed(task):
     seed = number if family == "shipped" else FIRST + number
     rng = np.random.default_rng([seed, 161])
     try:
-        sweep = changed(FAMILIES[family](seed), fields=False, steps="end", variants=Variants())
+        sweep = changed(FAMILIES[family](seed), fields=False, steps="end", case_table=CaseTable())
         velocities = [velocity for velocity in sweep.velocities if velocity]
         low, high = min(velocities), max(velocities)
         if family != "shipped":  # shipped scenes have distant velocities

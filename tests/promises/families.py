@@ -404,7 +404,9 @@ def tops(draw, number):
     sizes = [float(one.split()[0]) * scale for one in entries["window.pixel_size"]]
     entries |= {"window.pixels": pixels, "window.pixel_size": [f"{one:.3g} um" for one in sizes]}
     kind = ("honed", "stepped", "needles", "two scales", "grooves")[number % 5]
-    entries["temperature.failing_share"] = (0.5, 0.01, 0.3, 0.05, 0.0, 0.2)[number // 2 % 6]
+    entries["temperature.critical_area_fraction"] = (0.5, 0.01, 0.3, 0.05, 0.0, 0.2)[
+        number // 2 % 6
+    ]
     return entries, velocity, measure(entries, kind)
 
 
@@ -461,7 +463,7 @@ def wide_summits(draw, number):
         "pin.width": "10 mm",
         "temperature.bulk": "60 degC",
         "friction.coefficient": 0.06,
-        "temperature.failing_share": draw.one_of(0.5, 0.1, 0.5),
+        "temperature.critical_area_fraction": draw.one_of(0.5, 0.1, 0.5),
     }
     return entries, velocity, {}
 

@@ -66,7 +66,7 @@ def dividing(scene, fidelity):
 def errors(case, fidelity):
     """Velocity errors, warnings and CPU time of a fidelity on a scene; None without true rises.
 
-    ``over`` is the largest bound of a preset over that which it has by the scene's failing share.
+    ``over`` is the largest bound of a preset over that by the scene's own area fraction.
     """
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:

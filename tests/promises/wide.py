@@ -6,7 +6,7 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.variants import surfaces
+from pipeline.sweep.case_table import surfaces
 from tests.helpers.entries import changed
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, window_guess, with_boundary
@@ -46,7 +46,7 @@ def random_wide_sweep(seed):
     )
     sweep = window_guess(sweep, draw.lengths(), velocity)
     if sweep.scene.roughness is not None and draw.chance(1 / 5):
-        sweep = changed(sweep, variants=surfaces((seed, seed + 1000)))
+        sweep = changed(sweep, case_table=surfaces((seed, seed + 1000)))
     return with_boundary(sweep, sweep.loads[_MIDDLE], velocity)
 
 

@@ -51,7 +51,7 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
     """Places A and E of the gears, by hand: Hertz of cylinders, and velocities of the flanks."""
     found = check("--json", scene="gear_mesh")
     first, *_, last = found["rows"]
-    assert (first["row"], last["row"]) == ("A", "E")
+    assert (first["case"], last["case"]) == ("A", "E")
     modulus = 209e9 / (2 * (1 - 0.28**2))
     for row, radius in ((first, 7.403e-3), (last, 5.094e-3)):
         line, half = 2976 / 20e-3, row["half_width"]

@@ -131,7 +131,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     same = (
         "friction.coefficient=0.13",
         "temperature.bulk=50 degC",
-        "temperature.failing_share=0.05",
+        "temperature.critical_area_fraction=0.05",
     )
     by_option, by_setting = (
         irg(*point, *words)[0] for words in (options, [f"--set={entry}" for entry in same])

@@ -174,7 +174,9 @@ def test_a_long_table_shows_the_worst_points(store, tmp_path, irg):
     assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24
 
 
-def test_a_failing_share_of_a_row_is_judged_and_a_probability_said_in_words(store, tmp_path, irg):
+def test_a_critical_area_fraction_of_a_row_is_judged_and_a_probability_said_in_words(
+    store, tmp_path, irg
+):
     points = tmp_path / "duty.csv"
     points.write_text("load [N],velocity [m/s],critical area fraction [%]\n400,1.2,10\n400,2.2,1\n")
     assert "less than 1 %" in irg("margin", "out.zarr", "--points", points)

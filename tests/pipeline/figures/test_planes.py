@@ -127,7 +127,7 @@ def two_pins(factors=(1.0, 0.1), **told):
     radii = (1e-3, 2e-3)
     parts = [
         sweep(
-            variants=radii_rows(),
+            case_table=radii_rows(),
             rise=lambda *place, factor=factor: factor * synthetic.rise(*place),
             **told,
         )

@@ -24,13 +24,13 @@ def plot(kind, *arguments, **options):
 
 
 def of_places():
-    with writing("a.zarr", tiny.sweep(variants=placed_rows((250.0, 1.0)))):
+    with writing("a.zarr", tiny.sweep(case_table=placed_rows((250.0, 1.0)))):
         pass
     return pipeline.plot("a.zarr", "diagram", log=True)
 
 
 def rows_of_two():
-    with writing("b.zarr", tiny.sweep(variants=placed_rows((250.0, 1.0)))):
+    with writing("b.zarr", tiny.sweep(case_table=placed_rows((250.0, 1.0)))):
         pass
     return pipeline.plot("b.zarr", friction=[0.1, 0.12])
 

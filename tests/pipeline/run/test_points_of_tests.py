@@ -40,7 +40,7 @@ def compute(path, sweep, most=None):
     with writing(path, sweep) as store:
         tests, done = store.tests, 0
         for point in tests.pending()[:most]:
-            scene = tests.sweep.case(point.variant).scene
+            scene = tests.sweep.case(point.case).scene
             tests.commit([plan.run_point(scene, tests.sweep.stations, point).record(False)])
             done += 1
     return done
@@ -58,7 +58,7 @@ def answered(source):
 
 def alone(sweep, load, velocity, friction=0.1, **entries):
     """Rise at a load and velocity in the scene of a sweep with other entries."""
-    scene = sweep._alone()
+    scene = sweep._single_case()
     for path, value in entries.items():
         scene = scene.changed(path.replace("__", "."), value)
     point = pipeline.run_point(scene, load, velocity)

@@ -8,8 +8,8 @@ import xarray as xr
 
 import pipeline
 from pipeline import run_sweep
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
-from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
@@ -18,7 +18,7 @@ SEEDS = (4, 1)
 
 
 def several(seeds=SEEDS):
-    return tiny.full(variants=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5))
+    return tiny.full(case_table=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5))
 
 
 def alone_on(seed):
@@ -42,7 +42,7 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
     ds = pipeline.open_sweep(swept)
     assert ds["realization"].values.tolist() == sorted(SEEDS)
     for point in points(several()):
-        seed = dict(point.variant)["realization"]
+        seed = dict(point.case)["realization"]
         expected = pipeline.run_point(alone_on(seed), point.load, point.velocity)
         stored = ds.sel(realization=seed, load=point.load, velocity=point.velocity)
         for name, values in expected.columns.items():

@@ -37,7 +37,7 @@ def searched(sweep, accuracy=0.02):
 
 
 ROWS = tiny.sweep(
-    variants=labelled_rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
+    case_table=labelled_rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
 )
 
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})

@@ -55,8 +55,8 @@ def assert_each_row_is_as_alone(ds, scene, **overrides):
     """Assert that each row of a store has the bits of a scene with the entries of that row."""
     assert (ds["status"] == 1).all()
     steps = "course" if overrides.get("sweep.steps") == "course" else "end"
-    for number in range(ds.sizes["variant"]):
-        row = ds.isel(variant=number)
+    for number in range(ds.sizes["case"]):
+        row = ds.isel(case=number)
         units = {CONDUCTIVITY: "W/(m K)", RATE: "m^2/N"}
         named = {entry: row.coords.get(entry.replace(".", "_")) for entry in units}
         entries = {
@@ -133,7 +133,7 @@ def test_rows_of_one_mechanics_rate_and_velocity_are_one_ramp(scene):
     sweep = table(scene)
     ramps = {}
     for task in tasks(points(sweep), sweep):
-        labels = dict(sweep.variants.by_name[task.point.variant])
+        labels = dict(sweep.case_table.by_name[task.point.case])
         ramps.setdefault(task.ramp[:2], set()).add(
             (labels[RATE.replace(".", "_")], task.point.velocity)
         )

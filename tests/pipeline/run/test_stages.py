@@ -52,7 +52,7 @@ def store(tmp_path_factory):
         for part in (opened, opened.tests):
             for task in plan.tasks(part.pending(), part.sweep):
                 point = task.point
-                scene, stations = part.sweep.case(point.variant).scene, part.sweep.stations
+                scene, stations = part.sweep.case(point.case).scene, part.sweep.stations
                 result = plan.run_point(scene, stations, point, trunks)
                 part.commit([result.record(part.sweep.fields)])
     return sweep, folder / "lab.zarr"
@@ -77,7 +77,7 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     own = steps.sel(load=140).values
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
     assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
-    point = pipeline.run_point(store[0]._alone(), 120.0, 2.0)
+    point = pipeline.run_point(store[0]._single_case(), 120.0, 2.0)
     assert point.verdict(store[0].conditions).deciding_temperature == pytest.approx(
         found[1], rel=1e-12
     )

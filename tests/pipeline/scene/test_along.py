@@ -36,17 +36,17 @@ def faults(path):
 def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     sweep = pipeline.load_scene(scene(tmp_path, along))
     assert [(point.load, point.velocity) for point in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
-    first, second = (sweep.case(name) for name in sweep.variants.names)
+    first, second = (sweep.case(name) for name in sweep.case_table.names)
     assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
-    assert sweep.variants.labels("pin_radius") == (3e-3, 4e-3)
+    assert sweep.case_table.column("pin_radius") == (3e-3, 4e-3)
 
 
 def test_a_label_in_numbers_is_in_si(tmp_path):
     heads = "cycle time [min],angle [deg],flank,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3b,600,2\n"
-    table = pipeline.load_scene(scene(tmp_path, rows=rows)).variants
-    held = {column.name: (table.labels(column.name), column.unit) for column in table.columns}
+    table = pipeline.load_scene(scene(tmp_path, rows=rows)).case_table
+    held = {column.name: (table.column(column.name), column.unit) for column in table.columns}
     assert held["cycle_time"] == ((30.0, 60.0), "s")
     assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
     assert held["flank"] == (("2a", "3b"), None)

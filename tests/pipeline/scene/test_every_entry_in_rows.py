@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 from pipeline import load_scene
+from pipeline.scene.cases import _FIXED
 from pipeline.scene.entries import entry_at
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Number, Quantity, Whole
-from pipeline.scene.rows import _FIXED
 from pipeline.scene.tables import keys_of
 from pipeline.shipped import WORKFLOWS
 
@@ -28,7 +28,7 @@ COMMON = {
     "model": {"bias": 0.06, "scatter": 0.05, "rise": 0.04},
     "oil": OIL,
     "sweep.fields": False,
-    "temperature.failing_share": 0.1,
+    "temperature.critical_area_fraction": 0.1,
     "loading.hold": "1 s",
     "materials": {"own": STEEL},
     "disk.material": "own",

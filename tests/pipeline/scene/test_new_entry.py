@@ -44,7 +44,7 @@ print(json.dumps({
     "doubt": str(load("20 um").notes[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
     "misfits": [*misfits(one, other)],
-    "rows": [over.case(name).scene.roughness.waviness for name in over.variants.names],
+    "rows": [over.case(name).scene.roughness.waviness for name in over.case_table.names],
 }))
 """
 

@@ -31,7 +31,7 @@ def test_a_rotation_is_the_velocity_of_its_track(text, value):
 
 def seeds(wanted, **entries):
     scene = pipeline.load_scene("first_try", overrides={"sweep.realizations": wanted} | entries)
-    names = [dict(name)["realization"] for name in scene.variants.names]
+    names = [dict(name)["realization"] for name in scene.case_table.names]
     return names, scene.scene.roughness.seed
 
 

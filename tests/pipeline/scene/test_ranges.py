@@ -108,7 +108,9 @@ PLACES = {
     "oil.density": lambda v: tribo.Oil((32e-6, 5e-6), v),
     "oil.pressure_viscosity_coefficient": lambda v: tribo.Oil((32e-6, 5e-6), 866.0, v),
     "friction.coefficient": lambda v: replace(CONDITIONS, friction=v),
-    "temperature.failing_share": lambda v: tribo.Conditions(0.1, 300.0, critical_area_fraction=v),
+    "temperature.critical_area_fraction": lambda v: tribo.Conditions(
+        0.1, 300.0, critical_area_fraction=v
+    ),
     "sweep.loads": lambda v: list(tribo.simulate(SCENE, v, 1.0)),
 }
 SCENE = small_scene(roughness=False, wear=False, increments=1)

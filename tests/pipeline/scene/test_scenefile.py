@@ -90,7 +90,7 @@ def test_what_may_be_left_out_takes_its_default(read):
         SMOOTH,
         (TEXT[TEXT.index("[wear]") : TEXT.index("[friction]")], ""),
         ("band = [0.09, 0.103]\n", ""),
-        ("failing_share = 0.1\n", ""),
+        ("critical_area_fraction = 0.1\n", ""),
         (TEXT[TEXT.index("[fidelity]") : TEXT.index("[sweep]")], ""),
         ("fields = true\n", ""),
         (TEXT[TEXT.index("[[tests]]") :], ""),

@@ -17,8 +17,8 @@ from pipeline.scene.format import RandomSurface
 from pipeline.scene.tables import table_of
 from pipeline.shipped import shipped_scenes
 from pipeline.store.create import writing
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.stored import SweepDataError
-from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import rows
 from tests.helpers.scenes import SCENE, STEEL
@@ -55,7 +55,7 @@ FORGED = st.sampled_from(
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_a_forged_text_is_an_error_or_another_sweep(data):
-    text = sweep_text(tiny.sweep(variants=surfaces((1, 2))))
+    text = sweep_text(tiny.sweep(case_table=surfaces((1, 2))))
     document = [json.loads(text)]
     path = (0, *data.draw(st.sampled_from([*places(document[0])])))
     inner = document
@@ -172,9 +172,9 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
     copy = sweep_of(ds.drop_vars("inputs"))  # enough where no surface is needed
     assert copy.conditions == sweep_of(ds).conditions
-    assert all("are missing" in str(copy.case(n).scene.roughness) for n in copy.variants.names)
+    assert all("are missing" in str(copy.case(n).scene.roughness) for n in copy.case_table.names)
     sweep = sweep_of(ds)
-    rows = [sweep.case(name).scene.roughness.digest for name in sweep.variants.names]
+    rows = [sweep.case(name).scene.roughness.digest for name in sweep.case_table.names]
     assert len({*rows}) == 3
 
 
@@ -183,9 +183,9 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     [
         tiny.full(roughness=SCANNED),
         tiny.sweep(loading=RECORD),
-        tiny.sweep(variants=surfaces((7, 1))),
+        tiny.sweep(case_table=surfaces((7, 1))),
         tiny.sweep(
-            variants=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
+            case_table=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
         ),
         tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
         synthetic.scene(oil=synthetic.OIL),
@@ -195,4 +195,4 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
 def test_a_sweep_of_any_kind_comes_back_equal(sweep):
     again = back(sweep)
     assert again == sweep
-    assert again.variants.names == sweep.variants.names
+    assert again.case_table.names == sweep.case_table.names

@@ -28,9 +28,9 @@ from pipeline.store.layout import FACTS
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
 from pipeline.store.schema import FORMAT
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
-from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.points import run_point
@@ -240,7 +240,7 @@ def test_a_store_grows_only_if_its_disk_has_room(path, monkeypatch):
 
 
 def test_only_the_first_surface_of_a_case_has_fields(path):
-    sweep = tiny.full(variants=surfaces((1, 2)), loads=(150.0,), velocities=(0.5,))
+    sweep = tiny.full(case_table=surfaces((1, 2)), loads=(150.0,), velocities=(0.5,))
     with writing(path, sweep) as store:
         store.commit(run_point(sweep, point).record(with_fields=True) for point in points(sweep))
     assert xr.open_zarr(path, group="fields")["rise"].dims == ("load", "velocity", "x", "y")
@@ -259,11 +259,11 @@ def test_only_the_first_surface_of_a_case_has_fields(path):
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
     commit(path, SWEEP)
     other = tiny.full(
-        variants=rows("pin", {"own": {}, "thick": {"pin.radius": 9e-3, "pin.length": 3e-3}})
+        case_table=rows("pin", {"own": {}, "thick": {"pin.radius": 9e-3, "pin.length": 3e-3}})
     )
     with writing(tmp_path / "rows.zarr", other) as store:  # its first row is the scene of the store
         assert take_points(store, opened(path)) == 9
-        assert {point.variant for point in store.pending()} == {(("pin", "thick"),)}
+        assert {point.case for point in store.pending()} == {(("pin", "thick"),)}
     assert verify_store(tmp_path / "rows.zarr").is_clean
     with writing(path, SWEEP) as store:
         store.arrays["mean_rise"][store.index(POINT)] = np.nan
@@ -282,7 +282,7 @@ def several(**changes):
 
 
 def test_surfaces_are_added_to_those_that_are_there(path, monkeypatch):
-    fewer, more = (several(variants=surfaces(seeds)) for seeds in ((4, 1), (7, 1, 4)))
+    fewer, more = (several(case_table=surfaces(seeds)) for seeds in ((4, 1), (7, 1, 4)))
     chosen = points(fewer)[1::2]
     with writing(path, fewer) as store:
         store.commit(run_point(fewer, point).record(with_fields=False) for point in chosen)
@@ -290,7 +290,7 @@ def test_surfaces_are_added_to_those_that_are_there(path, monkeypatch):
     with killed_after(monkeypatch, 8), writing(path, more):
         pass
     with open_sweep(path) as ds:
-        (name,) = more.variants.axes
+        (name,) = more.case_table.axes
         after = ds.sel({name: before[name]}).load()
     for name in before.data_vars:
         np.testing.assert_array_equal(after[name].values, before[name].values)
@@ -319,8 +319,8 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     ("made", "asked", "complaint"),
     [
         ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
-        ({}, {"variants": surfaces((9,))}, "none in the store, realization in"),
-        ({"variants": surfaces((0, 1))}, {}, "realization in the store, none in"),
+        ({}, {"case_table": surfaces((9,))}, "none in the store, realization in"),
+        ({"case_table": surfaces((0, 1))}, {}, "realization in the store, none in"),
         (
             {},
             {"loads": (150.0, 150.0 * (1 + 1e-12))},
@@ -340,7 +340,7 @@ def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, compl
 def test_surfaces_may_come_later_and_points_on_the_first_are_kept(path):
     with writing(path, several()) as store:
         store.commit(run_point(several(), one).record(False) for one in points(several())[:1])
-    more = several(variants=surfaces((several().scene.roughness.seed, 7)))
+    more = several(case_table=surfaces((several().scene.roughness.seed, 7)))
     with writing(path, more) as store:
         assert store.axes["realization"] == [several().scene.roughness.seed, 7]
         assert len(store.pending()) == len(points(more)) - 1

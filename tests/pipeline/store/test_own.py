@@ -16,9 +16,9 @@ from pipeline.answers.results import cases_of
 from pipeline.run.here import compute_here
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
-from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test, changed, rows
 from tests.helpers.points import run_point
@@ -94,8 +94,8 @@ def halves(ds, dim):
 RAMPS = {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}}
 SWEEPS = {
     "plane": SWEEP,
-    "surfaces": tiny.full(variants=surfaces((1, 2)), loads=(150.0, 600.0)),
-    "rows": tiny.full(variants=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
+    "surfaces": tiny.full(case_table=surfaces((1, 2)), loads=(150.0, 600.0)),
+    "rows": tiny.full(case_table=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
 }
 
 

@@ -156,7 +156,7 @@ REFUSALS = {
     "missing": (changed(lambda path: (path / "mean_rise" / "c.0.0.0").unlink(), load),
                 "mean_rise is missing at 150 N, 0.5 m/s and at 8 more; irg verify"),
     "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),
-    "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
+    "label": (lambda: require_free_names(tiny.sweep(case_table=placed_rows(
         (250.0, 1.0, {"time": 1.0})))),
               "a column of the rows is called time"),
 }  # fmt: skip

@@ -6,7 +6,7 @@ import tribo
 from pipeline.shipped import WORKFLOWS
 from pipeline.store import schema
 from pipeline.store.layout import chunk_sizes
-from pipeline.sweep.variants import Variants, surfaces
+from pipeline.sweep.case_table import CaseTable, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.house import reference
@@ -22,7 +22,7 @@ def test_the_page_of_the_dataset_is_what_the_variables_say():
     [
         ({"load": 12, "velocity": 30}, 6000, {"load": 12, "velocity": 30}),
         ({"load": 12, "velocity": 8334}, 2880, {"load": 12, "velocity": 85}),
-        ({"variant": 1000, "load": 4}, 1200, {"variant": 256, "load": 4}),
+        ({"case": 1000, "load": 4}, 1200, {"case": 256, "load": 4}),
     ],
 )
 def test_a_chunk_holds_some_hundred_points_all_loads_first(sizes, bytes_of_a_point, block):
@@ -34,9 +34,9 @@ TESTS = {"a": {}, "b": {}}
 
 
 @pytest.mark.parametrize(
-    ("variants", "time", "distance", "status"),
+    ("case_table", "time", "distance", "status"),
     [
-        (Variants(), "load", "load velocity", "load velocity"),
+        (CaseTable(), "load", "load velocity", "load velocity"),
         (surfaces((1, 2)), "load", "load velocity", "realization load velocity"),
         (RAMPS, "ramp load", "ramp load velocity", "ramp load velocity"),
         (surfaces((1, 2)) * RAMPS, "ramp load", "ramp load velocity",
@@ -44,16 +44,16 @@ TESTS = {"a": {}, "b": {}}
         (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
         (rows("test", TESTS, loads=(200.0, 300.0)), "test", "test velocity", "test velocity"),
         (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
-        (placed_rows((200.0, 0.5), (300.0, 1.0)), "variant", "variant", "variant"),
+        (placed_rows((200.0, 0.5), (300.0, 1.0)), "case", "case", "case"),
     ],
     ids=["plane", "surfaces", "ramps", "surfaces and ramps", "velocities", "loads", "places",
          "rows"],
 )  # fmt: skip
 def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
-    variants, time, distance, status
+    case_table, time, distance, status
 ):
     """Otherwise a sweep of many surfaces would store the same times for each."""
-    wanted = schema.variables_of(tiny.full(variants=variants))
+    wanted = schema.variables_of(tiny.full(case_table=case_table))
     assert wanted["status"].dims == tuple(status.split())
     assert wanted["mean_rise"].dims == (*status.split(), "step")
     for name, dims in (("time", time), ("normal_load", time), ("sliding_distance", distance)):

@@ -15,9 +15,9 @@ from pipeline.store import arrays
 from pipeline.store.create import take_points, writing
 from pipeline.store.schema import path_of
 from pipeline.store.store import opened
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
-from pipeline.sweep.variants import surfaces
 from tests.crash.drive import computing
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
@@ -256,7 +256,7 @@ def test_the_command_names_what_is_damaged(copy, irg):
 
 def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
-    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), variants=surfaces((1, 2)), fields=True)
+    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
     (path / "fields/pressure/c.0.0.0.0").unlink()
     cut(path / "realization" / "c.0")

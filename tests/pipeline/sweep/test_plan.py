@@ -10,9 +10,9 @@ import tribo
 from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import choose_stations, points, tasks
 from pipeline.sweep.sweep import Point
-from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.points import run_point as run_alone
@@ -192,10 +192,10 @@ def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
         ({"wear": None}, "end"),
         ({"loading": RAMP}, "end"),
         ({"loading": RECORD}, "end"),
-        ({"variants": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
-        ({"variants": surfaces([1, 2])}, "course"),
-        ({"variants": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
-        ({"variants": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
+        ({"case_table": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
+        ({"case_table": surfaces([1, 2])}, "course"),
+        ({"case_table": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
+        ({"case_table": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
     ],
     ids=[
         *("ramp", "no wear", "hold", "record", "shared contacts", "surfaces"),

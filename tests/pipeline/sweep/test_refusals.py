@@ -1,4 +1,4 @@
-"""All refusals of sweeps, their conditions, variants: causes, and what each says."""
+"""All refusals of sweeps, their conditions, cases: causes, and what each says."""
 
 import math
 from dataclasses import replace
@@ -7,9 +7,9 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
+from pipeline.sweep.case_table import CaseTable, Column, surfaces
 from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
-from pipeline.sweep.variants import Column, Variants, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
@@ -47,16 +47,16 @@ REFUSALS = {
     "share nan": (conditions(critical_area_fraction=math.nan), "fraction is nan; it must be one"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
-    # the sweep and its variants
+    # the sweep and its cases
     "hold": (lambda: tiny.sweep(loading=RECORD)._with_hold(2.0), "hold is 2 s, but the load"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion cannot be changed in"),
     "plane": (lambda: replace(tiny.sweep(), loads=(2.0, 1.0)), "loads are (2.0, 1.0); give"),
-    "take": (lambda: tiny.sweep()._take((("pin", 1),)), "the sweep has no pin 1"),
-    "columns": (lambda: Variants((Column("a"),), ({"b": 1},)), "other columns than its table"),
+    "take": (lambda: tiny.sweep()._select_case((("pin", 1),)), "the sweep has no pin 1"),
+    "columns": (lambda: CaseTable((Column("a"),), ({"b": 1},)), "other columns than its table"),
     "surface": (lambda: SMOOTH._take_surface(3), "realization is 3"),
-    "labels": (lambda: Variants((Column("a"),), ({"a": 1},) * 2).by_name,
+    "labels": (lambda: CaseTable((Column("a"),), ({"a": 1},) * 2).by_name,
                "have the same values"),
-    "row": (lambda: tiny.sweep(variants=surfaces((1, 2))).case((("realization", 5),)),
+    "row": (lambda: tiny.sweep(case_table=surfaces((1, 2))).case((("realization", 5),)),
             "the sweep has no realization 5; it has realization 1 to 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing, realization 1, pin b"),

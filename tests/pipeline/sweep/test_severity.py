@@ -32,7 +32,7 @@ def columns(*rises, loads):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.5])
-def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(share):
+def test_at_the_limit_just_the_critical_area_fraction_is_above_the_critical_temperature(share):
     conditions = replace(OWN, friction=0.05, critical_area_fraction=share)
     at_limit = rise_limit(conditions)
     rises = EVEN * at_limit / conditions.governing_rise({"rise_quantile": EVEN})

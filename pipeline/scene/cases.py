@@ -1,6 +1,6 @@
-"""Rows of a sweep: ``[sweep] over``, ``along`` and ``realizations``, each a case of its own.
+"""Cases of a sweep: by ``[sweep] over``, ``along`` and ``realizations``.
 
-A row is read as if its values stood in the file, or were given by ``--set``.
+A case is read as if its values stood in the file, or were set by ``--set``.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from pipeline.scene.format_of_tests import TableFile
 from pipeline.scene.kinds import LOAD, SPEED
 from pipeline.scene.tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.sweep.case import Case
-from pipeline.sweep.codec import digest
-from pipeline.sweep.conditions import CONDITION_ENTRIES
-from pipeline.sweep.variants import (
+from pipeline.sweep.case_table import (
     AREAS,
     PLACE_UNITS,
     SEED,
+    CaseTable,
     Column,
     Label,
-    Variants,
     dimension_of,
-    numbered_rows,
+    numbered_cases,
     surfaces,
 )
+from pipeline.sweep.codec import digest
+from pipeline.sweep.conditions import CONDITION_ENTRIES
 from pipeline.table import Column as TableColumn
 from pipeline.table import Sheet, TableError, read_table
 from pipeline.units import UnitError, si_unit, to_si
@@ -45,18 +45,18 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Rows:
-    """A table of variants, and the entries that each of its rows replaces, by path."""
+class Cases:
+    """A table of cases, and the entries that each of them replaces, by path."""
 
-    table: Variants = field(default_factory=Variants)
+    table: CaseTable = field(default_factory=CaseTable)
     changes: Sequence[Entries] = ({},)
 
-    def __mul__(self, other: Rows) -> Rows:
+    def __mul__(self, other: Cases) -> Cases:
         both = [{**a, **b} for a in self.changes for b in other.changes]
-        return Rows(self.table * other.table, both)
+        return Cases(self.table * other.table, both)
 
 
-def with_first_rows(entries: Entries, files: Files, faults: Faults) -> tuple[Entries, list[Row]]:
+def with_first_case(entries: Entries, files: Files, faults: Faults) -> tuple[Entries, list[Row]]:
     """Entries with the first value of ``over``, and the first row of ``along``, as defaults.
 
     Also returns the rows of ``along``, as entries by heading. Faulty rows are added to `faults`,
@@ -129,38 +129,38 @@ def _place_of(number: int, row: Row, first: Row, faults: Faults) -> Row:
     return read
 
 
-def rows_of(scene: Built, along: list[Row]) -> Rows:
-    """Rows of a scene: of ``along``, by ``over``, by the seeds of its surfaces."""
-    sweep, rows = scene.tables.sweep, Rows()
+def listed_cases(scene: Built, along: list[Row]) -> Cases:
+    """Cases of a scene: the rows of ``along``, by ``over``, by the seeds of its surfaces."""
+    sweep, cases = scene.tables.sweep, Cases()
     if along:
-        rows *= _rows_along(along)
+        cases *= _cases_along(along)
     if sweep.over:
-        rows *= _rows_over(sweep.over)
+        cases *= _cases_over(sweep.over)
     if isinstance(scene.case.scene.roughness, SelfAffineRoughness):
         seeds = realizations_of(sweep.realizations, entry_at(scene.tables, SEED))
         changes: list[Entries] = [{SEED: seed} for seed in seeds]
     else:
         seeds = realizations_of(sweep.realizations, 0)
         changes = [{AREAS: [area]} for area in seeds]
-    return rows * Rows(surfaces(seeds), changes or [{}])
+    return cases * Cases(surfaces(seeds), changes or [{}])
 
 
-def _rows_over(over: dict[str, Any]) -> Rows:
+def _cases_over(over: dict[str, Any]) -> Cases:
     if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
         raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
-    rows = Rows()
+    cases = Cases()
     for path, values in over.items():
         labels, unit = labels_of(values)
         pairs = [*zip(labels, values, strict=True)]
         if unit is not None:  # quantities ascend, texts keep their order
             pairs.sort(key=lambda pair: pair[0])
         column = _column(dimension_of(path), unit, f"{path} of the scene", path)
-        table = Variants((column,), tuple({column.name: label} for label, _ in pairs))
-        rows *= Rows(table, [{path: value} for _, value in pairs])
-    return rows
+        table = CaseTable((column,), tuple({column.name: label} for label, _ in pairs))
+        cases *= Cases(table, [{path: value} for _, value in pairs])
+    return cases
 
 
-def _rows_along(rows: list[Row]) -> Rows:
+def _cases_along(rows: list[Row]) -> Cases:
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
     found = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = {
@@ -176,7 +176,7 @@ def _rows_along(rows: list[Row]) -> Rows:
     # A friction measured at one place replaces curves of friction.
     curves = {CURVE: None} if FRICTION in found else {}
     changes = [curves | {path: one for path, one in row.items() if "." in path} for row in rows]
-    return Rows(numbered_rows(columns.values(), labels), changes)
+    return Cases(numbered_cases(columns.values(), labels), changes)
 
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
@@ -200,19 +200,19 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
         return tuple(map(str, values)), None
 
 
-def cases_of(entries: Entries, files: Files, scene: Built, rows: Rows, key: str) -> list[Case]:
-    """A case for each row; rows that differ in the seed of a random surface are read once.
+def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key: str) -> list[Case]:
+    """Read the listed cases; those that differ in the seed of a random surface are read once.
 
-    Raises an `InputError` for the first faulty row, which names `key`, the entry that asks for
-    these rows.
+    Raises an `InputError` for the first faulty case, which names `key`, the entry that asks for
+    these cases.
     """
-    if wrong := [p for p in rows.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:
+    if wrong := [p for p in listed.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:
         raise InputError(
             f"{key}.{quoted(wrong[0])}: this cannot take several values; give an entry of the "
             'scene, such as "pin.radius"'
         )
     known, cases = dict[str, Case](), list[Case]()
-    for name, changes in zip(rows.table.names, rows.changes, strict=True):
+    for name, changes in zip(listed.table.names, listed.changes, strict=True):
         others = {path: value for path, value in changes.items() if path != SEED}
         if (text := repr(others)) not in known:
             known[text] = _case_of(entries, files, scene, others, key)

@@ -1,4 +1,4 @@
-"""Variants of a scene: a table with one row for each case."""
+"""Table of the cases of a scene, a row for each."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from typing import Any
 from pipeline.quantities import DIMENSIONS, display
 from tribo import InputError
 
-VARIANT = "variant"
+CASE = "case"
 """Dimension that numbers the rows of a table that is no full product of its columns."""
 ROWS = {
     "realization": "seed of the random surface, or number of the area of a scan",
-    VARIANT: "number of the row in the table of variants",
+    CASE: "number of the row in the table of cases",
 }
 """Dimensions that number rows, without an entry of the scene, and their meanings."""
 PLACE_UNITS = {"load": "N", "velocity": "m/s"}
 """Columns with a load or a velocity of each row's own, and their units."""
 Label = float | int | str
 """Value of a row in a column."""
-Labels = Mapping[str, Label]
+Row = Mapping[str, Label]
 """A row: its labels by column [SI]."""
-Variant = tuple[tuple[str, Label], ...]
+CaseName = tuple[tuple[str, Label], ...]
 """Name of a case: the dimensions in front of load and velocity, each with the row's label."""
 SEED = "disk.roughness.seed"
 AREAS = "sweep.realizations"
@@ -38,7 +38,7 @@ def dimension_of(path: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the table of variants: a dimension, or values that a dimension determines.
+    """A column of the table of cases: a dimension, or values that a dimension determines.
 
     The dimension is `along`; it is empty if the column is itself a dimension.
     """
@@ -67,8 +67,8 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Variants:
-    """Table of the variants of a scene, a row for each case.
+class CaseTable:
+    """Table of the cases of a scene, a row for each case.
 
     A column is a dimension, such as the seed of a random surface, or has values that a dimension
     determines. Each combination of values of the dimensions has a row. A row with its own velocity
@@ -76,7 +76,7 @@ class Variants:
     """
 
     columns: tuple[Column, ...] = ()
-    rows: tuple[Labels, ...] = ({},)
+    rows: tuple[Row, ...] = ({},)
 
     def __post_init__(self) -> None:
         if any(row.keys() != {one.name for one in self.columns} for row in self.rows):
@@ -86,13 +86,13 @@ class Variants:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __mul__(self, other: Variants) -> Variants:
+    def __mul__(self, other: CaseTable) -> CaseTable:
         """Combine every row with every row of `other`."""
         rows = ({**a, **b} for a, b in itertools.product(self.rows, other.rows))
-        return Variants(self.columns + other.columns, tuple(rows))
+        return CaseTable(self.columns + other.columns, tuple(rows))
 
     @cached_property
-    def by_name(self) -> dict[Variant, Labels]:
+    def by_name(self) -> dict[CaseName, Row]:
         """Rows of the table by the names of cases; `InputError` if two have the same name."""
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row[dim]) for dim in dims]): row for row in self.rows}
@@ -101,7 +101,7 @@ class Variants:
         return rows
 
     @cached_property
-    def names(self) -> tuple[Variant, ...]:
+    def names(self) -> tuple[CaseName, ...]:
         """Name of each row: its labels along the dimensions of the table."""
         return tuple(self.by_name)
 
@@ -129,45 +129,40 @@ class Variants:
         return tuple(one for one in self.columns if not (one.along or one.is_seed))
 
     @property
-    def given(self) -> tuple[Variant, ...]:
-        """Names of the variants that the user chose, without the dimension of random surfaces."""
-        return combinations({one.name: self.axes[one.name] for one in self.chosen})
-
-    @property
-    def without_surfaces(self) -> Variants:
-        """Table of the variants that the user chose, without random surfaces."""
+    def without_surfaces(self) -> CaseTable:
+        """Table of the cases that the user chose, without random surfaces."""
         seeds = {one.name for one in self.columns if one.is_seed}
         columns = tuple(one for one in self.columns if not one.is_seed)
-        rows = dict[Variant, Labels]()
+        rows = dict[CaseName, Row]()
         for row in self.rows:
             own = {name: label for name, label in row.items() if name not in seeds}
             rows.setdefault((*own.items(),), own)
-        return Variants(columns, tuple(rows.values()))
+        return CaseTable(columns, tuple(rows.values()))
 
-    def labels(self, name: str) -> tuple[Any, ...] | None:
-        """Label of each row in a column; None if there is no such column."""
+    def column(self, name: str) -> tuple[Any, ...] | None:
+        """Label of each case in a column; None if there is no such column."""
         is_there = any(one.name == name for one in self.columns)
         return tuple(row[name] for row in self.rows) if is_there else None
 
-    def unknown(self, name: Variant) -> InputError:
-        """The error for a variant that the sweep does not have."""
+    def unknown(self, name: CaseName) -> InputError:
+        """The error for a case that the sweep does not have."""
         wanted = " and ".join(f"{key} {value}" for key, value in name)
         ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
-        return InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
+        return InputError(f"the sweep has no {wanted}; it has {ends or 'one case'}")
 
-    def in_words(self, name: Variant) -> dict[str, Label]:
+    def in_words(self, name: CaseName) -> dict[str, Label]:
         """Labels of a name by dimension, each with its unit, such as "2 mm"."""
         columns = {one.name: one for one in self.columns}
         return {dim: columns[dim].in_words(label) for dim, label in name}
 
-    def surfaces_of(self, name: Variant) -> Variants:
-        """Table of the random surfaces of one variant; a single row if it has none."""
+    def surfaces_of(self, name: CaseName) -> CaseTable:
+        """Table of the random surfaces of one case; a single row if it has none."""
         columns = tuple(one for one in self.columns if one.is_seed)
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = ({one.name: row[one.name] for one in columns} for row in own)
-        return Variants(columns, tuple(rows)) if columns else Variants()
+        return CaseTable(columns, tuple(rows)) if columns else CaseTable()
 
-    def union(self, other: Variants) -> Variants:
+    def union(self, other: CaseTable) -> CaseTable:
         """Join two tables with the same dimensions; a row that both have is taken from `other`.
 
         Raises
@@ -186,8 +181,8 @@ class Variants:
         return replace(other, rows=tuple(rows[name] for name in names))
 
 
-def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """All combinations of the labels along some `axes`, as names of variants."""
+def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[CaseName, ...]:
+    """All combinations of the labels along some `axes`, as names of cases."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
@@ -200,15 +195,15 @@ def in_order(labels: Iterable[Any]) -> list[Any]:
     return [*once] if is_text else sorted(once)
 
 
-def surfaces(seeds: Sequence[int]) -> Variants:
-    """Table of variants on random surfaces, one for each seed; a single variant without seeds."""
+def surfaces(seeds: Sequence[int]) -> CaseTable:
+    """Table of cases on random surfaces, one for each seed; a single case without seeds."""
     name = "realization"
     column = Column(name, is_seed=True, meaning=ROWS[name], entry=SEED)
-    return Variants((column,), tuple({name: seed} for seed in seeds)) if seeds else Variants()
+    return CaseTable((column,), tuple({name: seed} for seed in seeds)) if seeds else CaseTable()
 
 
-def numbered_rows(columns: Iterable[Column], rows: Iterable[Labels]) -> Variants:
-    """Table of variants numbered from 0, with `columns`."""
-    number = Column(VARIANT, meaning=ROWS[VARIANT])
-    along = (replace(one, along=VARIANT) for one in columns)
-    return Variants((number, *along), tuple({VARIANT: k, **row} for k, row in enumerate(rows)))
+def numbered_cases(columns: Iterable[Column], rows: Iterable[Row]) -> CaseTable:
+    """Table of cases numbered from 0, with `columns`."""
+    number = Column(CASE, meaning=ROWS[CASE])
+    along = (replace(one, along=CASE) for one in columns)
+    return CaseTable((number, *along), tuple({CASE: k, **row} for k, row in enumerate(rows)))
