@@ -80,7 +80,7 @@ def scenes():
 
 
 def read_scene(path, _):
-    load_scene(path).doubts  # noqa: B018
+    load_scene(path).all_warnings  # noqa: B018
 
 
 KINDS = {"scan": (scans, read_scan), "table": (tables, read_rows), "scene": (scenes, read_scene)}

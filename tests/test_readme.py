@@ -8,9 +8,8 @@ import pytest
 
 import pipeline
 from pipeline.cli.parser import parse
-from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
-from pipeline.sweep.left_out import note_on_ends
+from pipeline.scene.scene_warnings import warnings_of_case
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,7 +36,7 @@ def test_scenes_load_and_raise_no_doubts(scene, tmp_path):
     path = tmp_path / "bearing.toml"
     path.write_text(scene, encoding="utf-8")
     sweep = pipeline.load_scene(path)
-    assert [doubt.words for doubt in doubts(sweep, facts_of(sweep))] == [note_on_ends(sweep)]
+    assert [one.code for one in warnings_of_case(sweep, facts_of(sweep))] == ["sharp_ends"]
 
 
 def test_the_agreement_is_that_of_the_page_on_the_paper():

@@ -12,11 +12,12 @@ import xarray as xr
 
 from pipeline.answers.condition_words import unmodelled_rise_words, verdict_conditions
 from pipeline.answers.preset_error import error_in_words
+from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import waiting_text
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
-from pipeline.sweep.left_out import UNKNOWN_FILM, cold_tracks, doubt_lines, has_sharp_ends
+from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
@@ -71,7 +72,7 @@ def _notes(judge: Judge) -> Iterator[str]:
     """Limits that all answers of a case have, beside `not_included`."""
     case, sweep = judge.case, judge.case.sweep
     lines = [
-        case.note_on_failed, sweep.caveat, *doubt_lines(sweep, answered=True),
+        case.note_on_failed, sweep.caveat, *warning_lines(sweep, answered=True),
         unmodelled_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip

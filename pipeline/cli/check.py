@@ -13,13 +13,13 @@ import pandas as pd
 import pipeline
 from pipeline.answers.condition_words import unmodelled_rise_words
 from pipeline.answers.preset_error import has_unknown_error
+from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_text
 from pipeline.answers.tables import frame_of, records
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
-from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import (
     CaseFacts,
     Facts,
@@ -30,11 +30,11 @@ from pipeline.scene.facts import (
     require_bearable_load,
     single_cases,
 )
+from pipeline.scene.scene_warnings import notes_on_scene
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
 from pipeline.sweep.case_table import CASE
-from pipeline.sweep.left_out import UNKNOWN_FILM
-from pipeline.sweep.remarks import library_tables
+from pipeline.sweep.notes import library_tables
 from pipeline.sweep.sweep import Sweep
 from pipeline.tradeoff.estimate import Estimate, worker_bytes
 from tribo import InputError, Scene, lubrication_regime
@@ -50,7 +50,7 @@ def check(options: argparse.Namespace) -> Result:
         require_bearable_load(case, max(case.loads), key)
     require_free_names(sweep)
     facts = facts_of_all(cases) if along else facts_of(sweep)
-    rows_of_sweep = [case_facts(*one) for one in cases] if along else []
+    listed = [case_facts(*one) for one in cases] if along else []
     memory, machine = worker_bytes(sweep), machine_memory()
     needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
     if memory > machine:
@@ -60,22 +60,22 @@ def check(options: argparse.Namespace) -> Result:
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
     rows = [
-        *_meaning_rows(sweep, facts, rows_of_sweep, needed),
+        *_meaning_rows(sweep, facts, listed, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *((one.grade, one.text) for one in notes_on_scene(sweep)),
-        *((one.grade, one.text) for one in sweep.doubts),
+        *(("note", one.text) for one in notes_on_scene(sweep)),
+        *(("warning", warning_text(one)) for one in sweep.all_warnings),
         *_cost_rows(sweep, cost),
     ]
     frame = frame_of(_HEADS, rows)
     shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
-    table = [_case_frame(rows_of_sweep), ""] if along else []
+    table = [_case_frame(listed), ""] if along else []
     document = {
         "title": sweep.title,
         "preset": sweep.preset,
         "contact": asdict(facts),  # in SI
         "cost": {**asdict(cost), "worker_bytes": memory},
-        "rows": [asdict(one) for one in rows_of_sweep],  # in SI
+        "cases": [asdict(one) for one in listed],  # in SI
         "statements": records([frame]),
     }
     return Result(document, [sweep.title, "", *table, shown, *on_sources], frames=[frame])

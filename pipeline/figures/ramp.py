@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.answers.condition_words import governing_words, heating_words
 from pipeline.answers.field import Field
+from pipeline.answers.scene_notes import warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
 from pipeline.figures.fields import (
@@ -31,7 +32,6 @@ from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import COLUMNS, MADE, VARIABLES
 from pipeline.sweep.conditions import Conditions, rise_limit
-from pipeline.sweep.left_out import doubt_lines
 from tribo import InputError
 from tribo.types import Array
 
@@ -88,7 +88,7 @@ def ramp(
         for k, point in enumerate(points)
     ]
     said = [heating_words(shown.conditions)]
-    said += doubt_lines(shown.case.sweep, most=1, answered=True)
+    said += warning_lines(shown.case.sweep, most=1, answered=True)
     style.legend_below(figure, handles=names, caption="\n".join(said))
     return figure
 
@@ -190,7 +190,7 @@ def temperature(
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     style.write_title(axes, shown.title(f"{load_here:g} N"))
-    said = [heating_words(own), *doubt_lines(case.sweep, most=1, answered=True)]
+    said = [heating_words(own), *warning_lines(case.sweep, most=1, answered=True)]
     style.legend_below(figure, caption="\n".join(said))
     return figure
 

@@ -44,7 +44,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.case import Place
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.codec import digest
-from pipeline.sweep.remarks import library_tables
+from pipeline.sweep.notes import library_tables
 from pipeline.words import quoted, split_notes
 from tribo import InputError
 

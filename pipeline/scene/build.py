@@ -37,7 +37,7 @@ from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import AREAS
 from pipeline.sweep.conditions import PATHS, Conditions
-from pipeline.sweep.remarks import FromLibrary
+from pipeline.sweep.notes import FromLibrary
 from pipeline.table import numbers_of, read_table
 from tribo.loading.record import fault as record_fault
 from tribo.simulation import widen_window

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pipeline.shipped import name_of
-from pipeline.sweep.remarks import Grade, Remark
+from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.table import TableError
 from pipeline.units import UnitError
 from pipeline.words import fault_lines
@@ -32,16 +32,16 @@ class Faults(list[Fault]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.notes: list[Remark] = []
+        self.notes: list[SceneNote] = []
+        self.warnings: list[SceneWarning] = []
 
     def refuse(self, key: str, problem: str) -> None:
         """Add a fault of the entry at a key path; `problem` also says what to do."""
         self.append(Fault(key, problem))
 
-    def note(self, place: str, words: str, grade: Grade = "note") -> None:
-        """Add `words`, unless empty, as a note or warning on the entry at the key path `place`."""
-        if words:
-            self.notes.append(Remark(place, grade, words))
+    def note(self, place: str, words: str) -> None:
+        """Add a note on the entry at the key path `place`."""
+        self.notes.append(SceneNote(place, words))
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:

@@ -13,7 +13,8 @@ from typing import Any, ClassVar
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
 from pipeline.sweep.conditions import OIL_WORKS
-from pipeline.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si, unusual
+from pipeline.sweep.notes import unusual_warning
+from pipeline.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si
 from pipeline.words import did_you_mean, quoted
 from tribo import InputError
 
@@ -123,7 +124,7 @@ class Number(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         require(value, (int, float), "is not a plain number")
         self._require_fit(value, _SMALLEST, _LARGEST)
-        faults.note(place, unusual(value, self.usual, self.unit), "warning")
+        faults.warnings += unusual_warning(place, value, self.usual, self.unit)
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
@@ -214,7 +215,7 @@ class Quantity(Kind):
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
-        faults.note(place, unusual(float(exact), self.usual, self.unit), "warning")
+        faults.warnings += unusual_warning(place, float(exact), self.usual, self.unit)
         return float(exact)
 
 

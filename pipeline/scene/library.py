@@ -15,7 +15,7 @@ from pipeline.scene.entries import entry_at
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import MaterialTable
 from pipeline.scene.tables import table_of
-from pipeline.sweep.remarks import FromLibrary
+from pipeline.sweep.notes import FromLibrary
 from pipeline.words import key_path, quoted
 
 Entries = dict[str, Any]

@@ -14,19 +14,19 @@ from pipeline.limits import MOST_POINTS
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.doubts import doubts_of_all
 from pipeline.scene.entries import Entries, flat, replace_values
 from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
+from pipeline.scene.scene_warnings import warnings_of_all
 from pipeline.scene.tables import keys_of, table_of
 from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import override_entries, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import SEED
+from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stations
-from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.units import in_si
 from pipeline.words import did_you_mean
@@ -125,6 +125,7 @@ class Source:
             steps=declared.steps,
             tests=tests,
             notes=tuple(faults.notes),
+            warnings=tuple(faults.warnings),
             sources=scene.sources,
             text=text_of(resolve_library(dict(entries), Faults())[0]),
             source=self,
@@ -140,9 +141,9 @@ class Source:
         assert sweep
         return sweep
 
-    def doubts(self, sweep: Sweep) -> tuple[Remark, ...]:
+    def warnings(self, sweep: Sweep) -> tuple[SceneWarning, ...]:
         """Warnings of probable mistakes in a sweep of this scene."""
-        return doubts_of_all(sweep)
+        return warnings_of_all(sweep)
 
 
 def _with_path(words: str, entries: Entries) -> str:

@@ -83,7 +83,8 @@ def read_tests(
                 known[key] = build(replace_values(bare, changes), files, found), found
             other, found = known[key]
             wrong = [f"{fault.key}: {fault.problem}" for fault in found]
-            faults.notes += [note for note in found.notes if note.place in changes]
+            faults.notes += [one for one in found.notes if one.place in changes]
+            faults.warnings += [one for one in found.warnings if one.place in changes]
             built = other or scene
         for problem in wrong:
             faults.refuse(f"{place}.with", problem)

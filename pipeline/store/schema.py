@@ -103,7 +103,7 @@ _KINDS = {
 RECORDS = {
     "status": Variable(PLANE, None, "state of the point", "int8", _STATES),
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
-    "message": Variable(PLANE, None, "reason for a failure, or warnings", "str"),
+    "message": Variable(PLANE, None, "reason for a failure", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
     "checksum": Variable(PLANE, None, "CRC-32 of case, load, velocity and values", "uint32"),

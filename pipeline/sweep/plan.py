@@ -96,7 +96,6 @@ class PointResult:
                 **{name: _known(v) for name, v in (self.sampling | {**self.film}).items()},
                 **{name: _known(v).astype(np.float32) for name, v in fields.items()},
             },
-            message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
             wall_time=self.wall_time,
         )
@@ -108,14 +107,11 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point; `data` are variables of the dataset, None if the point failed.
-
-    `message` has its warnings, or the reason why it failed.
-    """
+    """Stored result of a point; `data` are variables of the dataset, None if the point failed."""
 
     point: Point
     data: Mapping[str, Array | bytes] | None
-    message: str = ""  # its warnings, or the reason for its failure
+    message: str = ""  # the reason for its failure
     warning_flags: int = 0  # sum of `WarningKind` codes
     wall_time: float = math.nan  # of the simulation [s]
 

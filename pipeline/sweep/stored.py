@@ -14,7 +14,7 @@ from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.remarks import FromLibrary, Remark
+from pipeline.sweep.notes import FromLibrary, SceneWarning
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
@@ -48,8 +48,8 @@ class SweepDataError(InputError):
 _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
-        Sweep, Case, SpecimenTest, CaseTable, Column, Stations, Remark, FromLibrary, MissingSurface,
-        Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
+        Sweep, Case, SpecimenTest, CaseTable, Column, Stations, SceneWarning, FromLibrary,
+        MissingSurface, Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),
@@ -61,8 +61,7 @@ _CLASSES: dict[str, type] = {
 def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     """Plain data of a sweep, and its measured arrays by SHA-256."""
     arrays: dict[str, Array] = {}
-    notes = *(one for one in sweep.notes if one.grade == "note"), *sweep.doubts
-    bare = replace(sweep, notes=notes, judged={}, text="", source=None)
+    bare = replace(sweep, warnings=sweep.all_warnings, notes=(), judged={}, text="", source=None)
     plain: dict[str, Any] = encode(bare, arrays)
     base = plain["base"]
     plain["cases"] = [change(base, case) for case in plain["cases"]]
@@ -87,6 +86,8 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
         sweep = decode(whole, _CLASSES, arrays)
         if not isinstance(sweep, Sweep) or not 0 < len(sweep.cases) == len(sweep.case_table):
             raise CodecError("it has no case for each row")
+        for one in sweep.warnings:
+            one.require_values()
     except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
     return sweep

@@ -12,7 +12,7 @@ from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.remarks import FromLibrary, Remark
+from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
 from pipeline.sweep.stations import Fields, Stations, Steps
 from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
 
@@ -81,7 +81,7 @@ class Sweep:
     fields: Fields  # of the contact, to store
     steps: Steps | None  # to store; None for the default
     tests: tuple[SpecimenTest, ...]
-    notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene, and its doubts
+    warnings: tuple[SceneWarning, ...] = ()  # found on reading; those of a store are all
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None  # times whose results an existing store has
     judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
@@ -89,6 +89,7 @@ class Sweep:
         SpecimenTest, ...
     ] = ()  # tests that the scene has no more, whose points a store keeps
     text: str = field(default="", repr=False)
+    notes: tuple[SceneNote, ...] = ()  # how entries were read; none from a store
     source: Any = field(default=None, repr=False)  # tables of the scene file; None from a store
 
     def __post_init__(self) -> None:
@@ -114,11 +115,11 @@ class Sweep:
         return digest(((self.base, *self.cases), plane, words, self.tests, self.case_table))
 
     @cached_property
-    def doubts(self) -> tuple[Remark, ...]:
+    def all_warnings(self) -> tuple[SceneWarning, ...]:
         """Warnings of probable mistakes in the scene, of all cases, the gravest first."""
         if self.source is None:  # they were found when the store was made
-            return tuple(note for note in self.notes if note.grade == "warning")
-        found: tuple[Remark, ...] = self.source.doubts(self)
+            return self.warnings
+        found: tuple[SceneWarning, ...] = self.source.warnings(self)
         return found
 
     @property

@@ -7,8 +7,9 @@ import pytest
 
 import tribo
 from pipeline import load_scene, run_point
-from pipeline.scene.doubts import doubts
+from pipeline.answers.scene_notes import warning_text
 from pipeline.scene.facts import facts_of
+from pipeline.scene.scene_warnings import warnings_of_case
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
@@ -142,7 +143,8 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):
     named = replace(sweep, source=load_scene("first_try").source)
-    assert any(said in doubt.text for doubt in doubts(named, facts_of(sweep)))
+    found = warnings_of_case(named, facts_of(sweep))
+    assert any(said in warning_text(one) for one in found)
 
 
 def test_of_two_moving_bodies_the_velocity_of_the_disk_counts():

@@ -20,6 +20,7 @@ LINES = {
 USE = "        return self_affine(pixels, ", "        return self.waviness + self_affine(pixels, "
 ASKED = """
 import json, pipeline
+from pipeline.answers.scene_notes import warning_text
 from tests.helpers.stored import sweep_text, parse_sweep
 from tests.house.sections import all_keys
 from pipeline.store.resume import misfits
@@ -41,7 +42,7 @@ print(json.dumps({
     "height": one.scene.roughness.heights(one.scene.pixels).mean(),
     "is told": PATH in dict(all_keys()),
     "fault": fault(),
-    "doubt": str(load("20 um").notes[0]),
+    "doubt": warning_text(load("20 um").warnings[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
     "misfits": [*misfits(one, other)],
     "rows": [over.case(name).scene.roughness.waviness for name in over.case_table.names],

@@ -36,6 +36,10 @@ def other_heights():
 
 
 SMOOTH = tiny.sweep(roughness=None)
+FAR = {
+    "is": "SceneWarning", "code": "far_test", "place": "", "values": [1.0], "cases": [],
+    "of_case": "",
+}  # fmt: skip
 REFUSALS = {
     # conditions
     "friction": (conditions(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),
@@ -61,9 +65,10 @@ REFUSALS = {
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing, realization 1, pin b"),
     # data of sweeps
-    "class": (data(notes=[{"is": "os"}]), "'os': 'os'"),
+    "class": (data(warnings=[{"is": "os"}]), "'os': 'os'"),
     "number": (data(loads=[{"is": "number", "text": "1"}]), "'number': '1'"),
-    "fields": (data(notes=[{"is": "Remark"}]), "Remark.grade is missing, or unknown"),
+    "fields": (data(warnings=[{"is": "SceneWarning"}]), "SceneWarning.cases is missing"),
+    "values": (data(warnings=[FAR]), "the warning far_test has other values: (1.0,)"),
     "type": (data(title=3), "Sweep.title is 3"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
     "cases": (data(cases=[]), "it has no case for each row"),

@@ -1,6 +1,6 @@
-"""At which values a scene begins to be doubted (pipeline/scene/doubts.py).
+"""At which values a scene begins to be doubted (pipeline/scene/scene_warnings.py).
 
-Which doubts there are is in test_facts.py.
+Which warnings there are is in test_facts.py.
 """
 
 import re
@@ -10,9 +10,10 @@ import pytest
 
 import tribo
 from pipeline import load_scene
-from pipeline.scene.doubts import doubts
+from pipeline.answers.scene_notes import warning_text
 from pipeline.scene.facts import Span, facts_of
-from pipeline.sweep.left_out import note_on_ends
+from pipeline.scene.scene_warnings import warnings_of_case
+from pipeline.sweep.notes import SceneWarning
 from tests.helpers.entries import bare_test, changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 from tribo.simulation.lubrication import SurfaceFacts
@@ -27,7 +28,8 @@ def with_test(load):
 
 def said_of(sweep, **facts):
     named = replace(sweep, source=SOURCE)
-    return [doubt.text for doubt in doubts(named, replace(facts_of(sweep), **facts))]
+    found = warnings_of_case(named, replace(facts_of(sweep), **facts))
+    return [warning_text(one) for one in found]
 
 
 def surface(**changes):
@@ -64,8 +66,8 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
         scene = load_scene("first_try", overrides={**beside, path: entry})
         key = path.rpartition(".")[2]
-        said = *scene.notes, *doubts(scene, facts_of(scene))
-        unusual = (one.place.split("[")[0] for one in said if "are usual" in one.words)
+        found = *scene.warnings, *warnings_of_case(scene, facts_of(scene))
+        unusual = (one.place.split("[")[0] for one in found if one.code == "unusual")
         return any(place.endswith(key) for place in unusual)
 
     def beyond(end, less):
@@ -85,7 +87,7 @@ def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
 def test_a_ratio_in_percent_is_doubted_or_read():
     def doubted(ratio):
         rolling = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": ratio})
-        return any(note.place == "motion.slide_roll_ratio" for note in rolling.notes)
+        return any(note.place == "motion.slide_roll_ratio" for note in rolling.warnings)
 
     assert [doubted(ratio) for ratio in (-21.0, -20.0, 0.5, 20.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
@@ -122,13 +124,15 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
         contact_width=Span(90e-6, max(expected, 90e-6)),
         window=(100e-6, 20e-6),  # periodic along y
     )
-    doubts = [doubt for doubt in doubts if note_on_ends(SMOOTH) not in doubt]
+    doubts = [doubt for doubt in doubts if "sharp ends" not in doubt]
     assert len(doubts) == bool(said)
     assert all(text in doubts[0] for text in said)
 
 
 def test_sharp_ends_turn_severe_at_lower_velocities():
-    ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % lower", note_on_ends(SMOOTH))
+    ((nearest, farthest),) = re.findall(
+        r"(\d+)–(\d+) % lower", warning_text(SceneWarning("sharp_ends"))
+    )
     # Rises are 4 to 11 % higher, and grow about as the square root of velocity (PHYSICS.md).
     falls = [100 * (1 - (1 + rise) ** -2.0) for rise in (0.04, 0.11)]
     assert falls == pytest.approx([int(nearest), int(farthest)], rel=0.25)
@@ -149,4 +153,4 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
 
 def test_a_surface_is_described_without_the_doubts_about_it():
     rough = load_scene("first_try", overrides={"disk.roughness.ra": "50 um"})
-    assert "usual" in "".join(map(str, rough.notes))
+    assert "disk.roughness.ra" in [one.place for one in rough.warnings]

@@ -1,0 +1,102 @@
+"""Warnings on a scene as text, from their codes and values; and what is said of its film."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pipeline.quantities import display
+from pipeline.shipped import typed_name
+from pipeline.sweep.notes import SceneWarning
+from pipeline.sweep.sweep import Sweep
+from pipeline.units import unusual
+
+UNKNOWN_FILM = "the share of the load carried by the oil film is unknown here (irg help physics)"
+"""Note for smooth bodies, balls and crowned pins in oil."""
+_MOST_NAMED = 6  # cases of one warning
+_IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers say in their places
+
+
+def warning_text(warning: SceneWarning) -> str:
+    """A warning as text, after the path of its entry."""
+    words = _words(warning) + _cases_text(warning)
+    return f"{warning.place}: {words}" if warning.place else words
+
+
+def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
+    """Lines with the gravest warnings on a scene, `most` of them, and the number of the others.
+
+    In an answer (`answered`) those are left out that it says at the points that they limit.
+    """
+    lines = [
+        f"warning: {warning_text(one)}"
+        for one in sweep.all_warnings
+        if not (answered and one.code in _IN_ANSWERS)
+    ]
+    if (more := len(lines) - most) > 0:
+        lines[most:] = [f"and {more} more: irg check {typed_name(sweep.name)}"]
+    return lines
+
+
+def _words(warning: SceneWarning) -> str:
+    values: Any = warning.values
+    match warning.code:
+        case "unusual":
+            value, low, high, unit = values
+            return unusual(value, (low, high), unit)
+        case "unusual_values":
+            odd, known, value, low, high, unit = values
+            return f"{odd:g} of {known:g} values unusual: {unusual(value, (low, high), unit)}"
+        case "narrow_window":
+            contact, side = (display(one, "µm", 3) for one in values)
+            words = f"the contact may grow to {contact}, beyond the window's {side}"
+            return f"{words}; give more pixels"
+        case "lay_along_sliding":
+            return (
+                'the grooves lie along sliding; where the same ones pass the pin again, "swept" '
+                'makes the rise about 50 % too high: give pattern = "local"'
+            )
+        case "long_correlation":
+            axis, length = values
+            return (
+                f"that along {axis}, {display(length, 'µm', 3)}, is above a third of the window, "
+                "so that temperatures differ much from surface to surface: give more "
+                "window.pixels, or several surfaces (sweep.realizations)"
+            )
+        case "no_wear":
+            return "not given: an unworn contact stays narrow, and gets hotter"
+        case "far_test":
+            load, velocity = values
+            place = f"{load:g} N at {velocity:g} m/s"
+            return f"the test of {place} lies far outside the sweep: check its units"
+        case "fresh_specimens":
+            names, more = values
+            tests = f"test{'s' * (', ' in names)} {names}" + f" and {more:g} more" * (more > 0)
+            return (
+                f"{tests}: one specimen at several places, each simulated fresh, so too hot: give "
+                "its stages"
+            )
+        case "cold_tracks":
+            length, bodies = values
+            names = bodies.split()
+            entries = " and ".join(f"{body}.diameter" for body in names)
+            return (
+                f"heat from earlier revolutions of the {' and the '.join(names)} is not included; "
+                f"on tracks of {display(length, 'mm', 3)} it warms the contact further: set "
+                f"{entries} and width, or track_length, or enter the bulk temperature of the warm "
+                "tracks"
+            )
+        case "sharp_ends":
+            return (
+                "the pin's sharp ends are not modelled; severe wear starts there at 9–23 % lower "
+                "velocity (irg help physics)"
+            )
+
+
+def _cases_text(warning: SceneWarning) -> str:
+    """Which cases have a warning; empty if all have the same."""
+    if not (warning.cases or warning.of_case):
+        return ""
+    more = len(warning.cases) - _MOST_NAMED
+    named = ", ".join(warning.cases[:_MOST_NAMED]) + f" and {more} more" * (more > 0)
+    alike = f"; numbers are of case {warning.of_case}" * bool(warning.of_case)
+    return f" (in {named or 'all cases'}{alike})"

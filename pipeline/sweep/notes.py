@@ -1,0 +1,91 @@
+"""Notes and warnings on a scene, the latter as codes with values; and values of the library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Literal, NamedTuple
+
+from pipeline.units import unusual
+from tribo import InputError
+
+
+class SceneNote(NamedTuple):
+    """How an entry of a scene was read; `place` is its path, empty for no single entry."""
+
+    place: str
+    words: str
+
+    @property
+    def text(self) -> str:
+        """The note as text, after the path of its entry."""
+        return f"{self.place}: {self.words}" if self.place else self.words
+
+
+Code = Literal[
+    "unusual", "unusual_values", "narrow_window", "lay_along_sliding", "long_correlation",
+    "no_wear", "far_test", "fresh_specimens", "cold_tracks", "sharp_ends",
+]  # fmt: skip
+_VALUES: dict[Code, tuple[type, ...]] = {
+    "unusual": (float, float, float, str),  # value [SI], usual range and its unit
+    "unusual_values": (float, float, float, float, float, str),  # how many, of how many; the same
+    "narrow_window": (float, float),  # contact and window [m]
+    "long_correlation": (str, float),  # axis, length [m]
+    "far_test": (float, float),  # load [N], velocity [m/s]
+    "fresh_specimens": (str, float),  # names of tests, and number of those that are not named
+    "cold_tracks": (float, str),  # length [m], bodies
+}
+"""Types of the values of a warning; without an entry it has none."""
+
+
+class SceneWarning(NamedTuple):
+    """A probable mistake in a scene, or a limit of the model: a code, and its values [SI].
+
+    `place` is the path of the entry that it is about, empty for no single entry. `cases` has the
+    labels of the cases that it is about, empty for all; `of_case` is the case that the values are
+    of, empty if they are the same in all.
+    """
+
+    code: Code
+    place: str = ""
+    values: tuple[float | str, ...] = ()
+    cases: tuple[str, ...] = ()
+    of_case: str = ""
+
+    def require_values(self) -> None:
+        """Raise an `InputError` if the values are not those of the code."""
+        wanted = _VALUES.get(self.code, ())
+        if len(self.values) != len(wanted) or not all(map(isinstance, self.values, wanted)):
+            raise InputError(f"the warning {self.code} has other values: {self.values!r:.60}")
+
+
+def unusual_warning(
+    place: str, value: float, usual: tuple[float, float] | None, unit: str
+) -> list[SceneWarning]:
+    """Warning that a value [SI] is outside its usual range, which is in `unit`; empty if it is not.
+
+    If `usual` is None, no value is unusual.
+    """
+    if usual is None or not unusual(value, usual, unit):
+        return []
+    return [SceneWarning("unusual", place, (float(value), *map(float, usual), unit))]
+
+
+class FromLibrary(NamedTuple):
+    """A value that a scene takes from the library: key path, value with unit, and source."""
+
+    key: str
+    value: str
+    source: str
+
+
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+
+    The text names the table and its values, such as "pin: density 7800 kg/m³".
+    """
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source
