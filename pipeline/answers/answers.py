@@ -19,13 +19,13 @@ from pipeline.answers.conditions import ConditionValues, Operation, in_arrays, j
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.judge import ORIGINS, VERDICTS, Flag, Judge, JudgedCase, passes_severe
-from pipeline.answers.results import CaseResults, case_dims, cases_of, open_sweep
+from pipeline.answers.results import CaseResults, case_dims, cases_of, open_sweep, sweep_of
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
-from pipeline.store.schema import FAILED, PLANE
+from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.units import in_si
 from tribo import InputError
@@ -374,8 +374,15 @@ def _side_by_side(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -
     """Join the answers for all cases of a sweep along the dimensions of its varied entries."""
     cases = cases_of(ds)
     missing = sum(case.missing for case in cases)
-    axes = [ds[dim] for dim in case_dims(ds)]
-    return _joined([answer(case) for case in cases], axes).assign_attrs(missing_points=missing)
+    dims = case_dims(ds)
+    found = _joined([answer(case) for case in cases], [ds[dim] for dim in dims])
+    labels = [
+        one.name
+        for one in sweep_of(ds).case_table.columns
+        if one.along in dims and not one.entry and one.name not in found.coords
+    ]
+    found = found.assign_coords({name: ds[name].variable for name in labels})
+    return found.assign_attrs(missing_points=missing)
 
 
 def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
@@ -443,7 +450,8 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """State of each simulated point of a sweep's first case, on each surface realization.
 
-    ``state`` is mild, severe, failed or pending, and ``warned`` true at points with a warning.
+    ``state`` is mild, severe, failed, pending, or empty where no run simulates the point;
+    ``warned`` is true at points with a warning.
 
     Examples
     --------
@@ -455,8 +463,9 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     own = judged(case.conditions, conditions)
     y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
     judge = JudgedCase(case).under(own)
-    kinds = case.done & (y > judge.limit), case.done, case.status == FAILED
-    state = np.select(kinds, ("severe", "mild", "failed"), "pending")
+    failed, pending = (case.status == one for one in (FAILED, PENDING))
+    kinds = case.done & (y > judge.limit), case.done, failed, pending
+    state = np.select(kinds, ("severe", "mild", "failed", "pending"), "")
     axes = {"load": case.loads, "velocity": case.velocities}
     dims = ("realization", *PLANE)
     found = xr.Dataset({"state": (dims, state), "warned": (dims, warning_flags(case) != 0)}, axes)

@@ -14,6 +14,7 @@ from pipeline.answers.tables import frame_of, short
 from pipeline.answers.units import usual_unit
 from pipeline.answers.words import ABOUT, percent
 from pipeline.store.schema import PLANE
+from pipeline.sweep.case_table import CASE
 
 _TOLD = ("conditions", "model_error", "not_included", "notes")
 _ROWS = (
@@ -84,7 +85,7 @@ def margin_frame(found: xr.Dataset) -> pd.DataFrame:
     """Rows of `pipeline.margin` to read: columns that decide, probabilities in words."""
     hidden = {*found.sizes, *PLANE, *ABOUT}
     own = [str(name) for name, one in found.coords.items() if one.ndim and name not in hidden]
-    frame = short(answer_frame(found, *own, *_ROWS))
+    frame = short(answer_frame(found, *own, *_ROWS), [CASE] * bool(own))
     frame["probability"] = [None if np.isnan(p) else percent(p) for p in frame["probability"]]
     return frame
 

@@ -11,12 +11,15 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.condition_words import unmodelled_rise_words, verdict_conditions
+from pipeline.answers.conditions import NAMES
 from pipeline.answers.preset_error import error_in_words
 from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import waiting_text
+from pipeline.answers.units import value_words
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
+from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
 from tribo import Corrections
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
 OWN_CONDITIONS = "given for each point"
 TOO_FEW = "too few points nearby are done; finish the run, or add points there"
+_MOST_NAMED = 6  # rows that a line names
+_NUMBER = tuple("0123456789+-−.")
 _SHIFT = 0.05  # relative distance of the velocities with tests from which a line names it
 
 ABOUT = (
@@ -89,6 +94,8 @@ def _with_earlier_turns(judge: Judge) -> str:
     conditions = replace(judge.conditions, corrections=parts)
     field = specimen_of(case, conditions, np.zeros(case.status.shape, int)).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, judge.limit))
+    if case.status.size == 1:  # a row with its own load and velocity
+        return "with it" * bool(lines.severe_at_start[0])
     said = []
     for k in (0, -1):
         if lines.severe_at_start[k]:
@@ -221,7 +228,33 @@ def margin_lines(here: xr.Dataset) -> Iterator[str]:
 
 def not_included_lines(found: xr.Dataset) -> Iterator[str]:
     """The line below a verdict or a boundary on what is not included on the unsafe side."""
-    yield from (f"not included: {one}" for one in told(found, "not_included"))
+    texts = told(found, "not_included")
+    if len(texts) < 2 or found["not_included"].ndim != 1:
+        yield from (f"not included: {one}" for one in texts)
+        return
+    one = found["not_included"]
+    each = [*zip(one.values.tolist(), row_labels(found, str(one.dims[0])), strict=True)]
+    for text in texts:
+        rows = [label for own, label in each if own == text]
+        more = f" and {len(rows) - _MOST_NAMED} more" * (len(rows) > _MOST_NAMED)
+        yield f"not included ({', '.join(rows[:_MOST_NAMED])}{more}): {text}"
+
+
+def row_labels(found: xr.Dataset, row: str) -> list[str]:
+    """Label of each row of an answer: its first column of the user's own, else load and velocity.
+
+    `row` is the dimension of the rows.
+    """
+    hidden = {*PLANE, *ABOUT, *NAMES}
+    own = [name for name, one in found.coords.items() if one.dims == (row,) and name not in hidden]
+    if not own:
+        places = zip(*(found[name].values.tolist() for name in PLANE), strict=True)
+        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in places]
+    axis = found[min(own, key=lambda name: name == row)]
+    texts = [value_words(axis, one) for one in axis.values.tolist()]
+    name = str(axis.name).replace("_", " ").partition(" [")
+    named = (f"{name[0]} {one} {name[2][:-1]}".rstrip() for one in texts)
+    return [many if one[:1] in _NUMBER else one for one, many in zip(texts, named, strict=True)]
 
 
 def margin_facts(here: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -299,10 +299,13 @@ def _mark_points(
 def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterable[str]:
     """Mark simulated points, and those that are pending or failed; yield lines of the caption."""
     state = pipeline.points(ds, **conditions)["state"]
-    lacking = state.isin(["failed", "pending"]).any("realization").transpose(*PLANE).values
+    lacking, done = (
+        state.isin(kinds).any("realization").transpose(*PLANE).values
+        for kinds in (("failed", "pending"), ("mild", "severe"))
+    )
     looks: dict[str, tuple[Array, dict[str, Any]]] = {
         "simulated": (
-            ~lacking,
+            done & ~lacking,
             {"marker": ".", "ms": _DOT * rcParams["lines.markersize"], "zorder": 2.5},
         ),
         "lacking": (lacking, {"marker": "x", "clip_on": False}),
@@ -312,7 +315,7 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
         if rows.size:
             at = state["velocity"].values[columns], state["load"].values[rows]
             axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, **look)
-    yield from ["dots: simulated points"] * bool((~lacking).any())
+    yield from ["dots: simulated points"] * bool((done & ~lacking).any())
     if lacking.any():
         yield f"×: {lacking.sum()} points are pending or failed"
 

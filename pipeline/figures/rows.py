@@ -11,14 +11,10 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.conditions import NAMES
 from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import sweep_of
-from pipeline.answers.units import value_words
-from pipeline.answers.words import ABOUT
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
-from pipeline.store.schema import PLANE
 from tribo import InputError
 
 MARKS: dict[int, tuple[str, dict[str, Any]]] = {
@@ -29,7 +25,6 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
 }
 """Label and mark of a row by its verdict."""
 _HIGHEST = 0.32  # height of a row in a figure of few rows [in]
-_NUMBER = tuple("0123456789+-−.")
 _MOST_NAMED = 40  # rows up to which each has its label
 
 
@@ -52,7 +47,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     margin, error = (found[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
-    names = row_names(found)
+    names = [style.as_text(one) for one in words.row_labels(found, *map(str, found.sizes))]
     places = np.arange(len(names))
     figure, axes = style.canvas((8.0, 1.6 + _HIGHEST * min(len(names), _MOST_NAMED)))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
@@ -103,18 +98,3 @@ def deciding_row(found: xr.Dataset) -> int:
     """Position of the row that is most likely severe; of equal ones that with the least margin."""
     likely = np.nan_to_num(found["probability"].values, nan=-1.0)
     return int(np.lexsort((-found["temperature_margin"].values, likely))[-1])
-
-
-def row_names(found: xr.Dataset) -> list[str]:
-    """Label of each row: its first column of the user's own, else load and velocity."""
-    (row,) = found["verdict"].dims
-    hidden = {*PLANE, *ABOUT, *NAMES}
-    own = [name for name, one in found.coords.items() if one.dims == (row,) and name not in hidden]
-    if not own:
-        places = zip(*(found[name].values.tolist() for name in PLANE), strict=True)
-        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in places]
-    axis = found[min(own, key=lambda name: name == row)]
-    texts = [style.as_text(value_words(axis, one)) for one in axis.values.tolist()]
-    name = str(axis.name).replace("_", " ").partition(" [")
-    named = (f"{name[0]} {one} {name[2][:-1]}".rstrip() for one in texts)
-    return [many if one[:1] in _NUMBER else one for one, many in zip(texts, named, strict=True)]

@@ -26,7 +26,7 @@ from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import case_dims, open_sweep, sweep_of
 from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
-from pipeline.figures.rows import deciding_row, draw_rows, row_names
+from pipeline.figures.rows import deciding_row, draw_rows
 from pipeline.figures.tested import draw_tests
 from pipeline.page.parts import (
     Grid,
@@ -210,7 +210,8 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     if len(found.sizes) > 1:
         several = ", ".join(map(str, found.sizes))
         raise InputError(f"a report has rows along one dimension, not along {several}; select one")
-    decides, names = deciding_row(found), row_names(found)
+    (row,) = found.sizes
+    decides, names = deciding_row(found), words.row_labels(found, str(row))
     codes, verdicts = found["verdict"].values.tolist(), words.code_text(found["verdict"]).tolist()
     verdict, critical = verdicts[decides], f"the most critical operating point: {names[decides]}"
     headline = f"{HEADLINES.get(codes[decides], 'Unknown')} at {critical}"
@@ -243,7 +244,6 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
     said = [f"Operating points: {told}.", *map(as_sentence, words.not_included_lines(found))]
     if codes[decides] in HEADLINES:
-        (row,) = found.sizes
         said.insert(0, _verdict(found.isel({row: decides})))
     return Answer(verdict, headline, said, sections)
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.store.schema import FAILED, PENDING
+from pipeline.store.schema import FAILED, NOT_ASKED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
@@ -88,6 +88,17 @@ def test_points_that_are_not_done_are_marked():
     assert "dots: simulated points" in legend.get_title().get_text()
     assert "×: 2 points are pending or failed" in legend.get_title().get_text()
     assert len(words) <= 5
+
+
+def test_points_that_no_run_simulates_have_no_mark():
+    """A goal simulates few points of further surfaces."""
+    ds = surfaces(1.0, 1.01).copy(deep=True)
+    ds["status"].loc[{"realization": 2, "velocity": 1.0}] = NOT_ASKED
+    ds["status"].loc[{"velocity": 4.0}] = NOT_ASKED
+    axes, _, legend = drawn(ds)
+    assert marks(axes, "lacking") == set()
+    assert {velocity for velocity, _ in marks(axes, "simulated")} == {1.0, 1.5, 2.0, 3.0}
+    assert "pending" not in legend.get_title().get_text()
 
 
 def test_operating_points_are_marked_as_pairs_with_their_numbers():

@@ -3,7 +3,8 @@
 import pytest
 
 import pipeline
-from pipeline.figures.rows import deciding_row, draw_rows, row_names
+from pipeline.answers.words import row_labels
+from pipeline.figures.rows import deciding_row, draw_rows
 from tests.helpers import synthetic
 from tribo import InputError
 
@@ -20,10 +21,11 @@ def found():
 
 
 def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
-    assert row_names(found) == ["idle", "part", "full", "gone"]
-    assert row_names(found.drop_vars("case"))[0] == "200 N, 1 m/s"
+    (row,) = found.sizes
+    assert row_labels(found, row) == ["idle", "part", "full", "gone"]
+    assert row_labels(found.drop_vars("case"), row)[0] == "200 N, 1 m/s"
     turned = {"angle [deg]": [0, 30], "load [N]": [200, 300], "velocity [m/s]": [1, 2]}
-    named = row_names(pipeline.margin(synthetic.sweep(tests=()), turned))
+    named = row_labels(pipeline.margin(synthetic.sweep(tests=()), turned), row)
     assert named == ["angle 0 deg", "angle 30 deg"]
     axes = draw_rows(found, "duty").axes[0]
     places = {
