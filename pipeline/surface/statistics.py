@@ -146,7 +146,8 @@ def _rows(rough: ArealRoughness) -> Iterator[tuple[str, str]]:
     yield "Sdq", f"{rough.sdq:.3g}"
     is_known = math.isfinite(rough.sal)
     yield "Sal", display(rough.sal, "µm", 3) if is_known else "over half a side"
-    yield "Str", f"{rough.aspect:.2g}"
+    aspect = f"{rough.aspect:.2g}" if rough.aspect else "lay beyond the scan"
+    yield "Str", "not known" if math.isnan(rough.aspect) else aspect
     yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
 
 
