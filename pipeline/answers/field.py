@@ -61,16 +61,23 @@ class Field:
         """Loads with at least two known points, which go on beyond them."""
         return np.flatnonzero(self.is_known.sum(axis=1) > 1)
 
+    @functools.cached_property
+    def _curves(self) -> list[tuple[Indices, Pchip]]:
+        """Curves over ln(velocity) of loads that are known at the same velocities."""
+        return [
+            (rows, Pchip(np.log(self.velocities[known]), self.plane[np.ix_(rows, known)].T))
+            for known, rows in _alike(self.is_known)
+            if known.any()
+        ]
+
     def rows(self, velocities: Array) -> Array:
         """Values at each load and each of `velocities` (n_load, m).
 
         A load with a single known point has a value there alone.
         """
         found = np.full((len(self.loads), len(velocities)), np.nan)
-        for known, rows in _alike(self.is_known):
-            if known.any():
-                curves = Pchip(np.log(self.velocities[known]), self.plane[np.ix_(rows, known)].T)
-                found[rows] = curves.beyond(np.log(velocities)).T
+        for rows, curves in self._curves:
+            found[rows] = curves.beyond(np.log(velocities)).T
         return found + np.log(self.factor(velocities))
 
     def __call__(self, loads: Array, velocities: Array) -> Array:

@@ -75,21 +75,22 @@ def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
 def roots(function, low: Array, high: Array) -> Array:  # type: ignore[no-untyped-def]
     """Roots of a vectorised function between `low` and `high`, at which its signs differ.
 
-    False position with halved values (Illinois), whose brackets keep the root.
+    False position, whose brackets keep the root (Illinois). An end that stays twice is given half
+    its value, or the other end would only creep.
     """
-    at_low, at_high = function(low), function(high)
+    at_low, at_high, stayed = function(low), function(high), np.zeros(low.shape)
     for _ in range(_ROUNDS):
         with np.errstate(invalid="ignore", divide="ignore"):
             way = at_low / (at_low - at_high)
         middle = low + np.where(np.isfinite(way), np.clip(way, 0, 1), 0.5) * (high - low)
         value = function(middle)
         is_low = np.sign(value) == np.sign(at_low)
-        low, at_low, at_high = (
-            np.where(is_low, middle, low),
-            np.where(is_low, value, at_low / 2),
-            np.where(is_low, at_high / 2, value),
+        at_low, at_high = (
+            np.where(is_low, value, np.where(stayed < 0, at_low / 2, at_low)),
+            np.where(is_low, np.where(stayed > 0, at_high / 2, at_high), value),
         )
-        high = np.where(is_low, high, middle)
+        low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
+        stayed = np.where(is_low, 1, -1)
         if np.all((np.abs(value) < 1e-14) | (high - low < 1e-14 * np.abs(high))):
             break
     return np.asarray(middle)

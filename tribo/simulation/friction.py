@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -55,10 +56,17 @@ class Friction:
         """Coefficient of friction at sliding velocities [m/s], taken elementwise."""
         if not self.by_velocity:
             return self.coefficient * np.ones(np.shape(velocity))
-        velocities, factors = np.array(self.by_velocity).T
-        # Smooth also at the ends, since a boundary is interpolated between points on both sides.
-        nodes = np.concatenate([[velocities[0] / 2], velocities, [2 * velocities[-1]]])
-        smooth = scipy.interpolate.PchipInterpolator(
-            np.log(nodes), factors[[0, *range(len(factors)), -1]]
-        )
-        return self.coefficient * smooth(np.log(np.clip(velocity, nodes[0], nodes[-1])))
+        smooth = _smooth_curve(self.by_velocity)
+        first, last = self.by_velocity[0][0] / 2, 2 * self.by_velocity[-1][0]
+        return self.coefficient * smooth(np.log(np.clip(velocity, first, last)))
+
+
+@functools.lru_cache(maxsize=64)  # answers ask for it at many places
+def _smooth_curve(curve: Curve) -> Any:
+    """Factor as a function of ln(velocity)."""
+    velocities, factors = np.array(curve).T
+    # Smooth also at the ends, since a boundary is interpolated between points on both sides.
+    nodes = np.concatenate([[velocities[0] / 2], velocities, [2 * velocities[-1]]])
+    return scipy.interpolate.PchipInterpolator(
+        np.log(nodes), factors[[0, *range(len(factors)), -1]]
+    )
