@@ -1,4 +1,4 @@
-"""Further points never state a larger error of the boundary: 500 random planes, in closed form."""
+"""Further points never state a larger error of the boundary: 160 random planes, in closed form."""
 
 import numpy as np
 import pytest
@@ -28,10 +28,10 @@ def interpolation(*plane, at, on):
     return np.hypot(along.sum(axis=0), between)
 
 
-@pytest.mark.parametrize("seeds", range(5))
+@pytest.mark.parametrize("seeds", range(2))
 def test_further_points_beside_a_place_seldom_enlarge_its_error_of_interpolation(seeds):
     grown = count = 0
-    for seed in range(100 * seeds, 100 * seeds + 100):
+    for seed in range(80 * seeds, 80 * seeds + 80):
         loads, velocities, y, rng = plane(seed)
         known = np.zeros(y.shape, bool)
         known[:, rng.choice(len(velocities), 2, replace=False)] = True
@@ -50,7 +50,7 @@ def test_further_points_beside_a_place_seldom_enlarge_its_error_of_interpolation
 
 
 def test_points_far_away_never_change_an_error():
-    for seed in range(100):
+    for seed in range(40):
         loads, velocities, y, rng = plane(seed)
         if len(velocities) < 7 or len(loads) < 7:
             continue
@@ -65,7 +65,7 @@ def test_points_far_away_never_change_an_error():
 
 def test_errors_of_critical_velocities_seldom_grow_as_their_slopes_are_known_better():
     larger = count = 0
-    for seed in range(200):
+    for seed in range(60):
         loads, velocities, y, rng = plane(seed)
         known = rng.uniform(size=y.shape) < 0.6
         before, after = (
@@ -74,7 +74,7 @@ def test_errors_of_critical_velocities_seldom_grow_as_their_slopes_are_known_bet
         is_known = np.isfinite(before) & np.isfinite(after)
         larger += (after > 1.02 * before + 1e-4)[is_known].sum()
         count += is_known.sum()
-    assert count > 500
+    assert count > 150
     assert larger < 0.07 * count
 
 
