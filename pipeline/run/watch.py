@@ -130,7 +130,7 @@ class Watch:
         if not self._checked:
             self._check_scheduler()
         answers: dict[str, Any] = {}
-        with suppress(TimeoutError):  # one has died meanwhile: the others are asked again
+        with self.reached(), suppress(TimeoutError):  # one has died: others are asked again
             answers = self._client.sync(ask, callback_timeout=_ANSWER) if workers else {}
         for one, answer in answers.items():
             if isinstance(answer, OSError):
@@ -146,11 +146,14 @@ class Watch:
         async def ask() -> Any:
             return await self._client.run_on_scheduler(program)
 
-        try:
-            self._client.sync(ask, callback_timeout=self._patience)
-        except (ImportError, AttributeError) as error:
-            where = f"the Dask scheduler cannot read tasks of this program: {error}"
-            raise ExecutionError(f"{where}; {_INSTALL}") from None
+        with self.reached():
+            try:
+                self._client.sync(ask, callback_timeout=self._patience)
+            except (ImportError, AttributeError) as error:
+                if self._client.status != "running":  # then the error is that of a closed client
+                    raise
+                where = f"the Dask scheduler cannot read tasks of this program: {error}"
+                raise ExecutionError(f"{where}; {_INSTALL}") from None
 
     def require_program(self, answer: Program, worker: str = "a Dask worker") -> None:
         """Raise an `ExecutionError` if a worker has other code; tell of other versions."""

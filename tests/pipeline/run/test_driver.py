@@ -81,6 +81,20 @@ def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads,
     assert 0 < pipeline.summary(path).done < len(MANY.loads) * 60
 
 
+def test_a_client_that_is_closed_at_the_start_is_not_taken_for_a_scheduler_without_this_program(
+    threads, path, monkeypatch
+):
+    ask = Client.run_on_scheduler
+
+    async def close_and_ask(client, function):
+        await client.close()
+        return await ask(client, function)
+
+    monkeypatch.setattr(Client, "run_on_scheduler", close_and_ask)
+    with pytest.raises(pipeline.ExecutionError, match="the Dask scheduler is lost"):
+        pipeline.run_sweep(SWEEP, path, client=threads[1], patience=5.0)
+
+
 def test_a_run_goes_on_with_a_scheduler_that_was_started_again(path):
     def start(port):
         settings = {"protocol": "tcp://", "dashboard_address": "127.0.0.1:0"}
