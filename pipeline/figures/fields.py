@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.condition_words import heating_words
 from pipeline.answers.critical_temperature import conditions_of
-from pipeline.answers.results import CaseResults, case_dims, cases_of
+from pipeline.answers.results import CaseResults, case_dims, cases_of, sweep_of
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
 from pipeline.sweep.conditions import Conditions, rise_limit
@@ -60,14 +60,16 @@ class Shown(NamedTuple):
 
 
 def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
-    """The surface realization of a sweep that a figure shows: by default the first."""
+    """The surface realization of a sweep that a figure shows: by default the one with fields."""
     if several := case_dims(ds):
         raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
             raise InputError(f"realization is {realization}; the sweep has {seeds}")
-        ds = ds.sel(realization=[seeds[0] if realization is None else realization])
+        kept = sweep_of(ds).field_surface
+        usual = kept if kept in seeds else seeds[0]
+        ds = ds.sel(realization=[usual if realization is None else realization])
     case = cases_of(ds)[0]
     return Shown(case, conditions_of(case, conditions))
 
@@ -174,8 +176,8 @@ def fields(
     shown = _surface_fields(here, point, step)
     if np.isnan(shown[0]).all():
         raise InputError(
-            "no fields of this point are kept: a run with an accuracy keeps those of the first "
-            "surface realization; leave out the realization"
+            "no fields of this point are kept: a store keeps those of one surface realization; "
+            "leave out the realization"
         )
     x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN

@@ -160,16 +160,23 @@ class Group:
 
     @cached_property
     def seeds(self) -> frozenset[str]:
-        """Dimensions of random surfaces, of which the first alone has fields."""
+        """Dimensions of surface realizations, of which one alone has fields."""
         return frozenset(one.name for one in self.sweep.case_table.columns if one.is_seed)
 
+    @cached_property
+    def field_index(self) -> int:
+        """Index of the surface realization whose points have fields: one for all cases."""
+        kept = self.sweep.field_surface
+        places = (self.axes[dim].index(kept) for dim in self.seeds if kept is not None)
+        return max(places, default=0)
+
     def have_fields(self, where: Indices) -> Mask:
-        """True for points with fields: those on the first surface of each case.
+        """True for points with fields: those on one surface of each case.
 
         `where` has an index along each of `dims` for each point, shape (n, n_dim).
         """
-        first: Mask = (where[:, self._seeds] == 0).all(axis=1)
-        return first & bool(self.sweep.fields)
+        on_it: Mask = (where[:, self._seeds] == self.field_index).all(axis=1)
+        return on_it & bool(self.sweep.fields)
 
     def field_places(self, where: Indices) -> Indices:
         """Indices of points along the dimensions of fields, which lack those of surfaces."""
@@ -403,7 +410,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         sweep = replace(sweep_of_plain(plain, arrays), text=text)
         root = Root.of(sweep, by, keys, (plain, arrays))
         for group in root.groups:
-            _ = group.arrays, group.coordinates
+            _ = group.arrays, group.coordinates, group.field_index
     except StoreError:
         raise
     except (TriboError, ValueError, ArithmeticError) as error:

@@ -116,10 +116,11 @@ class _Masked(BackendArray):
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
         self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
-        # Only the first surface has fields: the others have NaN, of which nothing is stored.
+        # Only one surface has fields: the others have NaN, of which nothing is stored.
         self._lacks = [store.dims.index(dim) for dim in store.group.seeds if name in FIELDS]
         for axis in self._lacks:
-            np.moveaxis(self._mask, axis, 0)[1:] = False
+            others = np.arange(self._mask.shape[axis]) != store.group.field_index
+            np.moveaxis(self._mask, axis, 0)[others] = False
         self.shape = self._mask.shape + array.shape[self._mask.ndim - len(self._lacks) :]
         self.dtype = array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings

@@ -39,6 +39,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         sweep,
         stations=before.stations,
         fields=before.fields,
+        field_surface=_field_surface(before, sweep),
         former=_former_tests(before, sweep),
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
@@ -49,6 +50,19 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     union = old.union(new)
     cases = tuple((sweep if name in new.by_name else before).case(name) for name in union.names)
     return replace(joined, case_table=union, cases=cases)
+
+
+def _field_surface(before: Sweep, sweep: Sweep) -> int | None:
+    """The surface realization that has fields: that of the store, also if smaller seeds come."""
+    dims = [one.name for one in sweep.case_table.columns if one.is_seed]
+    if not (before.fields and dims):
+        return None
+    if dims[0] in before.case_table.axes:
+        first: int = in_order(before.case_table.axes[dims[0]])[0]
+        return first if before.field_surface is None else before.field_surface
+    stored = {*before._scene_hashes.values()}  # on a single surface, which had no number yet
+    hashes = sweep._scene_hashes.items()
+    return next((dict(name)[dims[0]] for name, one in hashes if one in stored), None)  # type: ignore[return-value]
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:

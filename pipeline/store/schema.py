@@ -16,7 +16,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 26
+FORMAT = 27
 """Version of the layout of stores."""
 NOT_ASKED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; no run has asked for a point that is `NOT_ASKED`."""

@@ -129,8 +129,8 @@ class Store:
 
     def fields_of(self, case: CaseName) -> Fields:
         """Which fields of the points of a case are stored."""
-        first = {(dim, self.axes[dim][0]) for dim in self.group.seeds}
-        return self.sweep.fields if first <= {*case} else False
+        with_fields = {(dim, self.axes[dim][self.group.field_index]) for dim in self.group.seeds}
+        return self.sweep.fields if with_fields <= {*case} else False
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""

@@ -13,6 +13,8 @@ OUTCOMES = ("mild", "severe", "transition")
 """Outcomes of a test."""
 Place = tuple[float, float]
 """Load [N] and velocity [m/s]."""
+LARGEST = 1e15
+"""Load [N] or velocity [m/s] at most; scenes have smaller ones."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
 
@@ -52,6 +54,13 @@ class Case:
     lubricant: Oil | None
     preset: str | None
     critical_from_tests: bool = False
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.model_bias <= 1 and 1e-3 <= self.model_scatter <= 1):
+            raise InputError(
+                f"model bias {self.model_bias} and scatter {self.model_scatter} are out of range; "
+                "give 0 to 1, and 0.001 to 1"
+            )
 
     @property
     def is_judged(self) -> bool:
@@ -107,6 +116,11 @@ class SpecimenTest:
     number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
     velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
+
+    def __post_init__(self) -> None:
+        pairs = (self.normal_load, self.load_step), (self.velocity, self.velocity_step)
+        if not all(0 <= step <= value <= LARGEST for value, step in pairs):
+            raise InputError(f"a test of {self.places} has a step out of range, or no place")
 
     @property
     def places(self) -> tuple[Place, ...]:

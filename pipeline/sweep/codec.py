@@ -17,7 +17,9 @@ from tribo.surface import UnknownHeights, array_digest
 from tribo.types import Array
 
 _CLASS = "is"  # key with the name of an object's class
-_MOST = 2**63  # of a whole number
+_LARGEST = 2**63  # whole number
+_LONGEST = 2**20  # list, mapping or text, as long as a table of tests may be
+_DEEPEST = 24  # objects within objects; a sweep has ten
 _NUMBERS = {str(one): one for one in (math.inf, -math.inf, math.nan)}  # JSON has none of these
 
 
@@ -53,16 +55,19 @@ def encode(value: Any, arrays: dict[str, Array] | None = None) -> Any:
     return [encode(one, arrays) for one in value]
 
 
-def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array]) -> Any:
+def decode(
+    plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array], depth: int = 0
+) -> Any:
     """Make the object of plain data from `encode`; `CodecError` for any other data.
 
     Only objects of `classes`, by name, are made. `arrays` has the arrays by SHA-256.
     """
+    _require_bounded(plain, depth)
     if isinstance(plain, list):
-        return tuple(decode(one, classes, arrays) for one in plain)
+        return tuple(decode(one, classes, arrays, depth + 1) for one in plain)
     if not isinstance(plain, dict):
         return plain
-    own = {k: decode(one, classes, arrays) for k, one in plain.items() if k != _CLASS}
+    own = {k: decode(one, classes, arrays, depth + 1) for k, one in plain.items() if k != _CLASS}
     name = str(plain.get(_CLASS))
     try:
         match name:
@@ -84,6 +89,18 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
     if wrong := [key for key, hint in hints.items() if not _fits(own[key], hint)]:
         raise CodecError(f"{name}.{wrong[0]} is {own[wrong[0]]!r:.60}")
     return made(**own)  # any error but of the input is a fault of this program
+
+
+def _require_bounded(plain: Any, depth: int) -> None:
+    """Raise a `CodecError` for data of a size or depth that no sweep has."""
+    if depth > _DEEPEST:
+        raise CodecError(f"objects lie more than {_DEEPEST} within each other")
+    if isinstance(plain, list | dict | str) and len(plain) > _LONGEST:
+        raise CodecError(f"{type(plain).__name__} of {len(plain)} is longer than {_LONGEST}")
+    if isinstance(plain, int) and abs(plain) >= _LARGEST:
+        raise CodecError(f"{plain!s:.20}… is too large")
+    if isinstance(plain, float) and not math.isfinite(plain):
+        raise CodecError(f"{plain} is no number of JSON")
 
 
 def digest(value: Any) -> str:
@@ -156,7 +173,7 @@ def _fits(value: Any, hint: Any) -> bool:
     if hint is None:
         return value is None
     if hint in (int, float) and type(value) is int:
-        return abs(value) < _MOST
+        return True  # bounded by `decode`
     if hint in (int, float):
         return type(value) is hint
     if getattr(hint, "_is_protocol", False):

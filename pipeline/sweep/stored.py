@@ -90,7 +90,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
             one.require_values()
     except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
-    return sweep
+    return replace(sweep, judged={}, notes=(), text="", source=None)  # which no store has
 
 
 def _without_lost_surfaces(plain: Any, arrays: Mapping[str, Array]) -> Any:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.case import Case, SpecimenTest
+from pipeline.sweep.case import LARGEST, Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
@@ -84,6 +83,7 @@ class Sweep:
     warnings: tuple[SceneWarning, ...] = ()  # found on reading; those of a store are all
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None  # times whose results an existing store has
+    field_surface: int | None = None  # realization with fields in an existing store; or the first
     judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
     former: tuple[
         SpecimenTest, ...
@@ -95,7 +95,7 @@ class Sweep:
     def __post_init__(self) -> None:
         for name in ("loads", "velocities"):
             values = getattr(self, name)
-            if not values or [*values] != sorted({*values}) or math.inf in map(abs, values):
+            if not values or [*values] != sorted({*values}) or max(map(abs, values)) > LARGEST:
                 raise InputError(f"{name} are {values}; give numbers that ascend")
 
     def __eq__(self, other: object) -> bool:

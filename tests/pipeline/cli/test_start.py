@@ -14,6 +14,20 @@ from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 
 
+def test_a_store_is_answered_without_the_reader_of_scenes(alone):
+    code = """
+import sys
+from pipeline.cli import main
+store, place = sys.argv[1], ["--load", "400 N", "--velocity", "1 m/s"]
+codes = [main([name, store]) for name in ("status", "boundary", "verify")]
+print(*codes, main(["margin", store, *place]))
+print([name for name in sys.modules if name.startswith("pipeline.scene")])
+"""
+    words = [sys.executable, "-c", code, str(alone)]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-2:] == ["0 0 0 0", "[]"]
+
+
 def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
     """Workers, too, import the installed packages, not files in the user's folder."""
     (tmp_path / "scene.toml").write_text(SCENE)

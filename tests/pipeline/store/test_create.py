@@ -256,6 +256,26 @@ def test_only_the_first_surface_of_a_case_has_fields(path):
     assert verify_store(path).is_clean
 
 
+@pytest.mark.parametrize("seeds", [(1,), (1, 7), None])
+def test_a_smaller_seed_that_comes_later_leaves_the_fields_where_they_are(path, seeds):
+    place = {"loads": (150.0,), "velocities": (0.5,)}
+    sweep = tiny.full(**place, **{"case_table": surfaces(seeds)} if seeds else {})
+    with writing(path, sweep) as store:
+        fields = [(one, store.fields_of(one.case) is True) for one in points(sweep)]
+        store.commit(run_point(sweep, one).record(with_fields=has) for one, has in fields)
+    first = open_sweep(path)["rise"].values.reshape(-1, *sweep.scene.grid.shape)[0]
+    more = tiny.full(**place, case_table=surfaces((0, 1, 7)))
+    with writing(path, more) as store:
+        assert not any(store.fields_of(one.case) for one in store.pending())
+        rest = [run_point(more, one).record(with_fields=False) for one in store.pending()]
+        store.commit(rest)
+    ds = open_sweep(path)
+    np.testing.assert_array_equal(ds["rise"].sel(realization=1).squeeze(), first)
+    assert ds["rise"].sel(realization=[0, 7]).isnull().all()
+    assert verify_store(path).is_clean
+    pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
+
+
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
     commit(path, SWEEP)
     other = tiny.full(

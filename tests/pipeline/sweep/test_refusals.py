@@ -1,5 +1,6 @@
 """All refusals of sweeps, their conditions, cases: causes, and what each says."""
 
+import functools
 import math
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column, surfaces
 from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
@@ -70,6 +72,11 @@ REFUSALS = {
     "fields": (data(warnings=[{"is": "SceneWarning"}]), "SceneWarning.cases is missing"),
     "values": (data(warnings=[FAR]), "the warning far_test has other values: (1.0,)"),
     "type": (data(title=3), "Sweep.title is 3"),
+    "depth": (data(title=functools.reduce(lambda one, _: [one], range(30))), "more than 24 within"),
+    "length": (data(title="x" * (2**20 + 1)), "str of 1048577 is longer than 1048576"),
+    "large number": (data(loads=[10**400]), "… is too large"),
+    "no number": (data(loads=[math.inf]), "inf is no number of JSON"),
+    "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
     "cases": (data(cases=[]), "it has no case for each row"),
     "no object": (lambda: sweep_of_plain([], {}), "the data of the sweep cannot be read"),
