@@ -306,10 +306,17 @@ def flags_of(found: xr.Dataset) -> set[str]:
 def next_run_line(found: xr.Dataset) -> str:
     """Sentence on the velocities at which severe wear is 5, 50 and 95 % probable.
 
-    They are stated at the lowest and the highest load of a boundary.
+    They are stated at the lowest and the highest load of a boundary whose points are done. Without
+    any such velocity, the sentence states the outcome that all loads have.
     """
+    outcomes = outcome_texts(found, "velocity").tolist()
+    if len({*outcomes}) == 1 and not found["critical_velocity_p50"].notnull().any():
+        subject = "wear" if outcomes[0].startswith(("mild", "severe")) else "the boundary"
+        return f"{subject} is {outcomes[0]}"
+    pairs = zip(found["load"].values.tolist(), outcomes, strict=True)
+    loads = [load for load, outcome in pairs if not outcome.startswith("unknown")]
     said = []
-    for load in dict.fromkeys(found["load"].values[[0, -1]].tolist()):
+    for load in dict.fromkeys((loads[0], loads[-1])):
         here = found.sel(load=load)
         low, middle, high = (here[f"critical_velocity_p{p}"].item() for p in ("05", "50", "95"))
         known = {"5 %": low, "95 %": high}

@@ -303,18 +303,16 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
         state.isin(kinds).any("realization").transpose(*PLANE).values
         for kinds in (("failed", "pending"), ("mild", "severe"))
     )
+    size = _DOT * rcParams["lines.markersize"]
     looks: dict[str, tuple[Array, dict[str, Any]]] = {
-        "simulated": (
-            done & ~lacking,
-            {"marker": ".", "ms": _DOT * rcParams["lines.markersize"], "zorder": 2.5},
-        ),
-        "lacking": (lacking, {"marker": "x", "clip_on": False}),
+        "simulated": (done & ~lacking, {"marker": ".", "ms": size, "zorder": 2.5}),
+        "lacking": (lacking, {"marker": "x"}),
     }
     for gid, (where, look) in looks.items():
         rows, columns = np.nonzero(where)
         if rows.size:
             at = state["velocity"].values[columns], state["load"].values[rows]
-            axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, **look)
+            axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look)
     yield from ["dots: simulated points"] * bool((done & ~lacking).any())
     if lacking.any():
         yield f"×: {lacking.sum()} points are pending or failed"

@@ -157,9 +157,11 @@ def half_done():
     [
         (plane, {}, "Severe wear is 50 % probable at"),
         (plane, {"load": 400.0, "velocity": 1.0}, "Mild wear at 400 N and 1 m/s"),
-        (plane, {"critical_temperature": "900 degC"}, "mild over the whole sweep"),
+        (plane, {"critical_temperature": "900 degC"}, "Wear is mild over the whole sweep"),
         (plane, {"friction": [0.1, 0.12]}, "Boundary between mild and severe wear"),
         (half_done, {}, "500 N: unknown because too few points are done"),
+        (half_done, {}, "(5 %: 2.25 m/s); at 2.07 m/s at 400 N"),
+        (plane, {}, ", and where severe wear is 5 and 95 % probable"),
         (half_done, {"load": 300.0, "velocity": 1.0}, "×: 10 points that are pending or failed"),
         (two_pins, {"load": 300.0, "velocity": 4.0}, "most critical operating point: pin radius 1"),
         (two_pins, {}, "Critical velocity as computed"),
