@@ -62,8 +62,8 @@ class Field:
         return np.flatnonzero(self.is_known.sum(axis=1) > 1)
 
     @functools.cached_property
-    def _curves(self) -> list[tuple[Indices, Pchip]]:
-        """Curves over ln(velocity) of loads that are known at the same velocities."""
+    def curves(self) -> list[tuple[Indices, Pchip]]:
+        """Curves over ln(velocity), without the factor, of loads known at the same velocities."""
         return [
             (rows, Pchip(np.log(self.velocities[known]), self.plane[np.ix_(rows, known)].T))
             for known, rows in _alike(self.is_known)
@@ -76,9 +76,9 @@ class Field:
         A load with a single known point has a value there alone.
         """
         found = np.full((len(self.loads), len(velocities)), np.nan)
-        for rows, curves in self._curves:
+        for rows, curves in self.curves:
             found[rows] = curves.beyond(np.log(velocities)).T
-        return found + np.log(self.factor(velocities))
+        return found if self._is_plain else found + np.log(self.factor(velocities))
 
     def __call__(self, loads: Array, velocities: Array) -> Array:
         """Values at k pairs of load and velocity; NaN outside the loads."""
@@ -93,6 +93,17 @@ class Field:
             curves = Pchip(np.log(x), rows[known])
             inside = (x[0] <= own) & (own <= x[-1])
             found[here] = np.where(inside, curves.at(np.log(own), back[here]), np.nan)
+        return found
+
+    def grid(self, loads: Array, velocities: Array) -> Array:
+        """Values at each of k loads and m velocities (k, m); NaN outside the loads."""
+        rows, found = self.rows(velocities), np.full((len(loads), len(velocities)), np.nan)
+        for known, columns in _alike(np.isfinite(rows).T):
+            if known.any():
+                x = self.loads[known]
+                inside = np.flatnonzero((x[0] <= loads) & (loads <= x[-1]))
+                curves = Pchip(np.log(x), rows[np.ix_(known, columns)])
+                found[np.ix_(inside, columns)] = curves.grid(np.log(loads[inside]))
         return found
 
     def beside(self, loads: Array) -> tuple[Indices, Indices]:
@@ -153,9 +164,7 @@ class Field:
         far = np.geomspace(1.0, reach, _BEYOND_PARTS if reach > 1 else 1)[1:]
         nodes = np.concatenate([x[0] / far[::-1], inner.ravel(), x[-1:], x[-1] * far])
         nodes[np.searchsorted(nodes, x)] = x  # without rounding
-        each, back = np.unique(loads, return_inverse=True)
-        grid = self(*(one.ravel() for one in np.meshgrid(each, nodes, indexing="ij")))
-        values = grid.reshape(len(each), -1)[back]
+        values = self.grid(loads, nodes)
         holds = np.isfinite(values)
         within = holds.copy()  # loads beyond the known ones have no value
         for rows in self.beside(loads):
@@ -231,9 +240,10 @@ class Lines(NamedTuple):
 
         `function` gives the field at places of the lines numbered by its second argument.
         """
-        order = np.argsort(~holds, axis=1, kind="stable")  # those that hold first
-        x, v = nodes[order], np.take_along_axis(values, order, axis=1)
-        count = holds.sum(axis=1)
+        x, v, count = np.broadcast_to(nodes, holds.shape), values, holds.sum(axis=1)
+        if not holds.all():
+            order = np.argsort(~holds, axis=1, kind="stable")  # those that hold first
+            x, v = nodes[order], np.take_along_axis(values, order, axis=1)
         severe = v > levels[:, None]
         changes = (severe[:, 1:] != severe[:, :-1]) & (np.arange(1, len(nodes)) < count[:, None])
         row, piece = np.nonzero(changes)

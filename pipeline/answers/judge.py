@@ -37,7 +37,8 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
-_MOST_FILMS = 24  # bulk temperatures for each of which a film is computed
+_MOST_FILMS = 24  # bulk temperatures for each of which a film is computed; else between nodes
+_FILM_APART = 2.0  # K, distance of these nodes
 
 
 class Flag(IntFlag):
@@ -89,12 +90,15 @@ class JudgedCase:
         """
         if not at.load.size:
             return np.zeros(0)
-        each, back = np.unique(at.bulk_temperature, return_inverse=True)
-        nodes = each if len(each) <= _MOST_FILMS else np.linspace(each[0], each[-1], _MOST_FILMS)
+        nodes, back = np.unique(at.bulk_temperature, return_inverse=True)
+        are_few = len(nodes) <= _MOST_FILMS
+        if not are_few:  # two further ones at each end make the cubic the same for all points
+            first, last = (int(x // _FILM_APART) for x in nodes[[0, -1]])
+            nodes = np.arange(first - 2.0, last + 4.0) * _FILM_APART
         films = [self._once(("film", x), lambda x=x: film_of(self.case, x)) for x in nodes.tolist()]
         if films[0] is None:
             return None
-        if len(nodes) == len(each):
+        if are_few:
             found = np.full(at.load.shape, np.nan)
             for k, film in enumerate(films):
                 here = back == k

@@ -35,20 +35,33 @@ class Pchip:
         bend, twist = (3 * chord - 2 * low - high) / h, (low + high - 2 * chord) / h**2
         return np.asarray(self.y[i, curves] + way * (low + way * (bend + way * twist)))
 
+    def grid(self, x: Array) -> Array:
+        """Values (m, k) of all curves at `x` (m,); beyond their ends a cubic goes on."""
+        if len(self.x) == 1:
+            return np.where((x == self.x[0])[:, None], self.y[0], np.nan)
+        i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
+        h = self.x[i + 1] - self.x[i]
+        t, row = (x - self.x[i]) / h, np.arange(len(x))
+        of_values, of_slopes = np.zeros((2, len(x), len(self.x)))
+        rest = t * t * (3 - 2 * t)
+        of_values[row, i], of_values[row, i + 1] = 1 - rest, rest
+        of_slopes[row, i], of_slopes[row, i + 1] = h * t * (1 - t) ** 2, h * t * t * (t - 1)
+        return np.asarray(of_values @ self.y + of_slopes @ self.slopes)
+
     def beyond(self, x: Array) -> Array:
         """Values (m, k) of all curves at `x` (m,); beyond both ends a power law goes on.
 
         It passes through the two outermost points, with an exponent of at least `LEAST_SLOPE`.
         """
-        curves = np.arange(self.y.shape[1])
-        found = self.at(np.clip(x, self.x[0], self.x[-1])[:, None], curves)
-        if len(self.x) > 1:
-            for end, beside in ((0, 1), (-1, -2)):
+        if len(self.x) == 1:
+            return self.grid(x)
+        found = self.grid(np.clip(x, self.x[0], self.x[-1]))
+        for end, beside, side in ((0, 1, x < self.x[0]), (-1, -2, x > self.x[-1])):
+            if side.any():
                 run = self.x[end] - self.x[beside]
                 slope = np.maximum((self.y[end] - self.y[beside]) / run, LEAST_SLOPE)
-                way = np.minimum(x - self.x[0], 0) if end == 0 else np.maximum(x - self.x[-1], 0)
-                found = found + way[:, None] * slope
-        return np.where((x == self.x[0])[:, None], found, np.nan) if len(self.x) == 1 else found
+                found[side] += (x[side] - self.x[end])[:, None] * slope
+        return found
 
 
 def _slopes(x: Array, y: Array) -> Array:

@@ -186,12 +186,12 @@ class CaseResults:
         """Conditions by which the scene judges the case."""
         return self.sweep.conditions
 
-    @property
+    @functools.cached_property
     def loads(self) -> Array:
         """Ascending loads [N]."""
         return np.asarray(self.ds["load"].values, float)
 
-    @property
+    @functools.cached_property
     def velocities(self) -> Array:
         """Ascending velocities above 0 [m/s]."""
         return np.asarray(self.ds["velocity"].values, float)
