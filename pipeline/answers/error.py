@@ -30,7 +30,7 @@ from pipeline.constants import (
     UNSEEN_BENT,
 )
 from tribo import WarningKind
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Indices
 
 PARTS = "interpolation", "discretization", "warnings", "surface"
 """Names of the parts, in their order."""
@@ -107,28 +107,32 @@ def interpolation_errors(
     gap = np.log(last / first)
     with np.errstate(invalid="ignore", divide="ignore"):
         way = np.where(gap > 0, np.log(loads / first) / gap, 0.0)
-    along = np.zeros((2, len(loads)))
-    for side, (rows, weight) in enumerate(((low, 1 - way), (high, way))):
-        along[side] = np.where(weight > 0, weight * _along_rows(field, rows, velocities), 0.0)
-    middle = field(np.sqrt(first * last), velocities)
-    bow = middle - (field(first, velocities) + field(last, velocities)) / 2
-    rows = field.tells if field.tells.size else np.array([0])
-    inner = (low > rows[0]) & (high < rows[-1])
-    # Each patch is rough along load in its own way.
-    rough = ROUGH_LOAD / np.sqrt(np.maximum(np.minimum(*specimen.patches[[low, high]]), 1))
-    between = _gap_bound(gap, bow, inner, len(rows) > 2, rough) * _shape(way)
+    sides = _along_rows(field, np.append(low, high), np.tile(velocities, 2)).reshape(2, -1)
+    weights = np.stack([1 - way, way])
+    along = np.where(weights > 0, weights * sides, 0.0)
+    between = np.where(gap > 0, np.nan, 0.0)
+    if len(rows := field.tells) > 1:
+        # Each patch is rough along load in its own way.
+        rough = ROUGH_LOAD / np.sqrt(np.maximum(specimen.patches[rows], 1))
+        each, back = np.unique(velocities, return_inverse=True)
+        curves = Pchip(np.log(field.loads[rows]), field.rows(each)[rows])
+        i = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
+        own = _along_rows(field, np.repeat(rows, len(each)), np.tile(each, len(rows)))
+        own = own.reshape(len(rows), -1)
+        bounds = _gap_bounds(curves, rough, np.unique(i[gap > 0]), own)[i, back]
+        between = np.where(gap > 0, bounds * _shape(way), 0.0)
     inside = (first <= loads) & (loads <= last)
-    return along, np.where(inside, np.where(gap > 0, between, 0.0), np.nan)
+    return along, np.where(inside, between, np.nan)
 
 
 def _along_rows(field: Field, rows: Indices, velocities: Array) -> Array:
     """Relative errors (k,) at velocities, of the loads numbered `rows` (k,)."""
     found = np.full(len(rows), np.nan)
-    for row in np.unique(rows):
-        here, known = np.flatnonzero(rows == row), np.flatnonzero(field.is_known[row])
-        if known.size:
-            x, y = np.log(field.velocities[known]), field.plane[row, known]
-            found[here] = curve_errors(x, y, np.log(velocities[here]))
+    for alike, curves in field.curves:
+        here = np.flatnonzero(np.isin(rows, alike))
+        if here.size:
+            own, at = np.searchsorted(alike, rows[here]), np.log(velocities[here])
+            found[here] = _errors_of(curves, own, at)
     return found
 
 
@@ -141,42 +145,76 @@ def curve_errors(x: Array, y: Array, at: Array) -> Array:
     >>> curve_errors(x, 0.6 * x, np.array([0.2, 0.4, 1.0])).round(4).tolist()
     [0.0038, 0.0, 0.0246]
     """
+    return _errors_of(Pchip(x, y[:, None]), np.zeros(len(at), int), at)
+
+
+def _errors_of(curves: Pchip, own: Indices, at: Array) -> Array:
+    """Errors at k places of ln(velocity), each of the curve with its `own` number (k,)."""
+    x = curves.x
     if len(x) == 1:
         return np.where(at == x[0], 0.0, np.nan)
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
-    gap, middle = x[i + 1] - x[i], x[:-1] + np.diff(x) / 2
-    bow = (Pchip(x, y[:, None]).beyond(middle)[:, 0] - (y[:-1] + y[1:]) / 2)[i]
-    inner = (i > 0) & (i < len(x) - 2)
-    way = np.clip((at - x[i]) / gap, 0, 1)
-    within = _gap_bound(gap, bow, inner, len(x) > 2, ROUGH_GAP) * _shape(way)
+    gap = x[i + 1] - x[i]
+    within = _gap_bounds(curves, ROUGH_GAP, np.unique(i))[i, own] * _shape((at - x[i]) / gap)
     beyond = np.maximum(np.maximum(x[0] - at, at - x[-1]), 0.0)
     return np.asarray(within + beyond * np.hypot(_SLOPE, BEYOND * (beyond + gap)))
 
 
-def _gap_bound(gap: Array, bow: Array, inner: Mask, is_seen: bool, rough: Array | float) -> Array:
-    """Bound of the error in the middle of a gap between two points.
+def _gap_bounds(
+    curves: Pchip, rough: Array | float, gaps: Indices, own: Array | float = 0.0
+) -> Array:
+    """Bounds of the error of k curves in the middle of each gap (n − 1, k), valid for `gaps`.
 
-    Between them the cubic through all points differs from the chord by what is known of the
+    A point that lies farther from the curve of the others than they bound, beside its `own` error
+    and theirs (n, k), shows that they bound too little: both gaps beside it get its distance.
+    """
+    x, y = curves.x, curves.y
+    rough, own = np.broadcast_to(rough, x.shape), np.broadcast_to(own, y.shape)
+    found = _smooth_bounds(curves, rough)
+    for k in {*np.append(gaps, gaps + 1).tolist()} - {0, len(x) - 1}:
+        rest = np.arange(len(x)) != k
+        others = Pchip(x[rest], y[rest])
+        way = (x[k] - x[k - 1]) / (x[k + 1] - x[k - 1])
+        stated = _smooth_bounds(others, rough[rest])[k - 1] * _shape(way)
+        off = np.abs(others.grid(x[k : k + 1])[0] - y[k])
+        off = off - own[k] - np.maximum(own[k - 1], own[k + 1])
+        nearly = np.clip(50 * off / stated - 49, 0, 1)  # steep, but nothing jumps
+        found[k - 1 : k + 1] = np.fmax(found[k - 1 : k + 1], nearly * off)
+    return found
+
+
+def _smooth_bounds(curves: Pchip, rough: Array) -> Array:
+    """Bounds in the middle of each gap of curves on which all points lie.
+
+    Between two points the cubic through all differs from the chord by what is known of the
     curvature. It is halved between points that have further ones on both sides.
     """
-    curved = np.maximum(np.abs(bow), LEAST_BENT * gap**2 / 8)
-    curved = curved if is_seen else UNSEEN_BENT * gap**2 / 8
-    return np.hypot(np.where(inner, curved / 2, curved), rough * gap)
+    x, y, gap = curves.x, curves.y, np.diff(curves.x)[:, None]
+    if len(x) > 2:
+        bow = curves.beyond((x[:-1] + x[1:]) / 2) - (y[:-1] + y[1:]) / 2
+        curved = np.maximum(np.abs(bow), LEAST_BENT * gap**2 / 8)
+        curved[1:-1] /= 2
+    else:
+        curved = np.broadcast_to(UNSEEN_BENT * gap**2 / 8, y[1:].shape)
+    return np.hypot(curved, np.maximum(rough[:-1], rough[1:])[:, None] * gap)
 
 
-def _shape(way: Array) -> Array:
+def _shape(way: Any) -> Array:
     """Error within a gap over that in its middle: 0 at both points, and steep beside them."""
-    return 2 * np.sqrt(np.clip(way * (1 - way), 0, None))
+    return np.asarray(2 * np.sqrt(np.clip(way * (1 - way), 0, None)))
 
 
 def surface_errors(specimen: Specimen) -> Array:
-    """Bound of ln(rise) at 95 % due to the choice of patches, at points (n_load, n_velocity)."""
+    """Bound of ln(rise) at 95 % due to the choice of patches, at points (n_load, n_velocity).
+
+    The spread of patches is pooled over loads, at each of which they are the same surfaces.
+    """
     count, known = specimen.patches[:, None], np.isfinite(specimen.apart)
     mean = np.where(known, specimen.apart, 0.0).sum(axis=0) / np.maximum(count, 1)
-    squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=0)
-    sampling = specimen.sampling[:, None]
-    bound = patches_bound(count, squares, sampling, specimen.is_highest, specimen.alone)
-    return np.broadcast_to(bound, mean.shape)
+    squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=(0, 1))
+    freedom = np.maximum(count - 1, 0)
+    squares = freedom * squares / max(freedom.sum(), 1)
+    return patches_bound(count, squares, specimen.sampling, specimen.is_highest, specimen.alone)
 
 
 def patches_bound(

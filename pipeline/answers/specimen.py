@@ -49,7 +49,7 @@ class Specimen(NamedTuple):
     # the patch has no point.
     apart: Array
     offset: Array  # ln(rise) of the specimen minus that of its first patch (n_load, n_velocity)
-    sampling: Array  # what patches state of their deviation, root mean square (n_load,)
+    sampling: Array  # what patches state of their deviation there, rms (n_load, n_velocity)
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
     is_highest: bool  # the highest temperature decides: then that of the hottest patch
@@ -72,18 +72,16 @@ def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Sp
     counts = case.counted
     y, sampling = case.log_rises(conditions)[counts], case.sampling(conditions)[counts]
     durations, kinds = case.durations[counts].max(axis=0), np.bitwise_or.reduce(flags[counts], 0)
-    known = np.isfinite(sampling)
-    squares = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2))
-    with np.errstate(invalid="ignore"):
-        sampling = np.sqrt(squares / known.sum(axis=(0, 2)))
+    sampling = _stated(sampling)
     loads, velocities = case.loads, case.velocities
     for axis, x in ((0, loads), (1, velocities)):
         if (twins := np.diff(np.log(x)) < TWINS).any():
             starts = np.flatnonzero(np.append(True, ~twins))
             y, durations = _means(y, starts, axis + 1), np.maximum.reduceat(durations, starts, axis)
             kinds = np.bitwise_or.reduceat(kinds, starts, axis)
+            sampling = _means(sampling, starts, axis)
             if axis == 0:
-                loads, sampling = _means(loads, starts), _means(sampling, starts)
+                loads = _means(loads, starts)
             else:
                 velocities = _means(velocities, starts)
     factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
@@ -120,15 +118,28 @@ def merged(
     return Specimen(field, apart, offset, sampling, flags, durations, is_highest, alone)
 
 
+def _stated(sampling: Array) -> Array:
+    """Root mean square over patches at each point; where no patch tells, that of the nearest."""
+    known = np.isfinite(sampling)
+    squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=0), known.sum(axis=0)
+    with np.errstate(invalid="ignore"):
+        return _of_nearest(np.sqrt(squares / count))
+
+
+def _of_nearest(values: Array) -> Array:
+    """Values (n_load, n_velocity), where unknown those of the nearest velocity of a load."""
+    number = np.arange(values.shape[1])
+    known = np.isfinite(values)[:, None, :]
+    away = np.where(known, np.abs(number[:, None] - number), np.inf)
+    return np.take_along_axis(values, away.argmin(axis=-1), axis=1)
+
+
 def _extended(difference: Array, loads: Array) -> Array:
     """Differences from the first patch at all points, from those that both have."""
     known = np.isfinite(difference)
     if known.all():
         return difference
-    rows, number = np.asarray(known.any(axis=1)), np.arange(difference.shape[1])
-    away = np.where(known[:, None, :], np.abs(number[:, None] - number), np.inf)
-    # At each point the nearest known one of its load; NaN at a load without any.
-    nearest = np.take_along_axis(difference, away.argmin(axis=-1), axis=1)
+    rows, nearest = np.asarray(known.any(axis=1)), _of_nearest(difference)
     return np.where(rows[:, None], nearest, _along_load(loads, nearest, rows))
 
 

@@ -73,7 +73,8 @@ class Told:
 
 
 def _mean_square(sampling):
-    """Root mean square of the deviations that the points of each load state (n_load,)."""
+    """Root mean square of the deviations that the points of each load state, at each velocity."""
     known = np.isfinite(sampling)
     squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2)), known.sum((0, 2))
-    return np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))
+    rows = np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))
+    return np.repeat(rows[:, None], sampling.shape[2], axis=1)

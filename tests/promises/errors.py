@@ -172,7 +172,7 @@ def plane_of(row, preset, name):
     # `fine` has present heat only, too; its error is judged against all the heat so far.
     flags = flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
     flags |= (slopes < SLOWEST) * int(WarningKind.SLOW_RISE)
-    same = np.zeros(len(rises))  # all presets have the same surface
+    same = np.zeros(rises.shape)  # all presets have the same surface
     return merged(np.array(row["loads"]), velocities, np.log(rises)[None], same, flags, durations)
 
 

@@ -193,3 +193,13 @@ def test_the_specimen_of_patches_that_differ_a_lot_is_decided_by_more_patches():
     assert here.temperature_error_surface == max(
         getattr(here, f"temperature_error_{part}") for part in PARTS
     )
+
+
+def test_points_at_far_velocities_leave_the_surface_part_of_an_error_as_it_is():
+    ds = synthetic.sweep()
+    rough = 0.02 + 0.06 * (ds["velocity"] > 2.5)  # which points there state of their own deviation
+    ds = ds.assign(rise_sampling=(ds["rise_sampling"] + rough).drop_attrs())
+    few = ds.isel(velocity=ds["velocity"].values <= 2.0)
+    parts = [asked(one, 425.0, 1.2).temperature_error_surface for one in (few, ds)]
+    assert parts[0] == pytest.approx(parts[1], rel=1e-12)
+    assert asked(ds, 425.0, 3.2).temperature_error_surface > 2 * parts[0]
