@@ -91,7 +91,8 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 def ascending(ds: xr.Dataset) -> xr.Dataset:
     """The dataset of a store with ascending numbers along each axis."""
     axes = [str(name) for name in ds["status"].dims if ds[name].dtype.kind in "if"]
-    return ds.sortby([name for name in axes if (np.diff(ds[name]) < 0).any()])
+    falling = [name for name in axes if (np.diff(ds[name]) < 0).any()]
+    return ds.sortby(falling) if falling else ds  # by nothing it would copy all that is in `ds`
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:

@@ -17,7 +17,9 @@ from pipeline.answers.error import (
 )
 from pipeline.answers.likelihood import Outcome, Prior, update
 from pipeline.answers.pchip import Pchip, roots
+from pipeline.answers.results import ascending
 from pipeline.answers.specimen import merged
+from tests.helpers import synthetic
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
 
@@ -42,6 +44,12 @@ def test_curves_are_those_of_scipy():
         at = rng.uniform(x[0], x[-1], 40)
         ours = Pchip(x, y).at(at[:, None], np.arange(5))
         assert ours == pytest.approx(PchipInterpolator(x, y)(at), abs=1e-12)
+
+
+def test_a_dataset_is_copied_only_if_an_axis_is_to_be_sorted():
+    ds = synthetic.sweep()
+    assert ascending(ds) is ds
+    assert ascending(ds.isel(load=slice(None, None, -1)))["load"].identical(ds["load"])
 
 
 def test_roots_are_found_in_few_rounds():
