@@ -13,7 +13,7 @@ COMMANDS = (
         (
             Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
             o.LIST.but(help="list the figures and tables"),
-            o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
+            o.output("PATH", "figure to draw, or the folder for it; all results need a folder"),
             o.PRESET.but(help="preset of the numerical choices, or as-published"),
             Option("--surfaces", metavar="N", type=int, help="number of random surfaces"),
             o.WORKERS.but(help="workers for the diagram"),

@@ -12,6 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from PIL import Image
+
 from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures.style import save_figure
 from pipeline.progress import staged
@@ -61,7 +63,7 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
     name : str
         One of `RESULTS`.
     out : path, optional
-        File to write the figure to; .pdf, .png or .svg.
+        File to write the figure to, .pdf, .png or .svg; or a folder, for a file NAME.png in it.
     **choices
         Fields of `Study`, such as ``preset`` and ``surfaces``.
 
@@ -84,12 +86,24 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
             f"there are {', '.join(_MAKERS)}"
         )
     study = Study(**choices)
+    if out is not None and Path(out).is_dir():
+        out = Path(out, f"{name}.png")
     file = None if out is None else writable_path(out, FIGURES)
     began = time.perf_counter()
     report = _MAKERS[name](study)
     if file is not None:
         save_figure(report.figure, file)
+        if file.suffix == ".png":
+            _make_smaller(file)
     return replace(report, seconds=time.perf_counter() - began, file=file)
+
+
+def _make_smaller(file: Path) -> None:
+    """Write a picture again with few colours: a third of its size, in the repository."""
+    with Image.open(file) as picture:
+        method = Image.Quantize.MEDIANCUT
+        few = picture.convert("RGB").quantize(256, method, dither=Image.Dither.NONE)
+    few.save(file, optimize=True)
 
 
 def write_gallery(
@@ -111,12 +125,14 @@ def write_gallery(
     >>> write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
     """
     folder, progress = Path(folder), Study(**choices).progress
+    if folder.suffix.lower() in FIGURES:
+        raise InputError(f"cannot write all results to the file {folder}; name a folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
     reports = [
-        reproduce(name, folder / f"{name}.png", **choices)
+        reproduce(name, folder, **choices)
         for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}")
     ]
     for name, text in pages(reports).items():
