@@ -85,7 +85,7 @@ def margin_frame(found: xr.Dataset) -> pd.DataFrame:
     """Rows of `pipeline.margin` to read: columns that decide, probabilities in words."""
     hidden = {*found.sizes, *PLANE, *ABOUT}
     own = [str(name) for name, one in found.coords.items() if one.ndim and name not in hidden]
-    frame = short(answer_frame(found, *own, *_ROWS), [CASE] * bool(own))
+    frame = short(answer_frame(found, *own, *_ROWS), [CASE] * bool(own and CASE in found.sizes))
     frame["probability"] = [None if np.isnan(p) else percent(p) for p in frame["probability"]]
     return frame
 
