@@ -105,7 +105,8 @@ def boundary_frame(found: xr.Dataset, by: str = "load") -> pd.DataFrame:
 def _heading(name: str, found: xr.Dataset) -> str:
     unit = found[name].attrs.get("units", "") if name in found.variables else ""
     is_error = "error" in name or name == "temperature_margin"
-    if name in found.dims and name not in PLANE and unit:
+    own = "shown_in" in found[name].attrs if name in found.variables else False
+    if unit and (own or (name in found.dims and name not in PLANE)):
         unit = usual_unit(found[name])
     if unit == "K" and not is_error:
         unit = "°C"
