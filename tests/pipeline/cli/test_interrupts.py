@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from pipeline import summary, verify_store
+from pipeline.interrupts import keyboard_interrupts
 from tests.helpers.scenes import SCENE
 
 MANY = 'velocities = { from = "1 m/s", to = "4 m/s", count = 400 }'
@@ -34,10 +35,20 @@ def running(tmp_path):
     process.communicate()
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
-def test_a_run_that_is_told_to_end_keeps_its_points_and_says_so(running, name):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_each_signal_ends_a_command_once_and_acts_as_before_afterwards(number):
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        with pytest.raises(KeyboardInterrupt), keyboard_interrupts():
+            signal.raise_signal(number)
+        assert signal.getsignal(number) == signal.SIG_DFL
+    finally:
+        signal.signal(number, before)
+
+
+def test_a_run_that_is_told_to_end_keeps_its_points_and_says_so(running):
     process, out = running
-    process.send_signal(getattr(signal, name))
+    process.send_signal(signal.SIGTERM)
     said = process.stderr.read()
     assert process.wait() == 130
     assert "irg: interrupted; finished points are safe: run the same command again" in said

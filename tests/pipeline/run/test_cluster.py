@@ -300,13 +300,11 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
         for end in (address, worker[0], worker[1]["nanny"]):
             assert end.startswith("tls://127.0.0.1:")
         with pytest.raises(OSError, match="certificate does not match"):
-            Client(address, security=Security.temporary(), set_as_default=False, timeout=5)
+            Client(address, security=Security.temporary(), set_as_default=False, timeout=120)
         for services in (info["services"], worker[1]["services"]):
             for page in ("json/identity.json", "api/v1/retire_workers", "metrics"):
                 with pytest.raises(urllib.error.HTTPError, match="404"):
                     urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
         client.sync(client.cluster.workers[0].close)
-        end = time.monotonic() + 60.0
-        while len(watch()) < 2 or worker[0] in watch():
-            assert time.monotonic() < end
+        while len(watch()) < 2 or worker[0] in watch():  # or the test's time is over
             time.sleep(0.1)

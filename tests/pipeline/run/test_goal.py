@@ -1,7 +1,9 @@
 """A run with a goal: it computes until the whole error of the boundary is below an accuracy."""
 
+import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +14,24 @@ import pipeline
 from pipeline.store.schema import DONE, NOT_ASKED
 from tribo import InputError
 
-LOADS = {"sweep.loads": ["400 N", "750 N"]}
+# first_try on few elements, of which enough touch for the same search in a quarter of the time
+SMALL = {
+    "window.pixels": [96, 48],
+    "window.pixel_size": ["4 um", "4 um"],
+    "disk.roughness.correlation_length": "8 um",
+    "materials.steel.hardness": "2 GPa",
+    "sweep.loads": ["400 N", "750 N"],
+}
 
 
 def scene(**entries):
-    return pipeline.load_scene("first_try", overrides=LOADS | entries)
+    return pipeline.load_scene("first_try", overrides=SMALL | entries)
+
+
+def words(**entries):
+    """Options of a command for the same scene."""
+    changes = (f"{name}={json.dumps(value)}" for name, value in (SMALL | entries).items())
+    return [word for change in changes for word in ("--set", change)]
 
 
 def run(sweep, path, accuracy=0.03, **more):
@@ -80,7 +95,7 @@ class KilledError(Exception):
     """Stands for a kill, which leaves the store as it is."""
 
 
-@pytest.mark.parametrize("count", [5, 9, 14])  # four of them are of tests
+@pytest.mark.parametrize("count", [5, 14])  # four of them are of tests
 def test_a_run_that_was_stopped_ends_with_the_same_points(tmp_path, small, count):
     def stop(progress):
         if progress.done >= count:
@@ -97,7 +112,7 @@ def test_a_run_that_was_stopped_ends_with_the_same_points(tmp_path, small, count
 
 def test_each_case_has_the_goal(tmp_path):
     path = tmp_path / "cases.zarr"
-    run(scene(**{"sweep.over": {"pin.radius": ["2 mm", "3 mm"]}}), path, 0.05)
+    run(scene(**{"sweep.over": {"pin.radius": ["1.8 mm", "2 mm"]}}), path, 0.05)
     found = pipeline.boundary(path)
     assert found["velocity_error"].dims == ("pin_radius", "load")
     known = np.isfinite(found["critical_velocity"])
@@ -107,19 +122,16 @@ def test_each_case_has_the_goal(tmp_path):
 
 def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_path, irg):
     out = tmp_path / "seeds.zarr"
-    words = irg(
-        "run", "first_try", "--set", 'sweep.loads=["400 N"]', "--set", "sweep.realizations=[3, 5]",
-        "--accuracy", "2%", "-o", out, "--workers", "1",
-    )  # fmt: skip
-    assert "accuracy 2 % reached: at most ± 1." in words
-    assert "2 listed seeds, not reduced by computing" in words
-    assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in words
+    own = words(**{"sweep.loads": ["400 N"], "sweep.realizations": [3, 5]})
+    said = irg("run", "first_try", *own, "--accuracy", "2%", "-o", out, "--workers", "1")
+    assert "accuracy 2 % reached: at most ± 1." in said
+    assert "2 listed seeds, not reduced by computing" in said
+    assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in said
     assert done(out)[1].sum() == 1
 
 
 def test_a_later_run_computes_the_plane_of_the_first_patch(small, tmp_path):
-    path = tmp_path / "plane.zarr"
-    run(scene(), path)
+    path = shutil.copytree(small, tmp_path / "plane.zarr")
     few = done(path).sum()
     plane = scene(**{"sweep.realizations": 1})
     outcome = pipeline.run_sweep(plane, path, workers=1)
@@ -137,42 +149,35 @@ def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
 
 def test_the_command_tells_what_it_reached_and_how_it_goes_on(tmp_path, irg):
     out = tmp_path / "out.zarr"
-    arguments = (
-        "run",
-        "first_try",
-        "--set",
-        'sweep.loads=["100 N", "750 N"]',
-        "-o",
-        out,
-        "--workers",
-        "1",
-    )
-    words = irg(*arguments, "--accuracy", "5%")
-    assert "accuracy 5 % reached: at most ± 4" in words
-    assert "at 750 N (interpolation" in words
-    assert "no critical velocity in the plane at 100 N" in words
+    own = words(**{"sweep.loads": ["100 N", "750 N"]})
+    arguments = "run", "first_try", *own, "-o", out, "--workers", "1"
+    said = irg(*arguments, "--accuracy", "5%")
+    assert re.search(r"accuracy 5 % reached: at most ± [34]\.\d+ %, at 750 N \(interpolation", said)
+    assert "no critical velocity in the plane at 100 N" in said
     document = irg(*arguments, "--accuracy", "5%", "--json")
     assert document["accuracy"]["scenes"][0]["total"] < 0.05
 
 
 def test_own_numbers_of_the_scene_are_replaced_in_a_line(tmp_path):
-    told = []
-    own = scene(**{"fidelity.increments": 7, "sweep.loads": ["750 N"]})
-    run(own, tmp_path / "own.zarr", 0.05, progress=lambda one: told.append(str(one)))
-    assert told[0] == "preset standard (up to 1.1 %), in place of the scene's own [fidelity]"
+    def stop(progress):
+        raise KilledError(progress)
+
+    said = r"^preset standard \(up to 1.1 %\), in place of the scene's own \[fidelity\]$"
+    with pytest.raises(KilledError, match=said):
+        run(scene(**{"fidelity.increments": 7}), tmp_path / "own.zarr", 0.05, progress=stop)
 
 
 def test_a_goal_out_of_reach_ends_with_a_line_of_advice_and_exit_code_1(tmp_path, irg):
-    arguments = "--set", 'sweep.loads=["200 N"]', "-o", tmp_path / "far.zarr"
-    words = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
-    assert "accuracy 0.58 % not reached" in words
-    assert "to reach it: there are too few patches of the surface" in words
+    arguments = *words(**{"sweep.loads": ["400 N"]}), "-o", tmp_path / "far.zarr"
+    said = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
+    assert "accuracy 0.58 % not reached" in said
+    assert "to reach it: there are too few patches of the surface" in said
     assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further patches
 
 
 def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_path, irg):
     out = tmp_path / "coarse.zarr"
-    few = "--set", 'sweep.loads=["750 N"]', "--set", 'sweep.velocities=["0.5 m/s", "4 m/s"]'
+    few = words(**{"sweep.loads": ["750 N"], "sweep.velocities": ["0.5 m/s", "4 m/s"]})
     assert "accuracy 5 % reached" in irg("run", "first_try", *few, "-o", out, "--accuracy", "5%")
     velocities = pipeline.open_sweep(out)["velocity"].values
     assert {0.5, 4.0} < {*velocities.tolist()}
@@ -194,13 +199,14 @@ def test_the_whole_history_needs_no_second_entry(irg):
 
 
 RECIPE = re.findall(r"^\t\$\(BIN\)/irg (run .*)$", Path("Makefile").read_text(), re.MULTILINE)
-FEWER = {"sweep.loads": '["400 N", "750 N"]', "sweep.velocities": '["1 m/s", "2 m/s", "4 m/s"]'}
+FEWER = {"sweep.velocities": ["1 m/s", "2 m/s", "4 m/s"]}
 
 
 def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path, irg):
     out = tmp_path / "diagram.zarr"
-    small = [word for name, value in FEWER.items() for word in ("--set", f"{name}={value}")]
-    plane, goal = ([*shlex.split(step), *small, "-o", out, "--workers", "1"] for step in RECIPE)
+    plane, goal = (
+        [*shlex.split(step), *words(**FEWER), "-o", out, "--workers", "1"] for step in RECIPE
+    )
     accuracy = float(goal[goal.index("--accuracy") + 1].removesuffix("%"))
     assert f"{out}: 6 of 6 points done" in irg(*plane)
     said = irg(*goal)
