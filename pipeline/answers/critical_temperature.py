@@ -8,6 +8,7 @@ bias is added.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,10 +16,17 @@ from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
-from scipy.special import logsumexp, stdtrit
+from scipy.special import logsumexp
 
 from pipeline.answers.conditions import ConditionValues, judged
-from pipeline.answers.likelihood import Outcome, Posterior, Prior, log_prior_scatter, update
+from pipeline.answers.likelihood import (
+    LEAST_BIAS,
+    Outcome,
+    Posterior,
+    Prior,
+    log_prior_scatter,
+    update,
+)
 from pipeline.answers.results import CaseResults, cases_of
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, outcome_of
@@ -31,10 +39,13 @@ from tribo.types import Array
 
 _USUAL = 120.0  # K above the bulk temperature, about which Tc is assumed
 _NODES = np.linspace(-4, 4, 801)  # of ln((Tc − bulk)/120 K)
-_SCATTERS, _BIASES = 100, 41
+_SCATTERS, _BIASES, _FARTHEST = 100, 101, 7.0  # nodes; sinh(7) scales of the bias are 550
 _SEVERE = 40.0  # change of y in place of infinity, where Tc is not above a bulk temperature
 _BOUND = 0.05  # likelihood, over the largest, at the end of a range that tests of one outcome leave
-_TAILS = math.sqrt(2)  # standard deviation of Student's t with 4 degrees, over its scale
+_EVEN_BIASES, _EVEN_SCATTERS, _EVEN = 241, 50, 6.0  # nodes, 0.3 widths apart in the middle
+_NARROWEST = 0.01  # width of these nodes
+_MERGED = 0.25  # difference of biases, over the scatter, within which they are merged
+_NEGLIGIBLE = 1e-10  # weight of merged values that are left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,23 +59,46 @@ class CriticalTemperature:
     evidence: Evidence  # y of the tests at `temperature`
     bulk: float  # of the scene, above which Tc is assumed [K]
     nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
-    logs: Array  # ln(Tc/temperature − 1 …) by node and bias: ln((Tc − bulk)/(temperature − bulk))
-    shares: Array  # weights of the biases at each node, which add up to 1
+    logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
+    weights: Array  # of each node and bias, which add up to 1
 
     def at_bulk(self, bulk: float) -> Posterior:
         """Bias and scatter of points at a bulk temperature [K], whose y are at `temperature`.
 
-        Tc moves y by another amount than at the scene's bulk temperature. Its mean adds to the
-        bias of each node, its variance to the scatter.
+        Tc moves y by another amount than at the scene's bulk temperature. Values nearer to each
+        other than a part of the scatter are merged, and their variance is added to it.
         """
         if bulk == self.bulk:
             return self.nodes
-        moved = _change(self.temperature, self._temperatures, bulk) + self.logs
+        moved = _change(self.temperature, self._temperatures, bulk) + self._biases
         moved = np.clip(moved, -_SEVERE, _SEVERE)
-        mean = (self.shares * moved).sum(axis=1)
-        variance = (self.shares * np.square(moved - mean[:, None])).sum(axis=1)
-        scatter = np.sqrt(np.square(self.nodes.scatter) + variance)
-        return replace(self.nodes, bias=self.nodes.bias + mean, scatter=scatter)
+        scatter, kind = np.unique(self.nodes.scatter, return_inverse=True)
+        places = np.floor(moved / (_MERGED * self.nodes.scatter[:, None])).astype(int)
+        first, count = places.min(), np.ptp(places) + 1
+        which, back = np.unique(kind[:, None] * count + places - first, return_inverse=True)
+        weights, first_moments, second_moments = (
+            np.bincount(back.ravel(), (self.weights * moved**power).ravel()) for power in range(3)
+        )
+        kept = weights > _NEGLIGIBLE
+        weights, means = weights[kept], first_moments[kept] / weights[kept]
+        variances = np.maximum(second_moments[kept] / weights - means**2, 0.0)
+        own = scatter[which[kept] // count]
+        return replace(
+            self.nodes, bias=means, scatter=np.hypot(own, np.sqrt(variances)),
+            weights=weights / weights.sum(),
+        )  # fmt: skip
+
+    @functools.cached_property
+    def spread_with_bias(self) -> float:
+        """Standard deviation of the critical temperature on another rig [K]."""
+        mean = (self.weights * self.logs).sum()
+        variance = (self.weights * np.square(self.logs - mean)).sum()
+        return float((self.temperature - self.bulk) * math.sqrt(variance))
+
+    @property
+    def _biases(self) -> Array:
+        """Bias of each node and bias."""
+        return self.nodes.bias[:, None] + self.logs
 
     @property
     def _temperatures(self) -> Array:
@@ -104,11 +138,14 @@ def critical_temperature_of(
     ) else evidence  # fmt: skip
     temperature = bulk + above if found is not evidence else start
     at_least, at_most = _bounds(own, bulk, prior)
-    nodes = update(tuple(map(outcome_of, found.specimens)), Prior(1.0, prior.scatter))
-    weights, logs, shares = _joint(nodes, _OwnBulks(found, temperature), bulk, temperature, prior)
+    own = _OwnBulks(found, temperature)
+    nodes = update(tuple(one for one, _ in own.results), Prior(1.0, prior.scatter))
+    if any(at != bulk for _, at in own.results):
+        nodes = _even(nodes, own, bulk, max(spread, _NARROWEST), prior)
+    logs, weights = _joint(nodes, own, bulk, temperature, prior)
     return CriticalTemperature(
         temperature, above * spread, at_least, at_most, found, bulk,
-        replace(nodes, weights=weights), logs, shares,
+        replace(nodes, weights=weights.sum(axis=1)), logs, weights,
     )  # fmt: skip
 
 
@@ -140,8 +177,10 @@ class _OwnBulks:
 def _bounds(own: _OwnBulks, bulk: float, prior: Prior) -> tuple[float, float]:
     """Bounds [K] that tests of one outcome leave, on any rig; NaN where there is none."""
     nodes = _NODES[::8]
-    logs = own.log_likelihood(bulk + _USUAL * np.exp(nodes), _biases(prior), prior)
-    ratio = np.exp(logs).mean(axis=1) / np.exp(logs).mean(axis=1).max()
+    biases, log_prior = _biases(prior)
+    logs = own.log_likelihood(bulk + _USUAL * np.exp(nodes), biases, prior)
+    whole = np.exp(logs + log_prior).sum(axis=1)
+    ratio = whole / whole.max()
     mild, severe = own.has("mild"), own.has("severe")
     if mild == severe:
         return math.nan, math.nan
@@ -150,36 +189,52 @@ def _bounds(own: _OwnBulks, bulk: float, prior: Prior) -> tuple[float, float]:
     return math.nan, bulk + _USUAL * math.exp(np.interp(_BOUND, ratio[::-1], nodes[::-1]))
 
 
-def _biases(prior: Prior) -> Array:
-    """Biases of equal probability."""
-    quantiles = (np.arange(_BIASES) + 0.5) / _BIASES
-    return np.asarray(prior.bias * stdtrit(WORTH, quantiles))
+def _biases(prior: Prior) -> tuple[Array, Array]:
+    """Nodes of the bias, and ln(weights)."""
+    u = np.linspace(-_FARTHEST, _FARTHEST, _BIASES)
+    bias = max(prior.bias, LEAST_BIAS) * np.sinh(u)
+    return bias, np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(np.sinh(u) ** 2 / WORTH)
+
+
+def _even(nodes: Posterior, own: _OwnBulks, bulk: float, width: float, prior: Prior) -> Posterior:
+    """Nodes with the weights by tests at the scene's bulk temperature, dense within a `width`."""
+    v = np.linspace(math.log(0.1 * prior.scatter), math.log(_SEVERE), _EVEN_SCATTERS)
+    reach = math.asinh(_SEVERE / (_EVEN * width))
+    u = np.linspace(-reach, reach, _EVEN_BIASES)[:, None]
+    bias, scatter = _EVEN * width * np.sinh(u), np.exp(v)
+    logs = np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(bias**2 / WORTH)
+    logs = logs + log_prior_scatter(v, prior)
+    for one, at in own.results:
+        if at == bulk:
+            logs += one.log_likelihood(bias, scatter)
+    weights = np.exp(logs - logs.max())
+    kept = weights > _NEGLIGIBLE * weights.sum()
+    bias, scatter = (np.broadcast_to(one, kept.shape)[kept] for one in (bias, scatter))
+    return replace(nodes, bias=bias, scatter=scatter, weights=weights[kept])
 
 
 def _joint(
     nodes: Posterior, own: _OwnBulks, bulk: float, temperature: float, prior: Prior
-) -> tuple[Array, Array, Array]:
-    """Weights of nodes, ln((Tc − bulk)/(temperature − bulk)) by node and bias, and their shares.
+) -> tuple[Array, Array]:
+    """ln((Tc − bulk)/(temperature − bulk)) by node and bias, and the weights of both.
 
     The bias is a part of what a node moves y by; the critical temperature is the rest. `nodes`
-    were made with a prior of the whole, in whose place both priors come.
+    were made with a prior of the whole, in whose place both priors come, and by tests at the
+    scene's bulk temperature alone, if there are others.
     """
-    biases = _biases(prior)
-    logs = biases - nodes.bias[:, None]  # of (Tc − bulk)/(temperature − bulk)
+    biases, log_prior = _biases(prior)
+    logs = biases - nodes.bias[:, None]
     whole = -(WORTH + 1) / 2 * np.log1p(nodes.bias**2 / WORTH)
     u = logs + math.log((temperature - bulk) / _USUAL)
-    joint = -(WORTH + 1) / 2 * np.log1p(u**2 / WORTH) - whole[:, None]
+    joint = log_prior - (WORTH + 1) / 2 * np.log1p(u**2 / WORTH) - whole[:, None]
     temperatures = bulk + (temperature - bulk) * np.exp(logs)
     for one, at in own.results:
         if at != bulk:
             moved = _change(temperature, temperatures, at) + biases
-            scatter = nodes.scatter[:, None]
-            joint += one.log_likelihood(moved, scatter)
-            joint -= one.log_likelihood(nodes.bias[:, None], scatter)
+            joint += one.log_likelihood(moved, nodes.scatter[:, None])
     joint += np.log(nodes.weights)[:, None]
-    shares = np.exp(joint - joint.max())
-    weights = shares.sum(axis=1)
-    return weights / weights.sum(), logs, shares / np.maximum(weights, 1e-300)[:, None]
+    weights = np.exp(joint - joint.max())
+    return logs, weights / weights.sum()
 
 
 def conditions_of(case: CaseResults, given: Mapping[str, Any]) -> Conditions:
@@ -217,11 +272,12 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     case = cases_of(ds)[0]
     own = judged(replace(case.sweep.conditions, critical_temperature=None), conditions)
     found = critical_temperature_of(case, specimen_of(case, own, warning_flags(case)), own)
-    above = found.temperature - found.bulk
-    another = math.hypot(found.spread, above * _TAILS * found.evidence.prior.bias)
     values = {
         "critical_temperature": (found.temperature, "critical temperature by the tests, median"),
-        "spread_another_rig": (another, "standard deviation on another rig (model bias included)"),
+        "spread_another_rig": (
+            found.spread_with_bias,
+            "standard deviation on another rig (model bias included)",
+        ),
         "spread_this_rig": (found.spread, "standard deviation on this rig (model bias excluded)"),
         "at_least": (found.at_least, "lower bound by mild tests alone"),
         "at_most": (found.at_most, "upper bound by severe tests alone"),

@@ -31,7 +31,8 @@ _MOST_CHANGE = 1.5  # of the logarithm of the posterior within a panel that coun
 _COUNTS = 25.0  # of the logarithm below its largest value
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _MOST_HALVINGS = 40
-_LEAST_BIAS = 1e-5  # scale of the bias in place of 0
+LEAST_BIAS = 1e-5
+"""Scale of the bias in place of 0."""
 _NEGLIGIBLE = 3e-6  # weight of nodes, all together, that are left out
 _TABLE = np.sinh(np.linspace(-7.8, 7.8, 301)) * 0.05  # y at which P is computed, to ±61
 
@@ -135,7 +136,7 @@ def update(results: tuple[Outcome, ...], prior: Prior) -> Posterior:
     scatter, log_scatter = np.exp(v), log_prior_scatter(v, prior)
 
     def log_prior(bias: Array) -> Array:
-        t = bias[:, None] / max(prior.bias, _LEAST_BIAS)
+        t = bias[:, None] / max(prior.bias, LEAST_BIAS)
         return -(WORTH + 1) / 2 * np.log1p(t**2 / WORTH) + log_scatter
 
     def log_likelihoods(bias: Array) -> list[Array]:
