@@ -17,8 +17,8 @@ from .scene.read import load_scene as load_scene
 from .scene.read import run_point as run_point
 from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError
-from .store.store import summary as summary
-from .store.store import verify_store as verify_store
+from .store.status import summary as summary
+from .store.status import verify_store as verify_store
 from .surface.statistics import surface_statistics as surface_statistics
 from .sweep.conditions import Conditions as Conditions
 from .sweep.sweep import Sweep as Sweep

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from pipeline.answers.warnings import Warned
-    from pipeline.store.store import Summary
+    from pipeline.store.status import Summary
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""

@@ -12,7 +12,7 @@ from pipeline.answers.preset_error import error_in_words
 from pipeline.answers.tables import frame_of, records, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
 from pipeline.store.place import REMEDY, ROOT, StoreError
-from pipeline.store.store import Summary, states
+from pipeline.store.status import Summary, states
 
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 

@@ -27,7 +27,8 @@ from pipeline.store.create import enlarged, find_sweep, open_to_write, take_poin
 from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
-from pipeline.store.store import FailedPoint, Store, Summary, Writer, opened, summary_of
+from pipeline.store.status import FailedPoint, Summary, summary_of
+from pipeline.store.store import Store, Writer, opened
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count

@@ -27,8 +27,8 @@ import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import KEYS, open_arrays, read_document, write_arrays, write_documents
+from pipeline.store.check import Checked, Damage, checked_points, mend
 from pipeline.store.files import PARTIAL, sync
-from pipeline.store.layout import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     LOCK,
@@ -45,8 +45,9 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.resume import join, misfits
+from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.schema import AT_ENDS, DATA, DONE, FAILED, FIELDS, PENDING
-from pipeline.store.store import Checked, Damage, Store
+from pipeline.store.store import Store
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import choose_stations, points
 from pipeline.sweep.points_of_tests import NO_TEST
@@ -126,7 +127,7 @@ def _opened(
     root = Root.of(join(before.sweep if before else None, sweep), lines, keys)
     if before and _have_the_same_points(before, root):
         store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
-        if store.damage and (count := sum(group.mend() for group in store.groups)):
+        if store.damage and (count := sum(map(mend, store.groups))):
             progress(Progress(f"{place} had {count} damaged points or files, which are made anew"))
         with io_errors(place, "written"):
             _update(place, root)
@@ -313,7 +314,7 @@ def _take(
         places.setdefault((store.group.scene_hash(point), *point[:2]), []).append(point)
     taken, unsound, lost = 0, 0, 0
     other.damage = other.damage or Damage()
-    for some in other.checked():
+    for some in checked_points(other):
         rows, targets = list[int](), list[tuple[int, ...]]()
         for row, here in enumerate(other.group.points_at(tuple(some.where.T))):
             same = places.get((other.group.scene_hash(here), *here[:2]), ())

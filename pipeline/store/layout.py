@@ -1,47 +1,23 @@
-"""What a store holds, which follows from its sweep: axes, variables, chunks and metadata.
-
-The group ``about`` has the sweep as data, with a digest. It alone is read; the other documents are
-for other programs.
-"""
+"""Layout of a group of points, which follows from its sweep: axes, variables and chunks."""
 
 from __future__ import annotations
 
 import functools
-import hashlib
 import itertools
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.paths import path_hint
-from pipeline.store.arrays import KEYS, Document, array_document, open_arrays, read_document
-from pipeline.store.lock import holder_of
-from pipeline.store.place import (
-    LOCK,
-    NEW,
-    ROOT,
-    Bucket,
-    Folder,
-    StoreError,
-    StorePlace,
-    io_errors,
-    read_errors,
-)
+from pipeline.store.arrays import KEYS, Document, array_document
 from pipeline.store.schema import (
-    ABOUT,
-    AT_ENDS,
     DIM,
     FIELDS,
-    FORMAT,
     INPUTS,
-    OF_TESTS,
     PLANE,
     TEST_STEP,
     Variable,
@@ -49,22 +25,15 @@ from pipeline.store.schema import (
     is_coordinate,
     is_of_points,
     path_of,
-    split_arrays,
     variables_of,
 )
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName, in_order
 from pipeline.sweep.plan import choose_stations
-from pipeline.sweep.points_of_tests import (
-    NO_TEST,
-    TEST_POINT,
-    judges_holds,
-    sweep_of_tests,
-)
+from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Point, Sweep
-from tribo import QUANTILES, TriboError
+from tribo import QUANTILES
 from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
@@ -72,13 +41,6 @@ Axes = dict[str, list[Any]]
 Slices = tuple[slice, ...]
 
 _LARGEST, _MOST = 2**22, 1024  # bytes of a chunk, and points in it, at most
-GOAL = "run with --accuracy "
-"""Begin of a line in the history of a store."""
-FACTS = f"{ABOUT}/{ROOT}"
-"""Key of the document that says what a store is; it is written last."""
-_COPY = "consolidated_metadata"
-_SOURCE = "simulated by irg-transition"
-_ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +198,10 @@ class Group:
         """SHA-256 of the scene that is simulated at a point."""
         return self.sweep._scene_hashes[point.case]
 
+    def is_stepped(self, name: str) -> bool:
+        """True for a variable with values at each step of a point."""
+        return self.step in self.variables[name].dims
+
     def in_words(self, point: Point) -> str:
         """Write a point as text, such as "400 N, 2 m/s, pin.radius 2 mm", or "…, test 1"."""
         if self.prefix:
@@ -246,235 +212,9 @@ class Group:
         return str(point._replace(case=tuple(words.items())))
 
 
-@dataclass(frozen=True, eq=False)
-class Root:
-    """What a store holds: the points of its plane, and of its tests."""
-
-    plane: Group
-    tests: Group | None  # None without tests
-    history: tuple[str, ...]  # versions of the programs that computed, and accuracies asked for
-    plain: Any  # data of the sweep, for JSON
-
-    @classmethod
-    def of(
-        cls, sweep: Sweep, history: Sequence[str], keys: str = KEYS[0], stored: Any = None
-    ) -> Root:
-        """The root of the store of a sweep, whose chunks have `keys`.
-
-        `stored` has the sweep's plain data and arrays, if these were read from a store.
-        """
-        tests, (plain, arrays) = None, stored or plain_sweep(sweep)
-        if sweep.tests or sweep.former:
-            own = sweep_of_tests(sweep, judges_holds(sweep))
-            tests = Group(own, prefix=f"{OF_TESTS}/", keys=keys)
-        return cls(Group(sweep, arrays, keys=keys), tests, tuple(dict.fromkeys(history)), plain)
-
-    @property
-    def sweep(self) -> Sweep:
-        """The sweep that the store is of."""
-        return self.plane.sweep
-
-    @property
-    def groups(self) -> list[Group]:
-        """The plane, and the tests if there are any."""
-        return [self.plane, *([self.tests] if self.tests else [])]
-
-    @property
-    def goal(self) -> str:
-        """Option of the last new accuracy that the store was run for; empty without one."""
-        goals = [line for line in self.history if line.startswith(GOAL)]
-        return goals[-1].removeprefix("run with ") if goals else ""
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: texts for people, of which nothing is read."""
-        return {
-            "Conventions": "CF-1.11",
-            "title": self.sweep.title,
-            "source": _SOURCE,
-            "history": "\n".join(self.history),
-            "license": "BSD-3-Clause for the program; the data are their author's",
-            "scene": self.sweep.text,
-            "stored_steps": choose_stations(self.sweep).steps,
-        }
-
-    def documents(self) -> dict[str, Document]:
-        """Documents of all arrays and groups, by key; that of the group ``about`` is the last."""
-        facts: Document = {
-            "format": FORMAT,
-            "history": [*self.history],
-            "keys": self.plane.keys,
-            "inputs": sizes_of(self.plane.inputs),
-            "sweep": self.plain,
-            "scene": self.sweep.text,
-        }
-        facts["digest"] = _digest(facts)
-        found = {AT_ENDS: _group({})} if self.sweep.fields else {}
-        for group in self.groups:
-            found |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
-        if self.tests:
-            found[OF_TESTS] = _group({})
-        found[ABOUT] = _group(facts)
-        # Zarr finds the members of a group only where they stand side by side.
-        members = {path: found[path] for path in sorted(found, key=lambda p: p.rpartition("/")[0])}
-        whole = {"kind": "inline", "must_understand": False, "metadata": members}
-        keys = {f"{path}/{ROOT}": one for path, one in found.items()}
-        return {ROOT: _group(self.attributes) | {_COPY: whole}} | keys
-
-
 def sizes_of(arrays: Mapping[str, Array]) -> dict[str, int]:
     """Number of values of each array."""
     return {digest: array.size for digest, array in arrays.items()}
-
-
-def _group(attributes: Document) -> Document:
-    return {"zarr_format": 3, "node_type": "group", "attributes": attributes}
-
-
-def _digest(facts: Mapping[str, Any]) -> str:
-    """SHA-256 of the facts without their own digest."""
-    said = [facts[name] for name in ("format", "history", "inputs", "keys", "sweep")]
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
-
-
-# Reading
-
-
-def read_root(place: StorePlace) -> Root:
-    """Read what a store holds; `StoreError` if it is missing, damaged or of another version."""
-    if root := find_root(place):
-        return root
-    if holder := holder_of(place):
-        raise StoreError(f"{place} is being made by {holder}; try again in a few seconds")
-    near = ""
-    if isinstance(place, Folder) and not place.path.exists():
-        if place.beside(NEW).path.exists():
-            raise StoreError(f"a run was cut short as it made {place}; run its scene again")
-        near = path_hint(place.path)
-    raise StoreError(f"there is no store at {place}{near}; run a scene into it, or give another")
-
-
-def find_root(place: StorePlace) -> Root | None:
-    """Read what a store holds; None for an empty place, `StoreError` for other content."""
-    with io_errors(place):
-        content = read_document(place, FACTS)
-        keys = place.keys() if content is None else set()
-    if content is not None:
-        return _parsed(place, content)
-    is_file = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
-    if is_file or not (keys <= {LOCK} or _is_begun(place, keys)):
-        raise StoreError(f"{place} is no store: {_what_it_is(place, keys)}")
-    return None
-
-
-def _is_begun(place: StorePlace, keys: set[str]) -> bool:
-    """True for what a creation that was cut short may leave on an object store: no results."""
-    try:
-        source = json.loads(read_document(place, ROOT) or b"")["attributes"]["source"]
-    except (ValueError, KeyError, TypeError):
-        return False
-    names = {key.rpartition("/")[0].rpartition("/")[2] for key in keys if not key.endswith(ROOT)}
-    return (
-        isinstance(place, Bucket)
-        and source == _SOURCE
-        and all(is_coordinate(name) or name == "status" for name in names)
-    )
-
-
-def _parsed(place: StorePlace, content: bytes) -> Root:
-    """The root from its document. Whatever is wrong with it, a `StoreError` says so in a line."""
-
-    def is_damaged(why: object) -> StoreError:
-        return StoreError(f"{place}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
-
-    try:
-        facts = json.loads(content)["attributes"]
-        version, by = facts["format"], [str(line) for line in facts["history"]]
-        plain, sizes, text = facts["sweep"], dict(facts["inputs"]), str(facts["scene"])
-        keys = facts["keys"]
-        is_whole = version == FORMAT and keys in KEYS and facts["digest"] == _digest(facts)
-        is_whole &= all(type(size) is int and 0 < size < 2**40 for size in sizes.values())
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise is_damaged(f"{type(error).__name__} {error}") from error
-    if version != FORMAT:
-        raise StoreError(
-            f"{place}: its {FACTS} is of format {version!r:.20}, and this program reads {FORMAT}; "
-            "run the scene into another store, or read it by the version that made it"
-            + f" ({by[-1]:.200})"
-            * bool(by)
-        )
-    if not is_whole:
-        raise is_damaged("it is not what was written")
-    try:  # anybody can write such a document; other errors are faults of this program
-        arrays = _read_inputs(place, sizes, keys)
-        sweep = replace(sweep_of_plain(plain, arrays), text=text)
-        root = Root.of(sweep, by, keys, (plain, arrays))
-        for group in root.groups:
-            _ = group.arrays, group.coordinates, group.field_index
-    except StoreError:
-        raise
-    except (TriboError, ValueError, ArithmeticError) as error:
-        raise is_damaged(error) from error
-    return root
-
-
-def _read_inputs(place: StorePlace, sizes: dict[str, int], keys: str) -> dict[str, Array]:
-    """Contents of the scene's files by SHA-256; `sizes` has the number of values of each."""
-    if not sizes:
-        return {}
-    (one,) = inputs_variable(sizes).values()
-    document = array_document(one, {DIM: sum(sizes.values())}, {}, keys)
-    array = open_arrays(place.zarr, {INPUTS: document})[INPUTS]
-    with read_errors(place, INPUTS):
-        return split_arrays(array[:], one.attributes)
-
-
-def _what_it_is(place: StorePlace, keys: set[str]) -> str:
-    """What a path leads to that is no store, and what to do."""
-    if not keys:
-        suffix = PurePath(str(place)).suffix
-        if suffix == ".toml":
-            return "it is a scene; compute it by irg run, and give the store that this makes"
-        return "it is no folder; give the folder that irg run has made"
-    if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
-        return f"it is a folder of stores; give one of them, such as {inner[0].split('/')[0]}"
-    if ROOT in keys:
-        return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
-    return "it is a folder with other files; give the folder that irg run has made, or a new one"
-
-
-def stale_documents(place: StorePlace, root: Root) -> dict[str, Document]:
-    """Documents that are not as the root has them, by key, as they ought to be.
-
-    Attributes and arrays that users added stay. On an object store only those of the whole are
-    compared, since each is a request.
-    """
-    stale = dict[str, Document]()
-    for key, right in root.documents().items():
-        if isinstance(place, Bucket) and key not in (ROOT, FACTS):
-            continue
-        try:
-            whole = _with_additions(found := json.loads(read_document(place, key) or b"{}"), right)
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            found, whole = {}, right
-        if whole != found:
-            stale[key] = whole
-    return stale
-
-
-def _with_additions(found: Document, right: Document) -> Document:
-    """A document as it ought to be, with what users added to it, as it was `found`."""
-    whole = found | right | {"attributes": found.get("attributes", {}) | right["attributes"]}
-    if found and _COPY in right:  # Zarr drops its copy of all metadata if a user adds an array
-        whole[_COPY], theirs = found.get(_COPY), (found.get(_COPY) or {}).get("metadata", {})
-        if theirs:
-            own = right[_COPY]["metadata"].items()
-            merged = {path: _with_additions(theirs.get(path, {}), one) for path, one in own}
-            whole[_COPY] = right[_COPY] | {"metadata": theirs | merged}
-    return whole
-
-
-# Coordinates and chunks
 
 
 def _made_coordinates(group: Group) -> dict[str, Array]:

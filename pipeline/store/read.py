@@ -154,7 +154,7 @@ class _Masked(BackendArray):
         """
         if values.dtype.kind != "f":
             return
-        if self._store.is_stepped(self._name):
+        if self._store.group.is_stepped(self._name):
             steps = np.arange(self.shape[done.ndim])[key[0]]
             (last,) = np.nonzero(np.atleast_1d(steps) == self.shape[done.ndim] - 1)
             if not last.size:  # the end, which every point has, is not read

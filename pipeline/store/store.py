@@ -5,22 +5,19 @@ Data are written first, the status last: done means that all of a point is on th
 
 from __future__ import annotations
 
-import math
 import time
-import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.progress import Progress, Report, silent
-from pipeline.store.arrays import KEYS, open_arrays, read_chunk, write_arrays
-from pipeline.store.layout import Group, Root, Slices, blocks, read_root, stale_documents
-from pipeline.store.lock import Lock, holder_of
+from pipeline.store.arrays import KEYS, open_arrays, write_arrays
+from pipeline.store.check import Damage, Index, checksums
+from pipeline.store.layout import Group, Slices
+from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
     Bucket,
@@ -34,6 +31,7 @@ from pipeline.store.place import (
     place_of,
     read_errors,
 )
+from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
     DATA,
     DONE,
@@ -41,43 +39,19 @@ from pipeline.store.schema import (
     FIELDS,
     NOT_ASKED,
     PENDING,
-    is_coordinate,
     is_of_points,
     path_of,
 )
-from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.stations import Fields
-from pipeline.sweep.sweep import Point, Sweep
-from tribo.types import Indices, Mask
+from pipeline.sweep.sweep import Point
+from tribo.types import Indices
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
 _OF_POINT = ("message", "warning_flags", "wall_time")  # of a record, beside its data
 _AT_ONCE = 2**25  # bytes of fields that are read at once
 _THREADS = 8  # an object store answers them side by side
-
-Index = tuple[int, ...]
-
-
-@dataclass
-class Damage:
-    """Points with damaged values, with the fault of each, and damaged files by key.
-
-    A file comes as a part for `write_arrays`, with values that replace it.
-    """
-
-    points: dict[Index, str] = field(default_factory=dict)
-    files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
-
-
-class Checked(NamedTuple):
-    """Some points of a store, with their values by variable, and what is wrong with each."""
-
-    where: Indices  # index along each dimension, shape (n, n_dim)
-    values: dict[str, Any]  # None if a chunk is damaged
-    faults: list[str]  # empty texts for sound points
 
 
 class Store:
@@ -111,7 +85,7 @@ class Store:
     def _found_flags(self) -> Any:
         """Statuses in the store. No store has none: where they are lost, all points are pending."""
         shape = tuple(self.group.sizes[dim] for dim in self.dims)
-        found = self._try("status", tuple(slice(0, n) for n in shape))
+        found = self.try_read("status", tuple(slice(0, n) for n in shape))
         if found is not None and (found >= 0).all():
             return found
         if self.damage is None:
@@ -169,56 +143,16 @@ class Store:
             with read_errors(self.place, name):
                 return self.arrays[name].oindex[key]
         finally:
-            self._require_same()
+            self.require_same()
 
-    def _require_same(self) -> None:
+    def require_same(self) -> None:
+        """Raise a `StoreError` if another store has taken the place of this one."""
         if self.place.stamp() != self._stamp:
             raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
 
     def pending(self) -> list[Point]:
         """Points that were asked for, and are neither done nor failed."""
         return self.points_where(self.flags == PENDING)
-
-    def checked(self, progress: Report = silent) -> Iterator[Checked]:
-        """Yield the done and failed points, some at a time, with what is wrong with them.
-
-        All chunks are read, one after the other; those that cannot be read are added to `damage`.
-        """
-        names = [name for name in self.arrays if not (name == "status" or is_coordinate(name))]
-        fields = [name for name in names if name in FIELDS]
-        others = [name for name in names if name not in FIELDS]
-        most = _AT_ONCE // max(1, *(4 * math.prod(self.arrays[name].chunks) for name in fields), 1)
-        everywhere = [*blocks(np.ones(self.flags.shape, bool), self.block_of("message"))]
-        for count, (_, block) in enumerate(everywhere, 1):
-            with ThreadPoolExecutor(_THREADS) as threads:
-                found = threads.map(lambda name, block=block: self._try(name, block), others)
-                read = dict(zip(others, found, strict=True))
-            within = np.argwhere(np.isin(self.flags[block], (DONE, FAILED)))
-            for some in np.split(within, range(max(most, 1), len(within), max(most, 1))):
-                if not len(some):
-                    continue
-                values = {k: None if v is None else v[tuple(some.T)] for k, v in read.items()}
-                where = some + [part.start for part in block]
-                values |= {name: self._read_fields(name, where) for name in fields}
-                yield Checked(where, values, self._faults(where, values))
-            progress(Progress(done=count, total=len(everywhere)))
-
-    def _read_fields(self, name: str, where: Indices) -> list[Any]:
-        """A field of each point; None where it is lost, and of points without fields."""
-        array, own = self.arrays[name], self.group.have_fields(where)
-        found: list[Any] = [None] * len(where)
-        files = self.field_files(name, where) if isinstance(self.place, Folder) else ()
-        for number, chunk in enumerate(self.group.field_places(where).tolist()):
-            if own[number] and files:
-                with self._noted(name, chunk), read_errors(self.place, name):
-                    found[number] = read_chunk(array, files[number])
-            elif own[number]:
-                block = tuple(slice(i, i + 1) for i in chunk)
-                found[number] = self._try(name, block)
-            if found[number] is not None:
-                found[number] = found[number].reshape(array.shape[len(chunk) :])
-        self._require_same()
-        return found
 
     def field_files(self, name: str, where: Indices) -> list[str]:
         """Files of a field at points, in a folder."""
@@ -229,80 +163,16 @@ class Store:
             folder = self.place.folder_of(array.path)
         return [f"{folder}/{self.file_name(chunk, within)}" for chunk in chunks.tolist()]
 
-    def _faults(self, where: Indices, values: Mapping[str, Any]) -> list[str]:
-        """What is wrong with each point, from its stored values; empty if it is sound."""
-        done, own = self.flags[tuple(where.T)] == DONE, self.group.have_fields(where)
-        faults = [""] * len(where)
-
-        def note(mask: Mask, words: str) -> None:
-            for number in np.flatnonzero(mask).tolist():
-                faults[number] = faults[number] or words
-
-        lost = [name for name, one in values.items() if one is None]
-        if lost:
-            words, of_all = f"{', '.join(lost)} cannot be read", {*lost} - {*DATA, "steps"}
-            note(done | bool(of_all), words)  # points that failed have no results
-        for name, made in values.items():
-            if name in FIELDS:
-                ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
-                is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
-                chunks = self.group.field_places(where).tolist()
-                keys = [self.key(name, chunk) for chunk in chunks]
-                known = self.damage.files if self.damage else {}
-                unread = np.array([key in known for key in keys])
-                note(is_lost & done & unread, f"{name} cannot be read")
-                note(is_lost & done, f"{name} is missing")
-            elif made is not None and name in DATA and made.dtype.kind == "f":
-                end = made[:, -1] if self.is_stepped(name) else made
-                is_lost = np.isnan(end).reshape(len(where), -1).any(axis=1)
-                note(is_lost & done, f"{name} is missing")
-        if not lost:
-            differ = self.checksums(where, values, done) != values["checksum"]
-            note(differ, "its values are not those that were written")
-        return faults
-
-    def is_stepped(self, name: str) -> bool:
-        """True for a variable with values at each step of a point."""
-        return self.group.step in self.group.variables[name].dims
-
-    def checksums(
-        self, where: Indices, values: Mapping[str, Any], done: Mask
-    ) -> NDArray[np.uint32]:
-        """CRC-32 of each point: its case, load and velocity, and what is stored of it.
-
-        So a file in the place of another is noticed. Points that failed have no results.
-        """
-        found = np.zeros(len(where), np.uint32)
-        names = sorted(values.keys() - {"checksum", "wall_time"})
-        own = self.group.have_fields(where)
-        for number, point in enumerate(self.group.points_at(tuple(where.T))):
-            is_of = f"{self.group.scene_hash(point)} {point.load!r} {point.velocity!r}"
-            crc = zlib.crc32(is_of.encode())
-            for name in names:
-                is_record = name in _OF_POINT
-                if not (is_record or done[number]) or (name in FIELDS and not own[number]):
-                    continue
-                one = values[name][number]
-                if one is None:
-                    continue
-                if name == "message":
-                    one = str(one).encode()
-                elif self.is_stepped(name):
-                    one = one[-int(values["steps"][number]) :]
-                crc = zlib.crc32(one, crc)
-            found[number] = crc
-        return found
-
-    def _try(self, name: str, block: Slices) -> Any:
+    def try_read(self, name: str, block: Slices) -> Any:
         """Values of a variable at `block`; None, and a note of its chunk, if it is damaged."""
         sizes = self.block_of(name)
         chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
-        with self._noted(name, chunk):
+        with self.noted(name, chunk):
             return self.read(name, block)
         return None
 
     @contextmanager
-    def _noted(self, name: str, chunk: Sequence[int]) -> Iterator[None]:
+    def noted(self, name: str, chunk: Sequence[int]) -> Iterator[None]:
         """Context manager: note a chunk that proves damaged, with values that replace it."""
         try:
             yield
@@ -312,21 +182,6 @@ class Store:
             sizes, fill = self.block_of(name), self.arrays[name].fill_value
             place = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
             self.damage.files[self.key(name, chunk)] = name, place, fill
-
-    def find_damage(self, progress: Report = silent) -> Damage:
-        """Read all data to find what is damaged; the store must have been opened with `damage`."""
-        assert self.damage is not None
-        for some in self.checked(progress):
-            for index, fault in zip(some.where.tolist(), some.faults, strict=True):
-                if fault:
-                    self.damage.points[tuple(index)] = fault
-        for name, values in sorted(self.group.coordinates.items()):
-            found = self._try(name, tuple(slice(0, n) for n in self.arrays[name].shape))
-            right = np.asarray(values, self.arrays[name].dtype)
-            if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
-                self.damage.files.pop(self.key(name, [0] * right.ndim), None)
-                self.damage.files[f"{self.group.prefix}{path_of(name)}"] = name, ..., values
-        return self.damage
 
     # Writing: every method raises a `StoreError` if it fails, or the lock was lost
 
@@ -359,7 +214,7 @@ class Store:
             array = self.arrays[name]
             if name in FIELDS:
                 values[name] = [one.get(name) for one in tables]
-            elif self.is_stepped(name):
+            elif self.group.is_stepped(name):
                 shape = len(tables), steps.max(), *array.shape[len(self.dims) + 1 :]
                 values[name] = made = np.full(shape, array.fill_value, array.dtype)
                 for number, one in enumerate(tables):
@@ -407,7 +262,7 @@ class Store:
         their chunks already.
         """
         done = np.full(len(where), status == DONE)
-        values = {**values, "checksum": self.checksums(where, values, done)}
+        values = {**values, "checksum": checksums(self.group, where, values, done)}
         own, chunks = self.group.have_fields(where), list[tuple[str, Index, Indices]]()
         for name in values.keys() - {*linked}:
             is_field = name in FIELDS
@@ -420,18 +275,10 @@ class Store:
         with ThreadPoolExecutor(_THREADS) as threads:
             made = [threads.submit(self._changed, *one, where, values) for one in chunks]
             parts = [one.result() for one in made]
-        self._put(parts)
+        self.put(parts)
         flags = self.flags.copy()
         flags[tuple(where.T)] = status
         self._write_flags(flags)
-
-    def mend(self) -> int:
-        """Mark damaged points as pending, and replace damaged files; return their number."""
-        damage = self.find_damage()
-        # Statuses first, so that a done point is whole even after a kill in between.
-        self.mark_pending(damage.points)
-        self._put(damage.files.values())
-        return len(damage.points) + len(damage.files)
 
     def _changed(
         self, name: str, chunk: Index, rows: Indices, where: Indices, values: Mapping[str, Any]
@@ -451,7 +298,7 @@ class Store:
             shape = flags.shape + array.shape[len(self.dims) :]
             whole = np.full(shape, array.fill_value, array.dtype)
         within = tuple((where[rows] - [part.start for part in block]).T)
-        if self.is_stepped(name):
+        if self.group.is_stepped(name):
             made = values[name][rows]
             whole[within] = array.fill_value
             n = min(made.shape[1], whole.shape[len(self.dims)])  # what is longer has no values
@@ -462,10 +309,10 @@ class Store:
 
     def _write_flags(self, flags: NDArray[np.int8]) -> None:
         if not np.array_equal(flags, self.flags):
-            self._put([("status", ..., flags)])
+            self.put([("status", ..., flags)])
         self.flags = flags
 
-    def _put(self, parts: Iterable[tuple[str, Any, Any]]) -> None:
+    def put(self, parts: Iterable[tuple[str, Any, Any]]) -> None:
         """Write parts of arrays; the lock must be in its place before and after."""
         self._require_lock()
         with io_errors(self.place, "written"):
@@ -478,6 +325,11 @@ class Store:
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced during this run, which "
                 "stops: another run may write now. Finished points are safe; run the command again"
             )
+
+
+def opened(path: PathLike) -> Store:
+    """Open a store to read it."""
+    return Store(place := place_of(path), read_root(place))
 
 
 _PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits: as much work as a kill may cost
@@ -522,158 +374,3 @@ class Writer:
             pause = _SHARE * (time.monotonic() - began)
             self._next = time.monotonic() + min(max(self._least, pause), _LONGEST_PAUSE)
         return records
-
-
-# What users ask of a store
-
-
-@dataclass(frozen=True, slots=True)
-class FailedPoint:
-    """A point that failed or is damaged: load [N], velocity [m/s], reason and case.
-
-    `place` describes the point in words, with entries in the user's units.
-    """
-
-    load: float
-    velocity: float
-    message: str
-    case: CaseName = ()
-    place: str = field(default="", compare=False)
-
-    def __str__(self) -> str:
-        return f"{self.place or Point(self.load, self.velocity, self.case)}: {self.message}"
-
-
-@dataclass(frozen=True, slots=True)
-class Summary:
-    """Progress of a sweep: number of points by state, failed points, and the writing process."""
-
-    #: Name and title of the scene.
-    name: str
-    title: str
-    #: Number of points that were asked for; of these that are done and to do.
-    total: int
-    done: int
-    pending: int
-    failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
-    warned: int = 0  #: Number of done points with a warning.
-    running: str | None = None  #: Process that computes points now; None if there is none.
-    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
-
-
-@dataclass(frozen=True, slots=True)
-class Verification:
-    """Result of checking a whole store: the number of intact points, and what is damaged."""
-
-    done: int  #: Points that are done and intact.
-    damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
-    shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
-    tests: Verification | None = None  #: Result for the points of tests, if there are any.
-
-    @property
-    def is_clean(self) -> bool:
-        """True if nothing was damaged."""
-        return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
-
-
-def opened(path: PathLike) -> Store:
-    """Open a store to read it."""
-    return Store(place := place_of(path), read_root(place))
-
-
-def summary(path: PathLike) -> Summary:
-    """Count the points of a store by state, and those with warnings, without reading results.
-
-    Parameters
-    ----------
-    path : str or path
-        Folder or address of the store.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> summary = pipeline.summary("results/first_try.zarr")
-    >>> summary.done, summary.pending, summary.failed
-    (24, 0, ())
-    """
-    return states(path)[0]
-
-
-def states(path: PathLike) -> tuple[Summary, Sweep]:
-    """Progress of a store, and its sweep."""
-    store = opened(path)
-    return summary_of(store), store.sweep
-
-
-def summary_of(store: Store) -> Summary:
-    """Count the points of an open store by state, and the points with a warning."""
-    flags = store.flags
-    if TEST in store.axes:  # points of earlier tests do not count
-        flags = np.where(np.equal(store.axes[TEST], NO_TEST), np.int8(NOT_ASKED), flags)
-    failed = [*zip(*np.nonzero(flags == FAILED), strict=True)]
-    messages = store.read("message", ...) if failed else {}
-    return Summary(
-        name=store.sweep.name,
-        title=store.sweep.title,
-        total=int(np.count_nonzero(flags != NOT_ASKED)),
-        done=int(np.count_nonzero(flags == DONE)),
-        pending=int(np.count_nonzero(flags == PENDING)),
-        failed=_told(store, {index: str(messages[index]) for index in failed}),
-        warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
-        running=holder_of(store.place),
-        tests=summary_of(store.tests) if store.tests and store.sweep.tests else None,
-    )
-
-
-def _told(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
-    """Points by index, each with what is wrong with it."""
-    points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
-    return tuple(
-        FailedPoint(*point[:2], fault, point.case, store.group.in_words(point))
-        for point, fault in zip(points, faults.values(), strict=True)
-    )
-
-
-def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
-    """Check a whole store for damage; nothing is written.
-
-    Parameters
-    ----------
-    path : str or path
-        Path of the store, which may be in use.
-    progress : callable, optional
-        Called now and then with a `Progress` that counts chunks of points.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store, or one of its files cannot be read now.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> verification = pipeline.verify_store("results/first_try.zarr")
-    >>> verification.done, verification.damaged, verification.is_clean
-    (24, (), True)
-    """
-    place = place_of(path)
-    store = Store(place, read_root(place), damage=Damage())
-    found = _verified(store, progress or silent)
-    with io_errors(place):
-        return replace(found, shared=(*found.shared, *stale_documents(place, store.root)))
-
-
-def _verified(store: Store, progress: Report) -> Verification:
-    damage = store.find_damage(progress)
-    of_done = sum(bool(store.flags[index] == DONE) for index in damage.points)
-    return Verification(
-        done=int(np.count_nonzero(store.flags == DONE)) - of_done,
-        damaged=_told(store, damage.points),
-        shared=tuple(damage.files),
-        tests=_verified(store.tests, silent) if store.tests else None,
-    )

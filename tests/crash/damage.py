@@ -13,14 +13,14 @@ import json
 import shutil
 import time
 import traceback
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
+from pipeline.store import check, status
 from pipeline.store.place import ROOT
-from pipeline.store.store import Store
 from tests.crash.drive import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, places, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
@@ -165,8 +165,12 @@ def campaign(run):
     # The codec itself notices most other damage.
     kinds = (_cut, _deleted) if run.mistake else _KINDS
     # With the mistake, no damage is found.
-    unfound = mock.patch.object(Store, "find_damage", lambda self, *_: self.damage)
-    with unfound if run.mistake else nullcontext():
+    unfound = ExitStack()
+    for room in (check, status) if run.mistake else ():
+        unfound.enter_context(
+            mock.patch.object(room, "find_damage", lambda store, *_: store.damage)
+        )
+    with unfound:
         for number in range(run.count):
             whole = whole_store(bool(run.mistake) or number % 2 == 0)
             kind = run.chance.choice(kinds)

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 import xarray as xr
 
-from pipeline.store import files, layout
+from pipeline.store import files, root
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.store.store import opened
@@ -133,7 +133,7 @@ def forge(store, change):
     document = json.loads(file.read_bytes())
     facts = document["attributes"]
     change(facts["sweep"], facts)
-    facts["digest"] = layout._digest(facts)
+    facts["digest"] = root._digest(facts)
     file.write_text(json.dumps(document))
 
 

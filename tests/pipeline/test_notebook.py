@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from pipeline.progress import Progress, silent
 from pipeline.run.sweep import Outcome
 from pipeline.run.tally import shown_progress
-from pipeline.store.store import FailedPoint
+from pipeline.store.status import FailedPoint
 
 ROOT = Path(__file__).parents[2]
 

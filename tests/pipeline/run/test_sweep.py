@@ -23,7 +23,7 @@ from pipeline.run import sweep as execute
 from pipeline.store import create, files
 from pipeline.store.create import writing
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.store.store import FailedPoint
+from pipeline.store.status import FailedPoint
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny

@@ -7,7 +7,7 @@ import tribo
 from pipeline import StoreError, open_sweep, summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.store.store import FailedPoint
+from pipeline.store.status import FailedPoint
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny

@@ -24,9 +24,9 @@ import tribo
 from pipeline import Conditions, StoreError, StoreMismatchError, open_sweep, summary, verify_store
 from pipeline.store.create import take_points, writing
 from pipeline.store.files import PARTIAL
-from pipeline.store.layout import FACTS
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
+from pipeline.store.root import FACTS
 from pipeline.store.schema import FORMAT
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points

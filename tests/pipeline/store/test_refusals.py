@@ -10,8 +10,8 @@ import tribo
 from pipeline import open_sweep, summary
 from pipeline.store import lock
 from pipeline.store.create import writing
-from pipeline.store.layout import FACTS
 from pipeline.store.place import LOCK, ROOT, place_of
+from pipeline.store.root import FACTS
 from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
@@ -172,8 +172,8 @@ ELSEWHERE = {
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
     "create._locked StoreError": "a run that ended between two looks at its folder",
     "store._require_lock StoreError": "test_lock.py",
-    "store._require_same StoreError": "test_commit.py: enlarged since it was opened",
-    "layout.read_root StoreError": "a run that was cut short between two renames",
+    "store.require_same StoreError": "test_commit.py: enlarged since it was opened",
+    "root.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

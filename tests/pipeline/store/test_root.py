@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import pipeline
 import tribo
 from pipeline import StoreError
-from pipeline.store.layout import FACTS, Root
 from pipeline.store.place import ROOT
+from pipeline.store.root import FACTS, Root
 from pipeline.store.schema import path_of
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents, places

@@ -1,0 +1,178 @@
+"""What is wrong with the points of a store, whose files are all read."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.progress import Progress, Report, silent
+from pipeline.store.arrays import read_chunk
+from pipeline.store.layout import Group, blocks
+from pipeline.store.place import Folder, read_errors
+from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, is_coordinate, path_of
+from tribo.types import Indices, Mask
+
+if TYPE_CHECKING:
+    from pipeline.store.store import Store
+
+_OF_POINT = ("message", "warning_flags")  # of a record, beside its data
+_AT_ONCE = 2**25  # bytes of fields that are read at once
+_THREADS = 8  # an object store answers them side by side
+
+Index = tuple[int, ...]
+
+
+@dataclass
+class Damage:
+    """Points with damaged values, with the fault of each, and damaged files by key.
+
+    A file comes as a part for `write_arrays`, with values that replace it.
+    """
+
+    points: dict[Index, str] = field(default_factory=dict)
+    files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
+
+
+class Checked(NamedTuple):
+    """Some points of a store, with their values by variable, and what is wrong with each."""
+
+    where: Indices  # index along each dimension, shape (n, n_dim)
+    values: dict[str, Any]  # None if a chunk is damaged
+    faults: list[str]  # empty texts for sound points
+
+
+def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]:
+    """Yield the done and failed points, some at a time, with what is wrong with them.
+
+    All chunks are read, one after the other; those that cannot be read are added to `damage`.
+    """
+    names = [name for name in store.arrays if not (name == "status" or is_coordinate(name))]
+    fields = [name for name in names if name in FIELDS]
+    others = [name for name in names if name not in FIELDS]
+    most = _AT_ONCE // max(1, *(4 * math.prod(store.arrays[name].chunks) for name in fields), 1)
+    everywhere = [*blocks(np.ones(store.flags.shape, bool), store.block_of("message"))]
+    for count, (_, block) in enumerate(everywhere, 1):
+        with ThreadPoolExecutor(_THREADS) as threads:
+            found = threads.map(lambda name, block=block: store.try_read(name, block), others)
+            read = dict(zip(others, found, strict=True))
+        within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
+        for some in np.split(within, range(max(most, 1), len(within), max(most, 1))):
+            if not len(some):
+                continue
+            values = {k: None if v is None else v[tuple(some.T)] for k, v in read.items()}
+            where = some + [part.start for part in block]
+            values |= {name: _read_fields(store, name, where) for name in fields}
+            yield Checked(where, values, _faults(store, where, values))
+        progress(Progress(done=count, total=len(everywhere)))
+
+
+def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
+    """A field of each point; None where it is lost, and of points without fields."""
+    array, own = store.arrays[name], store.group.have_fields(where)
+    found: list[Any] = [None] * len(where)
+    files = store.field_files(name, where) if isinstance(store.place, Folder) else ()
+    for number, chunk in enumerate(store.group.field_places(where).tolist()):
+        if own[number] and files:
+            with store.noted(name, chunk), read_errors(store.place, name):
+                found[number] = read_chunk(array, files[number])
+        elif own[number]:
+            block = tuple(slice(i, i + 1) for i in chunk)
+            found[number] = store.try_read(name, block)
+        if found[number] is not None:
+            found[number] = found[number].reshape(array.shape[len(chunk) :])
+    store.require_same()
+    return found
+
+
+def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
+    """What is wrong with each point, from its stored values; empty if it is sound."""
+    done, own = store.flags[tuple(where.T)] == DONE, store.group.have_fields(where)
+    faults = [""] * len(where)
+
+    def note(mask: Mask, words: str) -> None:
+        for number in np.flatnonzero(mask).tolist():
+            faults[number] = faults[number] or words
+
+    lost = [name for name, one in values.items() if one is None]
+    if lost:
+        words, of_all = f"{', '.join(lost)} cannot be read", {*lost} - {*DATA, "steps"}
+        note(done | bool(of_all), words)  # points that failed have no results
+    for name, made in values.items():
+        if name in FIELDS:
+            ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
+            is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
+            chunks = store.group.field_places(where).tolist()
+            keys = [store.key(name, chunk) for chunk in chunks]
+            known = store.damage.files if store.damage else {}
+            unread = np.array([key in known for key in keys])
+            note(is_lost & done & unread, f"{name} cannot be read")
+            note(is_lost & done, f"{name} is missing")
+        elif made is not None and name in DATA and made.dtype.kind == "f":
+            end = made[:, -1] if store.group.is_stepped(name) else made
+            is_lost = np.isnan(end).reshape(len(where), -1).any(axis=1)
+            note(is_lost & done, f"{name} is missing")
+    if not lost:
+        differ = checksums(store.group, where, values, done) != values["checksum"]
+        note(differ, "its values are not those that were written")
+    return faults
+
+
+def checksums(
+    group: Group, where: Indices, values: Mapping[str, Any], done: Mask
+) -> NDArray[np.uint32]:
+    """CRC-32 of each point: its case, load and velocity, and what is stored of it.
+
+    So a file in the place of another is noticed. Points that failed have no results.
+    """
+    found = np.zeros(len(where), np.uint32)
+    names = sorted(values.keys() - {"checksum", "wall_time"})
+    own = group.have_fields(where)
+    for number, point in enumerate(group.points_at(tuple(where.T))):
+        is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
+        crc = zlib.crc32(is_of.encode())
+        for name in names:
+            is_record = name in _OF_POINT
+            if not (is_record or done[number]) or (name in FIELDS and not own[number]):
+                continue
+            one = values[name][number]
+            if one is None:
+                continue
+            if name == "message":
+                one = str(one).encode()
+            elif group.is_stepped(name):
+                one = one[-int(values["steps"][number]) :]
+            crc = zlib.crc32(one, crc)
+        found[number] = crc
+    return found
+
+
+def find_damage(store: Store, progress: Report = silent) -> Damage:
+    """Read all data to find what is damaged; the store must have been opened with `damage`."""
+    assert store.damage is not None
+    for some in checked_points(store, progress):
+        for index, fault in zip(some.where.tolist(), some.faults, strict=True):
+            if fault:
+                store.damage.points[tuple(index)] = fault
+    for name, values in sorted(store.group.coordinates.items()):
+        found = store.try_read(name, tuple(slice(0, n) for n in store.arrays[name].shape))
+        right = np.asarray(values, store.arrays[name].dtype)
+        if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
+            store.damage.files.pop(store.key(name, [0] * right.ndim), None)
+            store.damage.files[f"{store.group.prefix}{path_of(name)}"] = name, ..., values
+    return store.damage
+
+
+def mend(store: Store) -> int:
+    """Mark damaged points as pending, and replace damaged files; return their number."""
+    damage = find_damage(store)
+    # Statuses first, so that a done point is whole even after a kill in between.
+    store.mark_pending(damage.points)
+    store.put(damage.files.values())
+    return len(damage.points) + len(damage.files)

@@ -1,0 +1,167 @@
+"""What users ask of a store: how far it is, and whether it is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pipeline.progress import Report, silent
+from pipeline.store.check import Damage, Index, find_damage
+from pipeline.store.lock import holder_of
+from pipeline.store.place import PathLike, io_errors, place_of
+from pipeline.store.root import read_root, stale_documents
+from pipeline.store.schema import DONE, FAILED, NOT_ASKED, PENDING
+from pipeline.store.store import Store, opened
+from pipeline.sweep.case import TEST
+from pipeline.sweep.case_table import CaseName
+from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.sweep import Point, Sweep
+
+
+@dataclass(frozen=True, slots=True)
+class FailedPoint:
+    """A point that failed or is damaged: load [N], velocity [m/s], reason and case.
+
+    `place` describes the point in words, with entries in the user's units.
+    """
+
+    load: float
+    velocity: float
+    message: str
+    case: CaseName = ()
+    place: str = field(default="", compare=False)
+
+    def __str__(self) -> str:
+        return f"{self.place or Point(self.load, self.velocity, self.case)}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Progress of a sweep: number of points by state, failed points, and the writing process."""
+
+    #: Name and title of the scene.
+    name: str
+    title: str
+    #: Number of points that were asked for; of these that are done and to do.
+    total: int
+    done: int
+    pending: int
+    failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
+    warned: int = 0  #: Number of done points with a warning.
+    running: str | None = None  #: Process that computes points now; None if there is none.
+    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """Result of checking a whole store: the number of intact points, and what is damaged."""
+
+    done: int  #: Points that are done and intact.
+    damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
+    shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
+    tests: Verification | None = None  #: Result for the points of tests, if there are any.
+
+    @property
+    def is_clean(self) -> bool:
+        """True if nothing was damaged."""
+        return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
+
+
+def summary(path: PathLike) -> Summary:
+    """Count the points of a store by state, and those with warnings, without reading results.
+
+    Parameters
+    ----------
+    path : str or path
+        Folder or address of the store.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> summary = pipeline.summary("results/first_try.zarr")
+    >>> summary.done, summary.pending, summary.failed
+    (24, 0, ())
+    """
+    return states(path)[0]
+
+
+def states(path: PathLike) -> tuple[Summary, Sweep]:
+    """Progress of a store, and its sweep."""
+    store = opened(path)
+    return summary_of(store), store.sweep
+
+
+def summary_of(store: Store) -> Summary:
+    """Count the points of an open store by state, and the points with a warning."""
+    flags = store.flags
+    if TEST in store.axes:  # points of earlier tests do not count
+        flags = np.where(np.equal(store.axes[TEST], NO_TEST), np.int8(NOT_ASKED), flags)
+    failed = [*zip(*np.nonzero(flags == FAILED), strict=True)]
+    messages = store.read("message", ...) if failed else {}
+    return Summary(
+        name=store.sweep.name,
+        title=store.sweep.title,
+        total=int(np.count_nonzero(flags != NOT_ASKED)),
+        done=int(np.count_nonzero(flags == DONE)),
+        pending=int(np.count_nonzero(flags == PENDING)),
+        failed=_told(store, {index: str(messages[index]) for index in failed}),
+        warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
+        running=holder_of(store.place),
+        tests=summary_of(store.tests) if store.tests and store.sweep.tests else None,
+    )
+
+
+def _told(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
+    """Points by index, each with what is wrong with it."""
+    points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
+    return tuple(
+        FailedPoint(*point[:2], fault, point.case, store.group.in_words(point))
+        for point, fault in zip(points, faults.values(), strict=True)
+    )
+
+
+def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
+    """Check a whole store for damage; nothing is written.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the store, which may be in use.
+    progress : callable, optional
+        Called now and then with a `Progress` that counts chunks of points.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store, or one of its files cannot be read now.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> verification = pipeline.verify_store("results/first_try.zarr")
+    >>> verification.done, verification.damaged, verification.is_clean
+    (24, (), True)
+    """
+    place = place_of(path)
+    store = Store(place, read_root(place), damage=Damage())
+    found = _verified(store, progress or silent)
+    with io_errors(place):
+        return replace(found, shared=(*found.shared, *stale_documents(place, store.root)))
+
+
+def _verified(store: Store, progress: Report) -> Verification:
+    damage = find_damage(store, progress)
+    of_done = sum(bool(store.flags[index] == DONE) for index in damage.points)
+    return Verification(
+        done=int(np.count_nonzero(store.flags == DONE)) - of_done,
+        damaged=_told(store, damage.points),
+        shared=tuple(damage.files),
+        tests=_verified(store.tests, silent) if store.tests else None,
+    )
