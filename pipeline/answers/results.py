@@ -39,8 +39,8 @@ from pipeline.store.schema import (
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, wanted_slots
-from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.stored import sweep_of_plain
+from pipeline.sweep.stored_steps import load_that_counts
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import to_si
 from tribo import InputError

@@ -26,8 +26,8 @@ from pipeline.run.watch import CANNOT, POLL, Watch
 from pipeline.run.work import Case, ExecutionError, simulate_point
 from pipeline.store.store import Writer
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.plan import PointRecord, Task, choose_stations
-from pipeline.sweep.stations import Fields
+from pipeline.sweep.plan import PointRecord, Task, choose_stored_steps
+from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point, Sweep
 
 ANYWHERE = ""
@@ -62,7 +62,7 @@ def compute(
     Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
     or no worker can compute.
     """
-    tasks = _Tasks(client, replace(sweep, stations=writer.store.sweep.stations), writer)
+    tasks = _Tasks(client, replace(sweep, stored_steps=writer.store.sweep.stored_steps), writer)
     suspects = deque[Task]()  # of workers that died: one of them may have killed its worker
     deaths = Counter[Point]()  # of workers that had a point
     recent = deque([1.0], maxlen=50)  # times of points [s]
@@ -109,7 +109,7 @@ class _Tasks:
 
     def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
         self._client, self._sweep = client, sweep
-        self._stations, self._store = choose_stations(sweep), writer.store
+        self._stations, self._store = choose_stored_steps(sweep), writer.store
         self._cases: dict[tuple[str, Fields], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()

@@ -10,7 +10,7 @@ from pipeline.progress import Report, silent
 from pipeline.store.create import take_points
 from pipeline.store.read import store_dataset
 from pipeline.store.store import Store, opened
-from pipeline.sweep.plan import PointRecord, choose_stations, run_point
+from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tribo import TriboError
 
@@ -38,7 +38,7 @@ def computed_dataset(store: Store) -> xr.Dataset:
 def _simulated(
     store: Store, points: Sequence[Point], needed: Sequence[Point], report: Report
 ) -> Iterator[PointRecord]:
-    stations = choose_stations(store.sweep)
+    stations = choose_stored_steps(store.sweep)
     for point in points:
         scene = store.sweep.case(point.case).scene
         try:

@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 
 from pipeline.sweep.plan import PointRecord, run_point
-from pipeline.sweep.stations import Fields, Stations
+from pipeline.sweep.stored_steps import Fields, StoredSteps
 from pipeline.sweep.sweep import Point
 from tribo import Scene, TriboError
 from tribo.simulation import Trunks
@@ -79,7 +79,7 @@ class Case:
     """What points of one scene have in common: the scene, and what is recorded of them."""
 
     scene: Scene
-    stations: Stations
+    stations: StoredSteps
     fields: Fields
     with_film: bool
 

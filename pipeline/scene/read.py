@@ -26,7 +26,7 @@ from pipeline.shipped import scene_path
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import SEED
 from pipeline.sweep.notes import SceneWarning
-from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.units import in_si
 from pipeline.words import did_you_mean
@@ -230,5 +230,5 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     case = () if realization is None else (("realization", realization),)
     sweep = sweep_of(sweep)
-    scene, stations = sweep.case(case).scene, choose_stations(sweep)
+    scene, stations = sweep.case(case).scene, choose_stored_steps(sweep)
     return plan.run_point(scene, stations, Point(*place, case), progress=progress or silent)

@@ -49,7 +49,7 @@ from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.schema import AT_ENDS, DATA, DONE, FAILED, FIELDS, PENDING
 from pipeline.store.store import Store
 from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import choose_stations, points
+from pipeline.sweep.plan import choose_stored_steps, points
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
 from tribo.types import Indices
@@ -305,7 +305,10 @@ def _take(
     Return the numbers of those copied, of those damaged, and of those that have no place.
     """
     data = store.arrays.keys() & DATA.keys()
-    if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():
+    if (
+        choose_stored_steps(store.sweep) != choose_stored_steps(other.sweep)
+        or data - other.arrays.keys()
+    ):
         return 0, 0, 0
     if store.sweep.fields not in (False, other.sweep.fields):
         return 0, 0, 0

@@ -29,9 +29,9 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName, in_order
-from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
-from pipeline.sweep.stations import ramp_of
+from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES
 from tribo.types import Array, Indices, Mask
@@ -64,7 +64,7 @@ class Group:
     @cached_property
     def axes(self) -> Axes:
         """Values along each dimension, and of the columns of the table of cases."""
-        sweep, stations = self.sweep, choose_stations(self.sweep)
+        sweep, stations = self.sweep, choose_stored_steps(self.sweep)
         rows = {name: in_order(values) for name, values in sweep.case_table.axes.items()}
         # A column that a dimension determines has a value for each label, in the same order.
         rows |= {
@@ -223,7 +223,7 @@ def _made_coordinates(group: Group) -> dict[str, Array]:
     They are NaN at unused steps before the first step of a point.
     """
     sweep, axes, wanted = group.sweep, group.axes, group.variables
-    stations, dims = choose_stations(sweep), wanted["time"].dims
+    stations, dims = choose_stored_steps(sweep), wanted["time"].dims
 
     @functools.cache
     def known(name: CaseName, load: float, velocity: float | None) -> list[Any]:

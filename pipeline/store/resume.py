@@ -12,7 +12,7 @@ from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import wanted_slots
 from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.words import quoted
@@ -34,10 +34,10 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     Which steps and fields are stored stays as in the sweep `before`.
     """
     if before is None:
-        return replace(sweep, stations=choose_stations(sweep))
+        return replace(sweep, stored_steps=choose_stored_steps(sweep))
     joined = replace(
         sweep,
-        stations=before.stations,
+        stored_steps=before.stored_steps,
         fields=before.fields,
         field_surface=_field_surface(before, sweep),
         former=_former_tests(before, sweep),
@@ -113,8 +113,8 @@ def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
             if all(words.startswith("fidelity.") for words in different):
                 yield from growing
             break  # one case that differs is enough
-    if (steps := sweep.steps) not in (None, choose_stations(stored).steps):
-        yield _differs("sweep.steps", choose_stations(stored).steps, steps)
+    if (steps := sweep.steps) not in (None, choose_stored_steps(stored).steps):
+        yield _differs("sweep.steps", choose_stored_steps(stored).steps, steps)
     if _MORE_FIELDS.index(sweep.fields) > _MORE_FIELDS.index(stored.fields):
         yield _differs("sweep.fields", quoted(stored.fields), quoted(sweep.fields))
     try:

@@ -38,7 +38,7 @@ from pipeline.store.schema import (
     is_coordinate,
     split_arrays,
 )
-from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import judges_holds, sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
@@ -103,7 +103,7 @@ class Root:
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
             "scene": self.sweep.text,
-            "stored_steps": choose_stations(self.sweep).steps,
+            "stored_steps": choose_stored_steps(self.sweep).steps,
         }
 
     def documents(self) -> dict[str, Document]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.sweep.case_table import ROWS
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT
-from pipeline.sweep.stations import ramp_of
+from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED

@@ -44,7 +44,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stations import Fields
+from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
 from tribo.types import Indices
 

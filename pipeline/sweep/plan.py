@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.case_table import CaseName, Row
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.stations import Fields, Stations, load_that_counts
+from pipeline.sweep.stored_steps import Fields, StoredSteps, load_that_counts
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
@@ -160,7 +160,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
 def run_point(
     scene: Scene,
-    stations: Stations,
+    stations: StoredSteps,
     point: Point,
     trunks: Trunks | None = None,
     progress: Report = silent,
@@ -273,10 +273,10 @@ def _fields_of(state: State, shape: tuple[int, int]) -> dict[str, Array]:
     return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
 
-def choose_stations(sweep: Sweep) -> Stations:
-    """Stations (times of the loading) to store; an existing store keeps its own."""
-    if sweep.stations:
-        return sweep.stations
+def choose_stored_steps(sweep: Sweep) -> StoredSteps:
+    """Steps (times of the loading) to store; an existing store keeps its own."""
+    if sweep.stored_steps:
+        return sweep.stored_steps
     steps, cases = sweep.steps, sweep._on_first_surface
     scenes = [case.scene for case in cases]
     if not steps:
@@ -296,4 +296,4 @@ def choose_stations(sweep: Sweep) -> Stations:
     loading, kept = sweep.scene.loading, [case.conditions.corrections for case in cases]
     holds = isinstance(loading, Ramp) and bool(loading.hold)
     warms = holds and any(corrections.keeps_heat for corrections in kept if corrections)
-    return Stations(steps, warms)
+    return StoredSteps(steps, warms)

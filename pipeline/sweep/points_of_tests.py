@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 
 TEST_POINT = "test_point"
@@ -65,7 +65,7 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
         fields=False,
         tests=(),
         former=(),
-        stations=Stations("end", judges_hold),
+        stored_steps=StoredSteps("end", judges_hold),
     )
 
 

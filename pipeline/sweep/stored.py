@@ -15,7 +15,7 @@ from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneWarning
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
 from tribo.surface import UnknownHeights
@@ -48,7 +48,7 @@ class SweepDataError(InputError):
 _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
-        Sweep, Case, SpecimenTest, CaseTable, Column, Stations, SceneWarning, FromLibrary,
+        Sweep, Case, SpecimenTest, CaseTable, Column, StoredSteps, SceneWarning, FromLibrary,
         MissingSurface, Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,

@@ -12,7 +12,7 @@ from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
-from pipeline.sweep.stations import Fields, Stations, Steps
+from pipeline.sweep.stored_steps import Fields, Steps, StoredSteps
 from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
 
 
@@ -82,7 +82,7 @@ class Sweep:
     tests: tuple[SpecimenTest, ...]
     warnings: tuple[SceneWarning, ...] = ()  # found on reading; those of a store are all
     sources: tuple[FromLibrary, ...] = ()
-    stations: Stations | None = None  # times whose results an existing store has
+    stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
     field_surface: int | None = None  # realization with fields in an existing store; or the first
     judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
     former: tuple[

@@ -13,10 +13,10 @@ import numpy as np
 
 from pipeline.machine import cores
 from pipeline.scene.read import SceneLike, sweep_of
-from pipeline.sweep.plan import Task, choose_stations, record_at, tasks
+from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count
 from tribo import Scene, Stages, State
@@ -82,7 +82,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     given = sweep.case_table.without_surfaces.names
     scene = sweep._select_case(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
-    is_course = choose_stations(scene).steps == "course"
+    is_course = choose_stored_steps(scene).steps == "course"
     work = _TaskTimes(scene, contact_time, heat_time, is_course)
     parallel = min(workers, len(every))
     wall = work.total(every) / parallel
@@ -127,7 +127,7 @@ class _TaskTimes:
         load, velocity, case = task.point
         scene = self.sweep.case(case).scene if self.is_of_tests else self.sweep.scene
         if (key := (scene, load, velocity)) not in self._steps:
-            stations = choose_stations(self.sweep)
+            stations = choose_stored_steps(self.sweep)
             self._steps[key] = _count_steps(scene, stations, load, velocity)
         increments, own, shown = self._steps[key]
         new = max(0, increments - has.get(task.ramp, 0))
@@ -153,7 +153,7 @@ def worker_bytes(sweep: Sweep) -> float:
     """Memory that a worker needs [B], including the results of steps kept for reuse."""
     scene = as_computed(sweep)
     coarse, *finer = scene.levels()
-    kept_on = [coarse, *finer[-1:]] if choose_stations(sweep).steps == "course" else [coarse]
+    kept_on = [coarse, *finer[-1:]] if choose_stored_steps(sweep).steps == "course" else [coarse]
     elements = sum(math.prod(one.grid.shape) for one in kept_on)
     of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
     kept = min(MOST_BYTES, of_ramp) if scene.remembers_steps else 0.0
@@ -198,7 +198,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _count_steps(
-    scene: Scene, stations: Stations, load: float, velocity: float
+    scene: Scene, stations: StoredSteps, load: float, velocity: float
 ) -> tuple[int, int, int]:
     """Numbers of steps that higher loads share, of all others, and of those with a temperature."""
     requested = stations.heat_steps(scene, load)
@@ -221,7 +221,7 @@ def _count_steps(
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
-    stations = choose_stations(sweep)
+    stations = choose_stored_steps(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     steps = max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)

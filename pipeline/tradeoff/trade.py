@@ -25,7 +25,7 @@ from pipeline.run.goal import reached, require_boundary, searches, why_fixed
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.store.place import PathLike
-from pipeline.sweep.plan import choose_stations, run_point
+from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError
 from tribo.simulation import Trunks
@@ -155,7 +155,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         )
         seconds = points * seconds_of_point(chosen, near)
         yield Measured(None, name, points, seconds, error)
-        if name == "standard" and choose_stations(sweep).steps == "course":
+        if name == "standard" and choose_stored_steps(sweep).steps == "course":
             ends, course = (
                 seconds_of_loads(replace(chosen, steps=steps), near) for steps in ("end", "course")
             )
@@ -177,5 +177,5 @@ def seconds_of_loads(sweep: Sweep, near: float) -> float:
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - near))
     began = time.process_time()
     for load in sweep.loads:
-        run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name), trunks)
+        run_point(case.scene, choose_stored_steps(sweep), Point(load, velocity, case.name), trunks)
     return time.process_time() - began

@@ -27,7 +27,7 @@ from distributed import Client, as_completed
 import pipeline
 from pipeline.run.cluster import CONFIGURATION, processes
 from pipeline.run.work import Case
-from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.plan import choose_stored_steps
 
 _LOADS, _WORKERS, _AT_ONCE = 10, 2, 16
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
@@ -73,7 +73,7 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
 def carried(sweep):
     """What a task carries of its case."""
     case = sweep.base
-    return Case(case.scene, choose_stations(sweep), False, case.has_film).pickled()
+    return Case(case.scene, choose_stored_steps(sweep), False, case.has_film).pickled()
 
 
 class EnoughError(Exception):

@@ -22,7 +22,7 @@ from pipeline.answers.preset_error import preset_bound
 from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.case_table import CaseTable
-from pipeline.sweep.plan import choose_stations, run_point
+from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
@@ -102,7 +102,7 @@ def rises(sweep, fidelity, loads, velocities):
         name: replace(sweep.conditions, critical_area_fraction=one)
         for name, one in CRITERIA.items()
     }
-    shape, stations = (len(loads), len(velocities)), choose_stations(sweep)
+    shape, stations = (len(loads), len(velocities)), choose_stored_steps(sweep)
     found = {name: np.full(shape, np.nan) for name in CRITERIA}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):

@@ -30,7 +30,7 @@ from pipeline.answers.preset_error import presets_for, velocity_error
 from pipeline.answers.specimen import Alone
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_PATCHES, Goal, Place
-from pipeline.sweep.plan import choose_stations, run_point
+from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.helpers.told import Told
@@ -60,7 +60,7 @@ class Planes:
         presets = {name: sweep.with_fidelity(one, name) for name, one in names.items()}
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
         self._patches = {name: self._scenes(one) for name, one in presets.items()}
-        self._stations, self._path = choose_stations(sweep), path
+        self._stations, self._path = choose_stored_steps(sweep), path
         kept = json.loads(path.read_text()) if path.exists() else []
         self._found = {tuple(key): tuple(values) for key, values in kept}
 
@@ -224,7 +224,7 @@ def scene(case, falls):
     with tempfile.TemporaryDirectory() as folder:
         sweep = replace(case, entries=entries).sweep(Path(folder), "standard", **laws)
         load, conditions = sweep.loads[len(sweep.loads) // 2], sweep.conditions
-        point = run_point(sweep.scene, choose_stations(sweep), Point(load, middle))
+        point = run_point(sweep.scene, choose_stored_steps(sweep), Point(load, middle))
         rise = worst_rises(point.columns, np.array([point.least_load]), conditions).item()
         hot = conditions.bulk_temperature + conditions.friction * rise
         entries["temperature.critical"] = f"{hot - 273.15:.5g} degC"

@@ -41,7 +41,7 @@ def compute(path, sweep, most=None):
         tests, done = store.tests, 0
         for point in tests.pending()[:most]:
             scene = tests.sweep.case(point.case).scene
-            tests.commit([plan.run_point(scene, tests.sweep.stations, point).record(False)])
+            tests.commit([plan.run_point(scene, tests.sweep.stored_steps, point).record(False)])
             done += 1
     return done
 

@@ -52,7 +52,7 @@ def store(tmp_path_factory):
         for part in (opened, opened.tests):
             for task in plan.tasks(part.pending(), part.sweep):
                 point = task.point
-                scene, stations = part.sweep.case(point.case).scene, part.sweep.stations
+                scene, stations = part.sweep.case(point.case).scene, part.sweep.stored_steps
                 result = plan.run_point(scene, stations, point, trunks)
                 part.commit([result.record(part.sweep.fields)])
     return sweep, folder / "lab.zarr"

@@ -11,7 +11,7 @@ from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import surfaces
-from pipeline.sweep.plan import choose_stations, points, tasks
+from pipeline.sweep.plan import choose_stored_steps, points, tasks
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
@@ -44,7 +44,7 @@ def test_tasks_of_a_ramp_ascend_in_load():
 @pytest.mark.parametrize(("load", "count"), [(150.0, 3), (400.0, 4)])
 def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert len(choose_stations(SWEEP).kept(SWEEP.scene, load)) == count
+    assert len(choose_stored_steps(SWEEP).kept(SWEEP.scene, load)) == count
     names = COLUMNS.keys() | MADE.keys()
     assert {k: len(values) for k, values in result.columns.items()} == dict.fromkeys(names, count)
     assert result.columns["normal_load"][-1] == load
@@ -94,7 +94,9 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, l
     for load in (150.0, 250.0, 600.0, 625.0, 250.0):
         result = run_alone(sweep, Point(load, 1.0), trunks)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == len(choose_stations(sweep).kept(sweep.scene, load))
+        assert len(result.columns["time"]) == len(
+            choose_stored_steps(sweep).kept(sweep.scene, load)
+        )
         assert all(np.isfinite(values).all() for values in result.columns.values())
 
 
@@ -116,7 +118,7 @@ def test_a_step_is_the_end_of_the_point_at_its_load(physics):
     parts["loading"] = replace(parts["loading"], hold=0.0)
     sweep = tiny.sweep(steps="course", **parts)
     lower, higher = (
-        plan.run_point(sweep.scene, choose_stations(sweep), Point(load, 1.0))
+        plan.run_point(sweep.scene, choose_stored_steps(sweep), Point(load, 1.0))
         for load in (250.0, 600.0)
     )
     assert higher.columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
@@ -203,4 +205,4 @@ def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
     ],
 )
 def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
-    assert choose_stations(tiny.sweep(**changes)).steps == steps
+    assert choose_stored_steps(tiny.sweep(**changes)).steps == steps

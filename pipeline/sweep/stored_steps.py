@@ -1,4 +1,4 @@
-"""Stations of a point: the times of its loading whose results are stored, its end last."""
+"""Steps of a point that are stored: the times of its loading with results, its end last."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Fields = bool | Literal["steps"]
 
 
 @dataclass(frozen=True, slots=True)
-class Stations:
-    """Which stations (times of the loading) of each point are stored."""
+class StoredSteps:
+    """Which steps (times of the loading) of each point are stored."""
 
     steps: Steps
     # True if a hold is judged at each step: bodies warm while wear widens the contact.
