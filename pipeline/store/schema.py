@@ -16,7 +16,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 27
+FORMAT = 28
 """Version of the layout of stores."""
 NOT_ASKED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; no run has asked for a point that is `NOT_ASKED`."""
@@ -112,7 +112,7 @@ RECORDS = {
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
-"""Zarr groups: facts of the store, fields on the first surface of each case, points of tests."""
+"""Zarr groups: facts of the store, fields on one surface of each case, points of tests."""
 VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
 DATA = COLUMNS | SAMPLING | FILM | FIELDS
@@ -188,7 +188,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         for one in sweep.case_table.columns
     }
     front = tuple(sweep.case_table.axes)
-    chosen = tuple(one.name for one in sweep.case_table.chosen)  # further surfaces have no fields
+    chosen = tuple(one.name for one in sweep.case_table.chosen)  # one surface has fields
     absent = {*ROWS}  # the table of cases adds its own
     placed = frozenset(table)
     if not sweep.fields:

@@ -16,6 +16,8 @@ import numpy as np
 from tribo.surface import UnknownHeights, array_digest
 from tribo.types import Array
 
+NOT_STORED = {"stored": False}
+"""Metadata of a field that plain data lack; decoded objects have its default."""
 _CLASS = "is"  # key with the name of an object's class
 _LARGEST = 2**63  # whole number
 _LONGEST = 2**20  # list, mapping or text, as long as a table of tests may be
@@ -143,7 +145,8 @@ def changed(base: Any, difference: Any) -> Any:
 @functools.cache
 def _fields(cls: Any) -> tuple[str, ...]:
     if is_dataclass(cls):
-        return tuple(one.name for one in fields(cls) if one.init)
+        stored = (one for one in fields(cls) if one.metadata.get("stored", one.init))
+        return tuple(one.name for one in stored)
     return tuple(getattr(cls, "_fields", ()))
 
 

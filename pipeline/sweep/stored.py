@@ -61,8 +61,7 @@ _CLASSES: dict[str, type] = {
 def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     """Plain data of a sweep, and its measured arrays by SHA-256."""
     arrays: dict[str, Array] = {}
-    bare = replace(sweep, warnings=sweep.all_warnings, notes=(), judged={}, text="", source=None)
-    plain: dict[str, Any] = encode(bare, arrays)
+    plain: dict[str, Any] = encode(replace(sweep, warnings=sweep.all_warnings), arrays)
     base = plain["base"]
     plain["cases"] = [change(base, case) for case in plain["cases"]]
     for name in ("tests", "former"):
@@ -90,7 +89,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
             one.require_values()
     except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
-    return replace(sweep, judged={}, notes=(), text="", source=None)  # which no store has
+    return sweep
 
 
 def _without_lost_surfaces(plain: Any, arrays: Mapping[str, Array]) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.case import LARGEST, Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
-from pipeline.sweep.codec import digest
+from pipeline.sweep.codec import NOT_STORED, digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
 from pipeline.sweep.stored_steps import Fields, Steps, StoredSteps
@@ -84,13 +84,14 @@ class Sweep:
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
     field_surface: int | None = None  # realization with fields in an existing store; or the first
-    judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
-    former: tuple[
-        SpecimenTest, ...
-    ] = ()  # tests that the scene has no more, whose points a store keeps
-    text: str = field(default="", repr=False)
-    notes: tuple[SceneNote, ...] = ()  # how entries were read; none from a store
-    source: Any = field(default=None, repr=False)  # tables of the scene file; None from a store
+    former: tuple[SpecimenTest, ...] = ()  # of earlier scenes, whose points a store keeps
+    # Conditions given by `judge`, by name.
+    judged: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
+    text: str = field(default="", repr=False, metadata=NOT_STORED)
+    # How entries were read.
+    notes: tuple[SceneNote, ...] = field(default=(), metadata=NOT_STORED)
+    # Tables of the scene file; None from a store.
+    source: Any = field(default=None, repr=False, metadata=NOT_STORED)
 
     def __post_init__(self) -> None:
         for name in ("loads", "velocities"):
