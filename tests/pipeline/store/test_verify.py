@@ -61,8 +61,8 @@ def missing(file):
 
 
 # All columns are written in one way, and so are flags: one array of each kind is enough.
-KINDS = "load", "status", "message", "mean_rise"
-OTHERS = "x", "steps", "rise"
+KINDS = "load", "status", "mean_rise"
+OTHERS = "message", "x", "steps", "rise"  # without a file, done points have no message, as before
 HARMED = [
     *((harm, name) for harm in (flipped, missing) for name in KINDS),
     *((flipped, name) for name in OTHERS),

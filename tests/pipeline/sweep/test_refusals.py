@@ -76,6 +76,7 @@ REFUSALS = {
     "length": (data(title="x" * (2**20 + 1)), "str of 1048577 is longer than 1048576"),
     "large number": (data(loads=[10**400]), "… is too large"),
     "no number": (data(loads=[math.inf]), "inf is no number of JSON"),
+    "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
     "cases": (data(cases=[]), "it has no case for each row"),
