@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 import pipeline
 from pipeline.answers.field import Outcome as Along
@@ -190,7 +191,10 @@ def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_
     assert np.isnan([found["at_least"], found["at_most"]]).all()
     here = found["spread_this_rig"].item()
     assert 2.0 < here < 5.0
-    another = math.hypot(here, 90.0 * 0.15 * math.sqrt(2))  # variance of Student's t with 4 degrees
+    bias = np.linspace(-30, 30, 60001)  # that and the critical temperature have Student's t
+    weights = student.pdf(bias / 0.15, 4) * student.pdf(math.log(90 / 120) + bias, 4)
+    of_bias = math.sqrt(np.average(np.square(bias), weights=weights))
+    another = math.hypot(here, 90.0 * of_bias)
     assert found["spread_another_rig"].item() == pytest.approx(another, rel=0.01)  # of 1 K in 90
 
 
