@@ -24,6 +24,7 @@ from .transitions import celsius_of, end_at, oil_a, white_oil
 
 _SURFACES = 4
 _CONDUCTIVITIES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
+_VELOCITIES = {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"}
 _SOFT, _HARD = 45.0, 21.0  # W/(m K): of the paper's table; measured for through-hardened steel
 _ONE = 30.0  # [K]; temperatures of oil A that differ less are alike in the paper
 
@@ -103,7 +104,7 @@ def _boundary(study: Study) -> dict[str, Any]:
     """Critical velocities by load, with both thermal conductivities, at friction 0.1."""
     changes: Mapping[str, Any] = {
         "sweep.loads": ["200 N", "400 N", "600 N", "750 N"],
-        "sweep.velocities": {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"},
+        "sweep.velocities": _VELOCITIES,
     }
     sweep = study.scene("irg_transition", changes)
     found = {
