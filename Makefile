@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference notebooks docs test lowest slow promises fuzz crash cluster many measured bench bench-peers release clean
+.PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises fuzz crash cluster many measured bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -25,6 +25,12 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg paper all -o workflows
+
+SCENES = cam_tappet gear_mesh roller friction_curve designs own_rig scan
+scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pictures, in some minutes
+	for scene in $(SCENES); do \
+	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene --width "14 cm" --dpi 100 --plain \
+	        -o workflows/$$scene.png || exit 1; done
 
 reference: .venv/test ## write the references of the scene file and of the dataset again
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md

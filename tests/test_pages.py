@@ -27,3 +27,12 @@ def test_the_front_shows_four_figures():
     figures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", front)
     assert len(set(figures)) == 4
     assert all((WORKFLOWS / Path(name).name).exists() for name in figures)
+
+
+def test_make_scenes_draws_the_pictures_of_the_page_on_scenes():
+    (names,) = re.findall(r"^SCENES = (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    pictures = re.findall(r"!\[[^\]]+\]\((\w+)\.png\)", (WORKFLOWS / "SCENES.md").read_text())
+    assert pictures == names.split()
+    assert all((WORKFLOWS / f"{name}.toml").exists() for name in pictures)
+    sizes = [(WORKFLOWS / f"{name}.png").stat().st_size for name in pictures]
+    assert 0 < min(sizes) <= max(sizes) < 60_000
