@@ -113,7 +113,7 @@ def diagram(
         caption[:0] = _mark_simulated(axes, ds, conditions)
     else:
         legend = _mark_points(axes, ds, case, conditions)
-        caption[:0] = _mark_simulated(axes, ds, conditions)
+        caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
     _set_axes(axes, case, marked, log)
     mark_places(axes, places)
     surface = f", surface {realization}" * (realization is not None)
@@ -296,16 +296,19 @@ def _mark_points(
     return legend
 
 
-def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterable[str]:
-    """Mark simulated points, and those that are pending or failed; yield lines of the caption."""
+def _mark_simulated(
+    axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any], has_dots: bool = True
+) -> Iterable[str]:
+    """Mark simulated points (`has_dots`), and those that are pending or failed; yield captions."""
     state = pipeline.points(ds, **conditions)["state"]
     lacking, done = (
         state.isin(kinds).any("realization").transpose(*PLANE).values
         for kinds in (("failed", "pending"), ("mild", "severe"))
     )
+    simulated = done & ~lacking & has_dots
     size = _DOT * rcParams["lines.markersize"]
     looks: dict[str, tuple[Array, dict[str, Any]]] = {
-        "simulated": (done & ~lacking, {"marker": ".", "ms": size, "zorder": 2.5}),
+        "simulated": (simulated, {"marker": ".", "ms": size, "zorder": 2.5}),
         "lacking": (lacking, {"marker": "x"}),
     }
     for gid, (where, look) in looks.items():
@@ -313,7 +316,7 @@ def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -
         if rows.size:
             at = state["velocity"].values[columns], state["load"].values[rows]
             axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look)
-    yield from ["dots: simulated points"] * bool((done & ~lacking).any())
+    yield from ["dots: simulated points"] * bool(simulated.any())
     if lacking.any():
         yield f"×: {lacking.sum()} points are pending or failed"
 
