@@ -59,6 +59,7 @@ def steel(study: Study) -> Report:
         "apart_soft": _apart(of_a[_SOFT]),
         "apart_hard": _apart(of_a[_HARD]),
         "changes": boundary["change"],
+        "scatter": [float(np.std(np.log(white[K] - bulk), ddof=1)) for K in (_SOFT, _HARD)],
     }
     taken = by_oil["white oil"][:, :, _CONDUCTIVITIES.index(_SOFT)]
     return Report.of(
