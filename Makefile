@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises fuzz crash cluster many measured bench bench-peers release clean
+.PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises mutants fuzz crash cluster many measured bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -76,6 +76,9 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals --scenes 8 --accuracy 1
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
+
+mutants: .venv/test   ## change forty formulas, bounds and rules: the tests of each room notice it, in minutes
+	$(BIN)/python -m tests.mutants
 
 fuzz: .venv/test      ## mutate scans, tables and scenes: each is read or refused in a line, for 3 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.fuzz

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.constants import PRESET_BOUNDS
-from tests import measured
+from tests import measured, mutants
 from tests.house import measure
 from tests.promises import errors, front, goals, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
@@ -32,6 +32,14 @@ def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
     assert not measured.is_old(row)
     code.write_text("x = 2  # of old\n")
     assert measured.is_old(row)
+
+
+def test_forty_changes_that_tests_have_to_notice_can_be_made():
+    changes = mutants.mutants()
+    assert len({*changes}) == len(changes) >= 40
+    for change in changes:
+        assert change.new in change.applied()
+        assert all((mutants.ROOT / test).exists() for test in change.tests.split())
 
 
 # The front of the presets
