@@ -45,7 +45,7 @@ _BOUND = 0.05  # likelihood, over the largest, at the end of a range that tests 
 _EVEN_BIASES, _EVEN_SCATTERS, _EVEN = 241, 50, 6.0  # nodes, 0.3 widths apart in the middle
 _NARROWEST = 0.01  # width of these nodes
 _MERGED = 0.25  # difference of biases, over the scatter, within which they are merged
-_NEGLIGIBLE = 1e-10  # weight of merged values that are left out
+_NEGLIGIBLE = 1e-11  # weight of a node and bias that is left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,13 +71,15 @@ class CriticalTemperature:
         if bulk == self.bulk:
             return self.nodes
         moved = _change(self.temperature, self._temperatures, bulk) + self._biases
-        moved = np.clip(moved, -_SEVERE, _SEVERE)
+        counts = self.weights > _NEGLIGIBLE
+        moved, weights = np.clip(moved[counts], -_SEVERE, _SEVERE), self.weights[counts]
         scatter, kind = np.unique(self.nodes.scatter, return_inverse=True)
-        places = np.floor(moved / (_MERGED * self.nodes.scatter[:, None])).astype(int)
+        kind = np.broadcast_to(kind[:, None], counts.shape)[counts]
+        places = np.floor(moved / (_MERGED * scatter[kind])).astype(int)
         first, count = places.min(), np.ptp(places) + 1
-        which, back = np.unique(kind[:, None] * count + places - first, return_inverse=True)
+        which, back = np.unique(kind * count + places - first, return_inverse=True)
         weights, first_moments, second_moments = (
-            np.bincount(back.ravel(), (self.weights * moved**power).ravel()) for power in range(3)
+            np.bincount(back, weights * moved**power).astype(float) for power in range(3)
         )
         kept = weights > _NEGLIGIBLE
         weights, means = weights[kept], first_moments[kept] / weights[kept]

@@ -20,7 +20,7 @@ from pipeline.answers.conditions import Operation
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
-from pipeline.answers.pchip import Pchip
+from pipeline.answers.pchip import at_nodes
 from pipeline.answers.preset_error import velocity_error
 from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
@@ -90,22 +90,16 @@ class JudgedCase:
         """
         if not at.load.size:
             return np.zeros(0)
-        nodes, back = np.unique(at.bulk_temperature, return_inverse=True)
-        are_few = len(nodes) <= _MOST_FILMS
-        if not are_few:  # two further ones at each end make the cubic the same for all points
-            first, last = (int(x // _FILM_APART) for x in nodes[[0, -1]])
-            nodes = np.arange(first - 2.0, last + 4.0) * _FILM_APART
-        films = [self._once(("film", x), lambda x=x: film_of(self.case, x)) for x in nodes.tolist()]
-        if films[0] is None:
+        if self._film(self.case.conditions.bulk_temperature) is None:
             return None
-        if are_few:
-            found = np.full(at.load.shape, np.nan)
-            for k, film in enumerate(films):
-                here = back == k
-                found[here] = film(at.load[here], at.velocity[here])
-            return found
-        planes = np.array([film(at.load, at.velocity) for film in films])
-        return Pchip(nodes, planes).at(at.bulk_temperature, np.arange(len(at.load)))
+
+        def excess(bulk: float, here: Any) -> Array:
+            return np.asarray(self._film(bulk)(at.load[here], at.velocity[here]))
+
+        return at_nodes(at.bulk_temperature, excess, _MOST_FILMS, _FILM_APART)
+
+    def _film(self, bulk: float) -> Any:
+        return self._once(("film", bulk), lambda: film_of(self.case, bulk))
 
 
 @dataclass(frozen=True, eq=False)

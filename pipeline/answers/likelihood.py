@@ -106,20 +106,21 @@ class Posterior:
         probits = ndtri(np.clip(np.concatenate(found), 1e-300, 1 - 1e-16))
         return Pchip(self.table, probits[:, None])
 
-    def _probit_at(self, y: Array) -> Array:
-        y = np.clip(y, self.table[0], self.table[-1])
-        return self._probit.at(y, np.zeros(y.shape, int))
+    def probit(self, y: Array) -> Array:
+        """Probit of the probability that a place is severe, at each of `y`."""
+        at = np.clip(np.nan_to_num(y), self.table[0], self.table[-1])
+        return np.where(np.isnan(y), np.nan, self._probit.at(at, np.zeros(at.shape, int)))
 
     def probability(self, y: Array) -> Array:
         """Probability that a place is severe, at each of `y`."""
-        return np.asarray(np.where(np.isnan(y), np.nan, ndtr(self._probit_at(np.nan_to_num(y)))))
+        return np.asarray(ndtr(self.probit(y)))
 
     def level(self, probability: float) -> float:
         """The y at which a place is severe with this probability."""
         aim, found = ndtri(probability), self._probit.y[:, 0]
         i = int(np.clip(np.searchsorted(found, aim), 1, len(found) - 1))
         ends = (self.table[i - 1 : i], self.table[i : i + 1])
-        return float(roots(lambda y: self._probit_at(y) - aim, *ends)[0])
+        return float(roots(lambda y: self.probit(y) - aim, *ends)[0])
 
 
 def log_prior_scatter(v: Array, prior: Prior) -> Array:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 
 from pipeline.answers.conditions import Operation
 from pipeline.answers.likelihood import Outcome, Posterior, Prior, update
+from pipeline.answers.pchip import at_nodes
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
 _FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
 _BESIDE = 0.1  # relative distance in load and velocity within which a test is near
+_MOST_BULKS, _BULKS_APART = 8, 8.0  # with a posterior each; else nodes so far apart [K]
 _SAME = 1e-9  # relative rounding difference of equal conditions
 
 
@@ -78,29 +81,32 @@ class Evidence:
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-        whole = [*ys]
-        found = [np.full(bulks.shape, np.nan) for _ in whole]
-        for here, posterior in self._by_bulk(bulks):
-            for one, y in zip(found, whole, strict=True):
-                one[here] = posterior.probability(y[here])
-        return found
+        probits = [self._by_bulk(bulks, functools.partial(_probits, y)) for y in ys]
+        return [np.asarray(ndtr(one)) for one in probits]
 
     def levels(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
-        found = np.full(bulks.shape, np.nan)
-        for here, posterior in self._by_bulk(bulks):
-            found[here] = posterior.level(probability)
-        return found
 
-    def _by_bulk(self, bulks: Array) -> Iterator[tuple[Any, Posterior]]:
-        """Yield the points at each bulk temperature, and what holds there."""
+        def level(one: Posterior, here: Any) -> Array:
+            return np.full(bulks[here].shape, one.level(probability))
+
+        return self._by_bulk(bulks, level)
+
+    def _by_bulk(self, bulks: Array, value: Callable[[Posterior, Any], Array]) -> Array:
+        """Values of points by the posterior at the bulk temperature of each."""
         if self.critical is None:
-            yield ..., self.posterior
-            return
-        for bulk in np.unique(bulks).tolist():
-            if bulk not in self._posteriors:
-                self._posteriors[bulk] = self.critical.at_bulk(bulk)
-            yield bulks == bulk, self._posteriors[bulk]
+            return value(self.posterior, ...)
+        return at_nodes(
+            bulks,
+            lambda bulk, here: value(self._posterior_at(bulk), here),
+            _MOST_BULKS,
+            _BULKS_APART,
+        )
+
+    def _posterior_at(self, bulk: float) -> Posterior:
+        if bulk not in self._posteriors and self.critical is not None:
+            self._posteriors[bulk] = self.critical.at_bulk(bulk)
+        return self._posteriors[bulk]
 
     @functools.cached_property
     def _posteriors(self) -> dict[float, Posterior]:
@@ -153,6 +159,10 @@ class Evidence:
             at = f"friction {own.friction_at(test.velocity):.3g}"
             bulk = display(own.bulk_temperature, "°C", 3)
             yield f"{test.outcome}, {place} at {at} and bulk {bulk}"
+
+
+def _probits(y: Array, posterior: Posterior, here: Any) -> Array:
+    return posterior.probit(y[here])
 
 
 def waiting_text(evidence: Evidence) -> str:
