@@ -17,11 +17,12 @@ from pipeline.sweep.conditions import known_critical_temperature, rise_limit
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4
-from .report import Report, agree, line, mean, texts
+from .report import Report, agree, line, mean, spread, texts
 from .study import Study
 from .transitions import (
     HIGHEST,
     SPREAD,
+    SURFACES,
     celsius_of,
     draw_beside,
     ensemble,
@@ -82,7 +83,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     of_others = {
         name: on_surfaces(
             [(other, row) for row in TABLE_4],
-            study.stages(study.seeds(_FEW)[:_FEW], (name + ", surface {}").format),
+            study.stages(study.seeds(SURFACES), (name + ", surface {}").format),
         )
         for name, other in others.items()
     }
@@ -139,6 +140,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
         / (mean(data["max_celsius_smoother"]) - bulk),
         "shares_alike": alike,
         "shares_smoother": mean(data["failed_percent_smoother"]),
+        "spreads_smoother": spread(data["failed_percent_smoother"]),
         "needed": mean(data["friction_for_printed_share"]),
         "friction": friction,
         "width_off_mean": outer.mean(),

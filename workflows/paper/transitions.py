@@ -36,7 +36,8 @@ Ends = Mapping[str, Any]
 Tested = tuple[Sweep, Any]
 """A scene, and a transition of a printed table."""
 
-_SURFACES = 8
+SURFACES = 8
+"""Number of random surfaces of an ensemble, if a study names none."""
 _LOOKS = {
     "swept": (BLUE, "o"),
     "local": (VERMILION, "s"),
@@ -116,7 +117,7 @@ def ensemble(study: Study, wears: Sequence[Wear], transitions: Sequence[Tested])
     """Quantities at the end of transitions (transition, surface), by kind of wear and name."""
     ends: dict[str, Ends] = {}
     for wear in wears:
-        seeds = study.stages(study.seeds(_SURFACES), f"{wear}, surface {{}}".format)
+        seeds = study.stages(study.seeds(SURFACES), f"{wear}, surface {{}}".format)
         ends[wear] = on_surfaces([(worn(scene, wear), test) for scene, test in transitions], seeds)
     return ends
 
