@@ -296,7 +296,8 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
             assert all(environment[name] == value for environment in began.values())
         address = client.scheduler.address
         info = client.scheduler_info(n_workers=-1)
-        worker, _ = info["workers"].items()
+        closed = client.cluster.workers[0]  # which of the two may have registered last
+        worker = closed.worker_address, info["workers"][closed.worker_address]
         for end in (address, worker[0], worker[1]["nanny"]):
             assert end.startswith("tls://127.0.0.1:")
         with pytest.raises(OSError, match="certificate does not match"):
@@ -305,6 +306,6 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
             for page in ("json/identity.json", "api/v1/retire_workers", "metrics"):
                 with pytest.raises(urllib.error.HTTPError, match="404"):
                     urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
-        client.sync(client.cluster.workers[0].close)
+        client.sync(closed.close)
         while len(watch()) < 2 or worker[0] in watch():  # or the test's time is over
             time.sleep(0.1)
