@@ -12,6 +12,7 @@ import itertools
 import time
 import uuid
 from collections import Counter, defaultdict, deque
+from collections.abc import Collection
 from concurrent.futures import Future as Answer
 from dataclasses import dataclass, replace
 from statistics import fmean
@@ -83,10 +84,10 @@ def compute(
                 jobs = [_Job(task, ANYWHERE, left, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
-                for job in tasks.lost(watch.deaths()):
+                for job in tasks.lost(watch.deaths(), watch.present):
                     point = job.task.point
                     deaths[point] += job.deaths
-                    if not job.deaths:  # the scheduler was restarted
+                    if not job.deaths:  # it waited at a worker that died, or was lost with a result
                         queue.put_back(job.task)
                     elif job.is_alone and deaths[point] >= _DEATHS:
                         words = _KILLED.format(deaths[point], watch.cause())
@@ -154,11 +155,12 @@ class _Tasks:
             self._cases[key] = made.pickled()
         return self._cases[key]
 
-    def lost(self, deaths: list[set[str]]) -> list[_Job]:
+    def lost(self, deaths: list[set[str]], present: Collection[str]) -> list[_Job]:
         """Wait until a task ends, at most a second; return the jobs whose tasks are lost.
 
-        `deaths` has the tasks of each worker that died. A job that was at too many of them is taken
-        back, or Dask would give it to one worker after the other.
+        `deaths` has the tasks of each worker that died, and `present` the workers that there are. A
+        job that was at too many deaths is taken back, or Dask would give it to one worker after the
+        other. So is one whose worker is gone: if no other was there, Dask never runs it.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
@@ -178,7 +180,7 @@ class _Tasks:
             future.release()
         for future, job in list(self.running.items()):
             job.deaths += sum(future.key in keys for keys in deaths)
-            if job.deaths >= job.most:
+            if job.deaths >= job.most or (job.worker and job.worker not in present):
                 lost.append(self.running.pop(future))
                 future.release()
         return lost

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -86,6 +86,11 @@ class Watch:
             self._check(sorted({*self._workers} - self._checked - hung))
         self._next = time.monotonic() + POLL
         return self._workers
+
+    @property
+    def present(self) -> Collection[str]:
+        """Addresses of all workers that there are, also of those that take no tasks."""
+        return self._beats.keys()
 
     def deaths(self) -> list[set[str]]:
         """Tasks of each worker that has died since the last call."""
