@@ -1,6 +1,7 @@
 """Drivers of sweeps: clusters that change, workers that die, and what the user is told."""
 
 import sys
+import time
 from contextlib import closing
 
 import dask
@@ -9,6 +10,7 @@ from distributed import Client, LocalCluster
 
 import pipeline
 from pipeline.run.cluster import CONFIGURATION
+from pipeline.run.watch import Watch
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.pipeline.run.test_cluster import Cluster, when_done
@@ -68,6 +70,29 @@ def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(
     cluster.scale(0)
     cluster.adapt(minimum=0, maximum=2, interval="50ms")
     outcome = pipeline.run_sweep(SWEEP, path, client=client, patience=60.0)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+@pytest.mark.timeout(100)
+def test_points_for_workers_that_all_die_just_before_they_get_them_are_done_by_new_ones(
+    threads, path, alone, monkeypatch
+):
+    cluster, client = threads
+    seen, look = [], Watch.__call__
+
+    def look_before_they_die(watch):
+        workers = look(watch)
+        if len(seen) < 2:
+            cluster.scale(2 * len(seen))
+            while len(client.scheduler_info()["workers"]) != 2 * len(seen):
+                time.sleep(0.05)
+        seen.append(workers)
+        return seen[0] if len(seen) < 3 else workers
+
+    monkeypatch.setattr(Watch, "__call__", look_before_they_die)
+    outcome = pipeline.run_sweep(SWEEP, path, client=client, patience=60.0)
+    assert not {*seen[0]} & {*seen[-1]}
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
 
