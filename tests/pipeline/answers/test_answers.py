@@ -134,6 +134,8 @@ def test_the_bounds_between_points_are_these_numbers():
     x = np.array([0.0, 0.4, 0.8])
     within = math.hypot(0.1 * 0.4**2 / 8, 0.008 * 0.4)
     assert curve_errors(x, 0.6 * x, np.array([0.2, 0.6])) == pytest.approx([within] * 2, rel=1e-9)
+    unseen = math.hypot(0.25 * 0.4**2 / 8, 0.008 * 0.4)  # two points show no curvature
+    assert curve_errors(x[:2], 0.6 * x[:2], np.array([0.2])) == pytest.approx([unseen], rel=1e-9)
     one = straight()
     at = np.array([400 * math.exp(0.25)]), np.array([math.exp(0.5)])
     along, between = interpolation_errors(one, *at)
