@@ -1,6 +1,7 @@
 """Quantities: from text to SI, and back to text."""
 
 import ast
+import math
 
 import pint
 import pytest
@@ -127,3 +128,9 @@ def test_powers_of_ten_are_read_as_printed():
 def test_no_spelling_is_read_as_another_dimension(text, like):
     with pytest.raises(UnitError, match="cannot be converted"):
         to_si(text, like)
+
+
+@pytest.mark.parametrize(("place", "velocity"), [("radius", 2 * math.pi), ("diameter", math.pi)])
+def test_turns_at_a_radius_or_diameter_are_a_velocity(place, velocity):
+    for turns in ("60 rpm", "1 Hz"):
+        assert to_si(f"{turns} at {place} 1 m", like="1 m/s") == pytest.approx(velocity, rel=1e-14)

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pipeline
@@ -11,6 +12,7 @@ import tribo
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tribo.loading import MeasuredLoad
+from tribo.simulation.verdict import worst_moment
 
 TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
 WARM = tribo.Corrections(track=TRACK, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9))))
@@ -65,3 +67,8 @@ def test_the_bodies_of_a_motion_turn_as_the_scene_says():
     )
     found = tribo.judge(scene, 600.0, 1.5, said)
     assert found == tribo.judge(scene, 600.0, 1.5, repeated)
+
+
+def test_a_hotter_step_below_the_load_does_not_count():
+    rises, loads = np.array([9.0, 5.0, 4.0]), np.array([95.0, 100.0, 100.0])
+    assert worst_moment(rises, loads, 100.0) == 1
