@@ -14,19 +14,16 @@ USUAL_SHARE = 0.1
 _SAME = 1e-6  # relative rounding difference of equal frictions
 
 
-def heating_words(
-    conditions: Conditions, velocity: float | None = None, tests: Iterable[SpecimenTest] = ()
-) -> str:
+def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk temperature 25 °C".
 
-    If friction depends on velocity, it is that at `velocity` [m/s]. Frictions of `tests` are named
-    if one of them had another. A rise beside the model is added, such as "rise +6 %".
+    Frictions of `tests` are named if one of them had another. A rise beside the model is added,
+    such as "rise +6 %".
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
+    friction = f"friction {conditions.friction:.4g}{_test_frictions(conditions, tests)}"
     added = f", rise {signed_percent(conditions.unmodelled_rise)}"
-    friction = conditions.friction if velocity is None else conditions.friction_at(velocity)
-    beside = _test_frictions(conditions, tests)
-    return f"friction {friction:.4g}{beside}, {bulk}{added * bool(conditions.unmodelled_rise)}"
+    return f"{friction}, {bulk}{added * bool(conditions.unmodelled_rise)}"
 
 
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
@@ -43,14 +40,15 @@ def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> st
 
 
 def verdict_conditions(
-    conditions: Conditions, velocity: float | None = None, tests: Iterable[SpecimenTest] = ()
+    conditions: Conditions, tests: Iterable[SpecimenTest] = (), from_tests: bool = False
 ) -> str:
     """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
 
     The critical area fraction follows if it is not a tenth, and corrections if there are some.
     """
-    critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
-    said = f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
+    critical = display(known_critical_temperature(conditions), "°C", 5)
+    said = f"{heating_words(conditions, tests)}, critical temperature {critical}"
+    said += " (median, from tests)" * from_tests
     share = conditions.critical_area_fraction
     said += "" if share == USUAL_SHARE else f", critical area fraction {100 * share:.4g} %"
     return f"{said}; {conditions.corrections.text}" if conditions.corrections else said

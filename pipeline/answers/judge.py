@@ -171,13 +171,14 @@ class Judge:
 
     def points(self, at: Operation) -> dict[str, Any]:
         """Answers on points by name, each (k,); without lines through them."""
-        moving = np.where(at.velocity > 0, at.velocity, np.nan)
-        rise = self.field(at.load, moving)
+        within = (at.load > 0) & (at.velocity > 0) & np.isfinite(at.load) & np.isfinite(at.velocity)
+        load, velocity = np.where(within, at.load, np.nan), np.where(within, at.velocity, np.nan)
+        rise = self.field(load, velocity)
         reason = self._reasons(at, rise)
         known = np.array([not one for one in reason], bool)
         rise = np.where(known, rise, np.nan)
         y = rise - self.limits(at)
-        parts = np.where(known, rise_errors(self.specimen, self.promised, at.load, moving), np.nan)
+        parts = np.where(known, rise_errors(self.specimen, self.promised, load, velocity), np.nan)
         width = total(parts)
         ends = np.where(np.isfinite(width), np.log1p(width), 0.0)
         low, middle, high = self.evidence.probabilities(
@@ -185,7 +186,7 @@ class Judge:
         )
         low = np.where(np.isnan(width) & known, 0.0, low)
         high = np.where(np.isnan(width) & known, 1.0, high)
-        outside, no_film = self.films(at._replace(velocity=moving))
+        outside, no_film = self.films(at._replace(load=load, velocity=velocity))
         verdict = np.select(
             (~known, outside, high <= DECIDED[0], low >= DECIDED[-1]),
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
@@ -196,9 +197,9 @@ class Judge:
         heating = (1 + self.conditions.unmodelled_rise) * np.exp(rise)
         critical = known_critical_temperature(self.conditions)
         simulated = known & self.field.is_point(at.load, at.velocity)
-        beyond = known & ~simulated & self.field.is_extrapolated(at.load, moving)
+        beyond = known & ~simulated & self.field.is_extrapolated(load, velocity)
         edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
-        edge = known & (self.field.bilinear(edge.astype(float), at.load, moving) > 0)
+        edge = known & (self.field.bilinear(edge.astype(float), load, velocity) > 0)
         flags = edge * Flag.CONTACT_AT_EDGE + (known & no_film) * Flag.FILM_UNKNOWN
         gone = outside | ~known
         heat = at.friction * heating
@@ -236,13 +237,15 @@ class Judge:
 
     def _reasons(self, at: Operation, rise: Array) -> Any:
         """Why nothing is known of a point; empty if it is."""
-        found = np.full(at.load.shape, "", object)
-        for name, values in (("load", at.load), ("velocity", at.velocity)):
-            low, high = self.ranges[name]
-            if name == "velocity" and self.case.from_rest:
-                low = 0.0
-            for k in np.flatnonzero(~((low <= values) & (values <= high) & (values > 0))).tolist():
-                found[k] = words.beyond(name, values[k], low, high)
+        found, ends = np.full(at.load.shape, "", object), {**self.ranges}
+        if self.case.from_rest:
+            ends["velocity"] = 0.0, ends["velocity"][1]
+        values = np.stack([at.load, at.velocity])
+        low, high = np.transpose([ends["load"], ends["velocity"]])[..., None]
+        inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
+        for k in np.flatnonzero(~inside).tolist():
+            load, velocity = values[:, k].tolist()
+            found[k] = words.outside(self.case.ds, ends, load=load, velocity=velocity)
         found[np.isnan(rise) & (found == "")] = words.TOO_FEW
         return found
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterable, Iterator
+import re
+import shlex
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,16 +17,19 @@ import xarray as xr
 from pipeline.answers.condition_words import unmodelled_rise_words, verdict_conditions
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.preset_error import error_in_words
+from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import waiting_text
 from pipeline.answers.units import value_words
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
+from pipeline.shipped import typed_name
+from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
-from tribo import Corrections
+from tribo import Corrections, Stages
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
@@ -34,6 +41,7 @@ OUTSIDE = "outside the model, and not safe by this: the oil film carries more th
 OWN_CONDITIONS = "given for each point"
 TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 _MOST_NAMED = 6  # rows that a line names
+_AXES = {"load": "sweep.loads", "velocity": "sweep.velocities"}
 _NUMBER = tuple("0123456789+-−.")
 _SHIFT = 0.05  # relative distance of the velocities with tests from which a line names it
 
@@ -46,9 +54,10 @@ ABOUT = (
 
 def about(judge: Judge) -> dict[str, str | int]:
     """Attributes of an answer: what holds for all of it, in words."""
-    evidence = judge.evidence
+    evidence, tests = judge.evidence, judge.case.sweep.tests
+    from_tests = evidence.critical is not None
     return {
-        "conditions": verdict_conditions(judge.conditions, None, judge.case.sweep.tests),
+        "conditions": verdict_conditions(judge.conditions, tests, from_tests),
         "model_error": model_error(evidence),
         "realizations": len(judge.specimen.apart),
         "tests": len(evidence.specimens),
@@ -115,10 +124,42 @@ def model_error(evidence: Evidence) -> str:
     return said.replace("-", "−")
 
 
-def beyond(name: str, value: float, low: float, high: float) -> str:
-    """Why nothing is known at a load or velocity beyond those of the sweep."""
-    unit = UNITS[name]
-    return f"{name} is {value:g} {unit}; the sweep has {low:g} to {high:g} {unit}"
+def outside(ds: xr.Dataset, ends: Mapping[str, tuple[float, float]], **place: float) -> str:
+    """Why nothing is known at a load and a velocity; empty if they lie within the `ends`.
+
+    The command that adds them to the store of `ds` follows, where one can.
+    """
+    said, new = [], {}
+    for name, value in place.items():
+        (low, high), unit = ends[name], UNITS[name]
+        if not (low <= value <= high and value > 0):
+            within = f"({low:g} to {high:g} {unit})"
+            said.append(f"{name} {value:g} {unit} is outside the sweep {within}")
+            new[_AXES[name]] = [f"{value!r} {unit}".replace(".0 ", " ")]
+    if not said:
+        return ""
+    sweep, is_finite = sweep_of(ds), all(0 < value < math.inf for value in place.values())
+    # Rows have places of their own, and stages, up to the highest load, are the scene's.
+    is_plane = sweep.case_table.column("load") is None
+    is_able = is_finite and is_plane and not isinstance(sweep.scene.loading, Stages)
+    return f"{', '.join(said)}; {extending(ds, new) if is_able else 'give a value inside it'}"
+
+
+def extending(ds: xr.Dataset, values: Mapping[str, list[Any]]) -> str:
+    """The command that simulates a sweep at further values of entries, such as ``sweep.loads``."""
+    sweep, store = sweep_of(ds), str(ds.encoding.get("source", ""))
+    usual = Path("results", f"{sweep.name}.zarr").absolute()
+    out = ["-o", store] if store not in ("", str(usual)) else []
+    goals = re.findall(f"{GOAL}(.+)", str(ds.attrs.get("history", "")))
+    preset = ["--preset", sweep.preset] if sweep.preset not in (None, "standard") else []
+    numerics = ["--accuracy", goals[-1]] if goals else preset
+    settings = [
+        one
+        for path, new in values.items()
+        for one in ("--set", f"{path}={json.dumps(new, ensure_ascii=False)}")
+    ]
+    command = ["irg", "run", typed_name(sweep.name), *out, *numerics, *settings]
+    return f"to extend the sweep: {shlex.join(command)}"
 
 
 # One point or one boundary: from codes to text
@@ -334,10 +375,12 @@ def reason_lines(found: xr.Dataset) -> Iterator[str]:
     rows = dict[str, list[tuple[float, float]]]()
     for reason, *place in zip(found["reason"].values.ravel(), *places, strict=True):
         rows.setdefault(reason, []).append((place[0], place[1]))
-    for reason, here in rows.items():
-        if reason:
-            more = f" and {len(here) - 1} more" * (len(here) > 1)
-            yield f"{here[0][0]:g} N at {here[0][1]:g} m/s{more}: {reason}"
+    rows.pop("", None)
+    for reason, here in [*rows.items()][:_MOST_NAMED]:
+        more = f" and {len(here) - 1} more" * (len(here) > 1)
+        yield f"{here[0][0]:g} N at {here[0][1]:g} m/s{more}: {reason}"
+    if others := sum(map(len, [*rows.values()][_MOST_NAMED:])):
+        yield f"{others} more points without a verdict: see the column reason of -o TABLE.csv"
 
 
 def row_warnings(found: xr.Dataset) -> Iterator[str]:

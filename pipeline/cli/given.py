@@ -13,7 +13,9 @@ import numpy as np
 import pipeline
 from pipeline.answers.preset_error import KEPT_FIELDS
 from pipeline.answers.units import value_words
+from pipeline.answers.words import extending
 from pipeline.cli.output import tell
+from pipeline.cli.values import setting
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ALIKE
@@ -145,9 +147,9 @@ def select_entry(ds: xr.Dataset, path: str, value: Any) -> xr.Dataset:
     """Select a value of an entry that varies in a sweep."""
     dim = dimension_of(path)
     if dim not in ds.dims:
-        others = ", ".join(map(str, ds["status"].dims[:-2])) or "no entry"
+        others = ", ".join(map(str, ds["status"].dims[:-2])) or "nothing"
         raise InputError(
-            f"{path} does not vary in this sweep, but {others}; run the scene with {path} = "
+            f"{path} does not vary in this sweep ({others} does); run the scene with {path} = "
             f"{value} into another store"
         )
     values = ds[dim].values
@@ -157,5 +159,8 @@ def select_entry(ds: xr.Dataset, path: str, value: Any) -> xr.Dataset:
     )
     if not close.any():
         known = ", ".join(value_words(ds[dim], one) for one in values.tolist())
-        raise InputError(f"{path} is {value}; the sweep has {known}")
+        entry = "sweep.realizations" if dim == "realization" else f"sweep.over.{path}"
+        new = {entry: [setting(f"{path}={value}")[1]]}
+        advice = "" if dim == CASE else f"; {extending(ds, new)}"  # rows are those of a table
+        raise InputError(f"{path} is {value}; the sweep has {known}{advice}")
     return ds.isel({dim: int(np.flatnonzero(close)[0])})

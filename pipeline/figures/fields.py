@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from pipeline.answers.condition_words import heating_words
 from pipeline.answers.critical_temperature import conditions_of
 from pipeline.answers.results import CaseResults, case_dims, cases_of, sweep_of
+from pipeline.answers.words import extending, outside
 from pipeline.figures import style
-from pipeline.quantities import UNITS, shown_in
+from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions, rise_limit
 from pipeline.units import in_si
 from tribo import InputError
@@ -66,7 +67,8 @@ def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | N
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
-            raise InputError(f"realization is {realization}; the sweep has {seeds}")
+            more = extending(ds, {"sweep.realizations": [realization]})
+            raise InputError(f"realization is {realization}; the sweep has {seeds}; {more}")
         kept = sweep_of(ds).field_surface
         usual = kept if kept in seeds else seeds[0]
         ds = ds.sel(realization=[usual if realization is None else realization])
@@ -88,12 +90,10 @@ def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:
     reached = np.flatnonzero(is_done.any(axis=1))
     known = conditions.critical_temperature is not None
     limit, points = rise_limit(conditions) if known else math.inf, list[Spot]()
-    for i in nearest_indices(case.loads, "load", load) or reached[-1:].tolist() or [0]:
+    for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
         require_done_at(case.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        wanted = nearest_indices(case.velocities, "velocity", velocity) or [
-            int(np.nanargmin(distance))
-        ]
+        wanted = nearest_indices(case, "velocity", velocity) or [int(np.nanargmin(distance))]
         points += [(i, j) for j in wanted]
     for point in points:
         if not is_done[point]:
@@ -125,19 +125,13 @@ def require_single(kind: str, **given: Wanted) -> None:
             raise InputError(f"{kind} shows one {name}, not {len(several)}; give one")
 
 
-def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Indices, in `places`, of the loads or velocities nearest to `values`; empty for None.
-
-    `axis` is load or velocity, and `places` has the sweep's values along it.
-    """
-    found = list[int]()
+def nearest_indices(case: CaseResults, axis: str, values: Wanted) -> list[int]:
+    """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
+    places, found = case.loads if axis == "load" else case.velocities, list[int]()
     for value in wanted_values(values):
         wanted = in_si(axis, value, LIKE[axis])
-        if not places[0] <= wanted <= places[-1]:
-            raise InputError(
-                f"{axis} is {wanted:g} {UNITS[axis]}; the sweep has {places[0]:g} to "
-                f"{places[-1]:g} {UNITS[axis]}: give a value within"
-            )
+        if said := outside(case.ds, {axis: (places[0], places[-1])}, **{axis: wanted}):
+            raise InputError(said)
         found.append(int(np.abs(places - wanted).argmin()))
     return found
 

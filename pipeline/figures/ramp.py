@@ -170,7 +170,7 @@ def temperature(
     require_single("temperature", load=load)
     shown = shown_of(ds, conditions, realization)
     case, own, velocities = shown.case, shown.conditions, shown.case.velocities
-    row = (nearest_indices(case.loads, "load", load) or [-1])[0]
+    row = (nearest_indices(case, "load", load) or [-1])[0]
     load_here = float(case.loads[row])
     figure, axes = style.canvas()
     x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))

@@ -20,7 +20,7 @@ def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
 def test_a_place_beyond_by_more_than_rounding_is_refused(place):
     here = asked(synthetic.sweep(), *place)
     assert here.verdict == "unknown"
-    assert "the sweep has" in here.reason
+    assert "is outside the sweep" in here.reason
 
 
 def test_loads_without_a_point_that_is_done_are_unknown_beside_others_that_are_known():

@@ -36,7 +36,7 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
         assert row["verdict"] == here.verdict
     assert (first["flank"], first["remark"]) == ("A", "cold start")
     assert beyond["verdict"] == "unknown"
-    assert "load is 9000 N; the sweep has" in beyond["reason"]
+    assert "load 9000 N is outside the sweep" in beyond["reason"]
 
 
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):

@@ -51,7 +51,7 @@ REFUSALS = {
     "frictions": (irg("point", "first_try", *PLACE, "--friction", "0.1", "--friction", "0.2"),
                   "friction.coefficient takes one value at a time here"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
-                   "velocity is -1 m/s; the sweep has"),
+                   "velocity -1 m/s is outside the sweep (0.5 to"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
     "area fraction": (
         irg("boundary", "tiny.zarr", "--critical-area-fraction", "0,1"),

@@ -202,5 +202,5 @@ def test_refusals(sweep, tmp_path):
         pipeline.report(sweep, out=tmp_path / "a.docx")
     with pytest.raises(InputError, match="give a load and a velocity"):
         pipeline.report(sweep, 400.0)
-    with pytest.raises(InputError, match="load is 4000 N; the sweep has 200 to 750 N"):
+    with pytest.raises(InputError, match=r"load 4000 N is outside the sweep \(200 to 750 N\)"):
         pipeline.report(sweep, 4000.0, 1.0)
