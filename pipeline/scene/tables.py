@@ -243,10 +243,11 @@ class Either(Kind):
     def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
         """Read a value by the kind for it, as `Kind.read` does.
 
-        Faults of a kind that is not the usual one name this kind alone.
+        Faults of a table or list that is not the usual kind name this kind alone.
         """
         kind = self.kind_for(value)
-        return kind.read(value, place, faults, self if kind is self.kinds[0] else None)
+        is_alone = kind is not self.kinds[0] and kind.holds is not str
+        return kind.read(value, place, faults, None if is_alone else self)
 
 
 class Sorted(Either):
