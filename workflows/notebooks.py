@@ -27,12 +27,15 @@ def run(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     own = dict(notebook.metadata)  # the kernel adds its version
     with TemporaryDirectory() as folder:
-        NotebookClient(
+        client = NotebookClient(
             notebook,
             timeout=_TIMEOUT,
             record_timing=False,
             resources={"metadata": {"path": folder}},
-        ).execute()
+        )
+        # What it does for the output of `interact` makes it wait for ever (nbclient issue 312).
+        client.widget_registry = {}
+        client.execute()
     notebook.metadata = nbformat.from_dict(own)
     for cell in notebook.cells:
         if cell.cell_type == "code":
