@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
 _BESIDE = 0.1  # relative distance in load and velocity within which a test is near
-_MOST_BULKS, _BULKS_APART = 8, 8.0  # with a posterior each; else nodes so far apart [K]
+_MOST_BULKS, _BULKS_APART = 8, 5.0  # with a posterior each; else nodes so far apart [K]
 _SAME = 1e-9  # relative rounding difference of equal conditions
 
 
