@@ -308,8 +308,10 @@ def in_si(name: str, value: float | str, like: str) -> float:
         if isinstance(value, bool | np.bool_):
             raise ValueError(f"{value} is no number")
         return to_si(value, like) if isinstance(value, str) else float(value)
-    except (UnitError, TypeError, ValueError) as error:
-        raise InputError(f'{name}: {error}; give one such as "{like}"') from error
+    except (UnitError, OverflowError, TypeError, ValueError) as error:
+        is_type = isinstance(error, TypeError)
+        why = f"a value of type {type(value).__name__} is no number" if is_type else error
+        raise InputError(f'{name}: {why}; give one such as "{like}"') from error
 
 
 def require_count(name: str, value: float) -> None:

@@ -5,6 +5,7 @@ Everything that a command, a figure or a file states is a variable or an attribu
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -15,7 +16,14 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers import words
-from pipeline.answers.conditions import ConditionValues, Operation, in_arrays, judged, replaced
+from pipeline.answers.conditions import (
+    ConditionValues,
+    Operation,
+    in_array,
+    in_arrays,
+    judged,
+    replaced,
+)
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.judge import ORIGINS, VERDICTS, Flag, Judge, JudgedCase, passes_severe
@@ -143,10 +151,13 @@ def margin(
         return _rows(ds, points, conditions)
     if (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
-    places = {} if load is None else {
-        "load": _quantities("load", load, "500 N"),
-        "velocity": _quantities("velocity", velocity, "2 m/s"),
-    }  # fmt: skip
+    places = {
+        name: in_array(name, value, functools.partial(in_si, name, like=like), "place").astype(
+            float
+        )
+        for name, value, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
+        if value is not None
+    }
     given = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
@@ -349,25 +360,6 @@ def _with_attributes(found: xr.Dataset) -> xr.Dataset:
             about["flag_meanings"] = " ".join(str(one.name).lower() for one in Flag)
         found[name].attrs |= about
     return found
-
-
-def _quantities(name: str, value: Any, example: str) -> xr.DataArray:
-    """Loads or velocities in SI; a list has the dimension ``place``."""
-    if isinstance(value, xr.DataArray):
-        one = value.copy(data=_in_si(name, value.values, example, value.attrs.get("units")))
-        return one.drop_attrs()
-    found = _in_si(name, value, example)
-    if found.ndim > 1:
-        raise InputError(f"{name} has {found.ndim} dimensions; give a DataArray, which names them")
-    return xr.DataArray(found, dims=["place"] * found.ndim)
-
-
-def _in_si(name: str, value: Any, example: str, unit: Any = None) -> Array:
-    """Numbers in SI, or texts with a unit, as an array of numbers in SI."""
-    values = np.asarray(value if np.ndim(value) else [value], object)
-    texts = [f"{one} {unit}" if unit and not isinstance(one, str) else one for one in values.flat]
-    numbers = np.array([in_si(name, one, example) for one in texts], float).reshape(values.shape)
-    return numbers if np.ndim(value) else numbers[0]
 
 
 def _side_by_side(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -> xr.Dataset:

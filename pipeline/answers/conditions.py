@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypedDict
 
@@ -66,37 +67,58 @@ def in_arrays(given: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI: those given as lists have a dimension of their own."""
     if unknown := given.keys() - {*NAMES}:
         raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
-    return {name: _array(name, value) for name, value in given.items() if value is not None}
+    found = dict[str, xr.DataArray]()
+    for name, value in given.items():
+        if value is None:
+            continue
+        found[name] = in_array(name, value, functools.partial(_si, name), name)
+        if found[name].dims == (name,) and not isinstance(value, xr.DataArray):
+            values = found[name].values.tolist()
+            if len(values) != len({*values}):
+                raise InputError(f"{name} has a value twice; give each once")
+            found[name] = found[name].assign_coords({name: values})
+    return found
 
 
-def _array(name: str, value: Any) -> xr.DataArray:
+def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
+    """An argument as an array of what `read` makes of its values; a list has the dimension `dim`.
+
+    A unit in the attributes of a DataArray follows each number.
+    """
+    about = value.attrs if isinstance(value, xr.DataArray | xr.Variable) else {}
+    if packed := {"scale_factor", "add_offset"} & {*about}:
+        raise InputError(f"{name} is packed ({min(packed)}); decode it")
+    if np.ma.is_masked(value):
+        raise InputError(f"{name} has masked values; leave them out")
+    try:
+        values = np.asarray(value, object)
+    except (TypeError, ValueError):  # such as lists of different lengths
+        raise InputError(f"{name} is a {type(value).__name__} and no array; give numbers") from None
+    if not values.size:
+        raise InputError(f"{name} is empty; give at least one value")
+    unit = about.get("units")
+    read_all = [
+        read(f"{one} {unit}" if unit and not isinstance(one, str) else one) for one in values.flat
+    ]
+    found = np.array(read_all, object).reshape(values.shape)
     if isinstance(value, xr.DataArray):
-        unit = value.attrs.get("units")
-        data = np.array([_si(name, one, unit) for one in value.values.flat], object)
-        return value.copy(data=data.reshape(value.shape)).drop_attrs()
-    if np.ndim(value) > 1:
-        raise InputError(f"{name} has {np.ndim(value)} dimensions; give a DataArray with names")
-    if np.ndim(value):
-        values = [_si(name, one) for one in np.asarray(value, object).tolist()]
-        if len(values) != len({*values}):
-            raise InputError(f"{name} has a value twice; give each once")
-        return xr.DataArray(np.array(values, object), {name: values}, [name])
-    return xr.DataArray(np.array(_si(name, value), object))
+        return value.copy(data=found).drop_attrs()
+    if found.ndim > 1:
+        raise InputError(f"{name} has {found.ndim} dimensions; give a DataArray, which names them")
+    return xr.DataArray(found, dims=[dim] * found.ndim)
 
 
-def _si(name: str, value: Any, unit: str | None = None) -> float | None:
+def _si(name: str, value: Any) -> float | None:
     """A value in SI; None, which stands for that of the scene, stays."""
     if value is None:
         return None
-    if unit not in (None, "1") and not isinstance(value, str):
-        value = f"{value} {unit}"
     if name in ("bulk_temperature", "critical_temperature"):
         return _oil_temperature(name, value)
     try:
         if isinstance(value, bool | np.bool_):
             raise ValueError
-        return float(share_of(value))
-    except (TypeError, ValueError):
+        return float(share_of(value.removesuffix(" 1") if isinstance(value, str) else value))
+    except (OverflowError, TypeError, ValueError):
         raise InputError(f"{name} is {value!r}; give a number such as 0.1") from None
 
 
