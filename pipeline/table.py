@@ -223,6 +223,8 @@ _UNREADABLE = ValueError, ImportError, KeyError, SyntaxError, csv.Error, zipfile
 
 def _rows_of_frame(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[str]]]:
     """Rows of columns by heading, numbered from 1; headings first."""
+    if lone := [head for head, cells in source.items() if not np.ndim(cells)]:
+        raise InputError(f"column {quoted(str(lone[0]))} is no list; give one with a value per row")
     columns = {str(head): [*cells] for head, cells in source.items()}
     if len({len(cells) for cells in columns.values()}) > 1:
         sizes = ", ".join(f"{quoted(head)} {len(cells)}" for head, cells in columns.items())

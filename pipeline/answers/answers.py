@@ -27,7 +27,7 @@ from pipeline.answers.conditions import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.judge import ORIGINS, VERDICTS, Flag, Judge, JudgedCase, passes_severe
-from pipeline.answers.results import CaseResults, case_dims, cases_of, open_sweep, sweep_of
+from pipeline.answers.results import CaseResults, case_dims, cases_of, dataset_of, sweep_of
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
@@ -145,7 +145,7 @@ def margin(
     >>> found["governing_temperature"].round(1).item()
     391.7
     """
-    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    ds = dataset_of(ds)
     if velocity is None and isinstance(load, _TABLES):
         points = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
         return _rows(ds, points, conditions)
@@ -284,7 +284,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     >>> found["critical_velocity"].sel(load=400).round(2).values.tolist()
     [2.31, 1.68]
     """
-    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    ds = dataset_of(ds)
     given = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:

@@ -55,7 +55,10 @@ class Operation(NamedTuple):
 
 def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:
     """Conditions of a case, with those `given` by name, single values, in place of its own."""
-    return replaced(own, {name: one.item() for name, one in in_arrays(given).items()})
+    arrays = in_arrays(given)
+    if several := [name for name, one in arrays.items() if one.size > 1]:
+        raise InputError(f"{several[0]} takes one value at a time here; give one")
+    return replaced(own, {name: one.item() for name, one in arrays.items()})
 
 
 def replaced(own: Conditions, values: Mapping[str, Any]) -> Conditions:

@@ -88,6 +88,18 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ascending(ds)
 
 
+def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
+    """The dataset of a store, if a path of one is given; another dataset as it is."""
+    if isinstance(source, xr.Dataset):
+        return source
+    if isinstance(source, str | os.PathLike):
+        return open_sweep(source)
+    raise InputError(
+        f"a sweep cannot be a {type(source).__name__}; give a dataset of pipeline.open_sweep, or "
+        "the path of a store"
+    )
+
+
 def ascending(ds: xr.Dataset) -> xr.Dataset:
     """The dataset of a store with ascending numbers along each axis."""
     axes = [str(name) for name in ds["status"].dims if ds[name].dtype.kind in "if"]
@@ -105,8 +117,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> bool((end["normal_load"] == end["load"]).all())
     True
     """
-    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
-    return ds.sel(step=0, drop=True)
+    return dataset_of(ds).sel(step=0, drop=True)
 
 
 def sweep_of(ds: xr.Dataset) -> Sweep:
@@ -298,13 +309,7 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
         Dataset of `open_sweep`, of which some loads, velocities, surfaces or values of entries may
         be selected; or path of a store.
     """
-    ds = open_sweep(source) if isinstance(source, str | os.PathLike) else source
-    if not isinstance(ds, xr.Dataset):
-        raise InputError(
-            f"a sweep cannot be a {type(ds).__name__}; give a dataset of pipeline.open_sweep, or "
-            "the path of a store"
-        )
-    ds = completed(ds)
+    ds = completed(dataset_of(source))
     sweep = sweep_of(ds)
     if ds.attrs.get("without_tests"):
         sweep = replace(sweep, tests=())

@@ -7,9 +7,9 @@ from typing import Any, Unpack, cast
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.conditions import NAMES, ConditionValues, judged
+from pipeline.answers.conditions import ConditionValues, judged
 from pipeline.answers.critical_temperature import conditions_of
-from pipeline.answers.results import cases_of, open_sweep, sweep_of, sweeps_of
+from pipeline.answers.results import cases_of, dataset_of, sweep_of, sweeps_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import rise_limit
 from tribo import QUANTILES, InputError
@@ -53,16 +53,14 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     464.0
     """
-    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
-    if unknown := conditions.keys() - {*NAMES}:
-        raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
+    ds = dataset_of(ds)
+    from_tests = sweep_of(ds).base.critical_from_tests
     if len(ds["cooler_share"]) < len(QUANTILES):
         raise InputError(
             f"the dataset has {len(ds['cooler_share'])} of {len(QUANTILES)} shares of the contact "
             "(cooler_share), and needs all; select some from the result"
         )
     whole = list[xr.Dataset]()
-    from_tests = sweep_of(ds).base.critical_from_tests
     known = [conditions_of(one, conditions) for one in cases_of(ds)] if from_tests else []
     for number, (case, part) in enumerate(sweeps_of(ds)):
         own = known[number] if known else judged(case.conditions, conditions)

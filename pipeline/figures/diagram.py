@@ -27,12 +27,11 @@ from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.units import value_words
 from pipeline.constants import DECIDED
 from pipeline.figures import style
-from pipeline.figures.fields import LIKE, Wanted, wanted_values
+from pipeline.figures.fields import Wanted, wanted_values
 from pipeline.figures.markers import mark_places, mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import Place
-from pipeline.units import in_si
 from pipeline.words import split_notes
 from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
@@ -133,10 +132,7 @@ def diagram(
 
 def _places(load: Wanted, velocity: Wanted) -> list[Place]:
     """Operating points in SI, from loads and velocities that are pairs."""
-    loads, velocities = (
-        [in_si(axis, one, LIKE[axis]) for one in wanted_values(values)]
-        for axis, values in (("load", load), ("velocity", velocity))
-    )
+    loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
     if len(loads) != len(velocities):
         raise InputError(
             f"load and velocity go together, as pairs; {len(loads)} of load and "

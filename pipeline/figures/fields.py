@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.condition_words import heating_words
+from pipeline.answers.conditions import in_array
 from pipeline.answers.critical_temperature import conditions_of
 from pipeline.answers.results import CaseResults, case_dims, cases_of, sweep_of
 from pipeline.answers.words import extending, outside
@@ -113,23 +115,28 @@ def require_done_at(load: float, is_done: Mask) -> None:
         raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
 
 
-def wanted_values(values: Wanted) -> list[float | str]:
-    """The values that a user gives: none, one, or several."""
-    return [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
+def wanted_values(axis: str, values: Wanted) -> list[float]:
+    """Loads or velocities that a user gives, in SI: none, one, or several."""
+    if values is None or not np.size(values):
+        return []
+    read = functools.partial(in_si, axis, like=LIKE[axis])
+    found = np.atleast_1d(in_array(axis, values, read, axis).values).tolist()
+    if odd := [one for one in found if not math.isfinite(one)]:
+        raise InputError(f"{axis} is {odd[0]}; give a number")
+    return found
 
 
 def require_single(kind: str, **given: Wanted) -> None:
     """Raise an `InputError` if a figure of this `kind` is given several loads or velocities."""
     for name, values in given.items():
-        if len(several := wanted_values(values)) > 1:
+        if len(several := wanted_values(name, values)) > 1:
             raise InputError(f"{kind} shows one {name}, not {len(several)}; give one")
 
 
 def nearest_indices(case: CaseResults, axis: str, values: Wanted) -> list[int]:
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
     places, found = case.loads if axis == "load" else case.velocities, list[int]()
-    for value in wanted_values(values):
-        wanted = in_si(axis, value, LIKE[axis])
+    for wanted in wanted_values(axis, values):
         if said := outside(case.ds, {axis: (places[0], places[-1])}, **{axis: wanted}):
             raise InputError(said)
         found.append(int(np.abs(places - wanted).argmin()))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import os
 import pkgutil
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.answers.conditions import NAMES, ConditionValues
-from pipeline.answers.results import open_sweep
+from pipeline.answers.results import dataset_of
 from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
@@ -121,7 +120,7 @@ def plot(
         raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
     asked: dict[str, Any] = {**options}
     judged = {} if study else {name: asked.pop(name) for name in {*NAMES} & asked.keys()}
-    ds = open_sweep(ds) if isinstance(ds, str | os.PathLike) else ds
+    ds = ds if study else dataset_of(ds)
     named: str = kind or only or ("diagram" if {*PLANE} <= {*ds["status"].dims} else "rows")
     # The first are what is drawn, and conditions.
     allowed = [*inspect.signature(kinds[named]).parameters][1 if study else 2 :]

@@ -23,7 +23,7 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
-from pipeline.answers.results import case_dims, open_sweep, sweep_of
+from pipeline.answers.results import case_dims, dataset_of, sweep_of
 from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
@@ -110,7 +110,7 @@ def report(
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or path or URL of the store.
+        Dataset of `pipeline.dataset_of`, or path or URL of the store.
     load, velocity : float or str, optional
         An operating point, in SI or as text with a unit.
     out : path, optional
@@ -142,7 +142,7 @@ def report(
     True
     """
     path = None if out is None else writable_path(out, (".html",))
-    ds = ds if isinstance(ds, xr.Dataset) else open_sweep(ds)
+    ds = dataset_of(ds)
     if (load is None) != (velocity is None) or (points is not None and load is not None):
         raise InputError("give a load and a velocity, or a table of points, or neither")
     asked = {"load": points} if load is None else {"load": load, "velocity": velocity}

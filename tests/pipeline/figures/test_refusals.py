@@ -85,6 +85,7 @@ REFUSALS = {
     "pins": (lambda: pipeline.plot(two_pins(), "ramp"), "select one by pin_radius"),
     "load": (plot("fields", load=74.0), "load 74 N is outside the sweep (200 to 750 N); to extend"),
     "velocity": (plot("fields", velocity=9.0), "velocity 9 m/s is outside the sweep (0.5 to"),
+    "no number": (plot("fields", load=float("nan")), "load is nan; give a number"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "step": (plot("fields", step=-1), "the store has the fields at the end of each point alone"),
