@@ -115,12 +115,12 @@ def require_done_at(load: float, is_done: Mask) -> None:
         raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
 
 
-def wanted_values(axis: str, values: Wanted) -> list[float]:
+def wanted_values(axis: str, values: Any) -> list[float]:
     """Loads or velocities that a user gives, in SI: none, one, or several."""
     if values is None or not np.size(values):
         return []
     read = functools.partial(in_si, axis, like=LIKE[axis])
-    found = np.atleast_1d(in_array(axis, values, read, axis).values).tolist()
+    found: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
     if odd := [one for one in found if not math.isfinite(one)]:
         raise InputError(f"{axis} is {odd[0]}; give a number")
     return found
