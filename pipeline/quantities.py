@@ -59,7 +59,7 @@ UNITS = {
     "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
     "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
     "bulk_temperature": "°C", "critical_temperature": "°C",
-    "deciding_temperature": "°C", "temperature_error": "K", "surface_error": "K",
+    "governing_temperature": "°C", "temperature_error": "K", "surface_error": "K",
     "distance": "K", "friction": "",
     "critical_area_fraction": "", "viscosities": "mm²/s",
     "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",

@@ -86,8 +86,8 @@ def specific_wear_rate(
         wear = Wear(rate, scene.wear.pattern if scene.wear else pattern)
         worn = replace(scene, wear=wear, fidelity=fidelity)
         state = start(worn)
-        for station in worn.stations(normal_load):
-            state = advance(worn, state, station, velocity)
+        for load_step in worn.load_steps(normal_load):
+            state = advance(worn, state, load_step, velocity)
         return measures(worn, state)["contact_width"]
 
     if not width(0.0) + half < contact_width <= grid.size[0] - half:

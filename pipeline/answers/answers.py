@@ -90,7 +90,7 @@ _VARIABLES = {
     "bulk_temperature": ("K", "temperature of the bodies far from the contact"),
     "critical_temperature": ("K", "contact temperature at which the lubricant fails"),
     "critical_area_fraction": ("1", "share of the contact above it beyond which wear is severe"),
-    "unmodelled_rise": ("1", "relative rise that is added for what is not modelled"),
+    "added_rise_fraction": ("1", "relative rise that is added for what is not modelled"),
     "load": ("N", "normal load on the pin"),
     "velocity": ("m/s", "sliding velocity"),
 }
@@ -125,9 +125,9 @@ def margin(
         heading, such as a data frame. It may set conditions row by row; its other columns become
         coordinates.
     **conditions
-        Conditions to judge by in place of the scene's: ``friction``, ``bulk_temperature``,
-        ``critical_temperature``, ``critical_area_fraction`` and ``unmodelled_rise``. A list makes
-        a dimension.
+        Conditions to use instead of the scene's: ``friction``, ``bulk_temperature``,
+        ``critical_temperature``, ``critical_area_fraction`` and ``added_rise_fraction``. A list
+        makes a dimension.
 
     Returns
     -------
@@ -176,7 +176,7 @@ def margin(
         )
         groups, judges, whole = dict[Any, list[int]](), JudgedCase(case), dict[str, Any]()
         for k, c in enumerate(each):
-            oil = c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction
+            oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
             groups.setdefault(oil, []).append(k)
         for numbers in groups.values():
             judge = judges.under(each[numbers[0]])

@@ -22,8 +22,8 @@ def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) ->
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
     friction = f"friction {conditions.friction:.4g}{_test_frictions(conditions, tests)}"
-    added = f", rise {signed_percent(conditions.unmodelled_rise)}"
-    return f"{friction}, {bulk}{added * bool(conditions.unmodelled_rise)}"
+    added = f", rise {signed_percent(conditions.added_rise_fraction)}"
+    return f"{friction}, {bulk}{added * bool(conditions.added_rise_fraction)}"
 
 
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
@@ -59,11 +59,11 @@ def governing_words(share: float) -> str:
     return f"exceeded on {100 * share:g} % of the contact" if share else "maximum"
 
 
-def unmodelled_rise_words(conditions: Conditions) -> str:
+def added_rise_words(conditions: Conditions) -> str:
     """Line on the rise that is added for what acts beside the model; empty if none is added."""
-    if not conditions.unmodelled_rise:
+    if not conditions.added_rise_fraction:
         return ""
-    added = signed_percent(conditions.unmodelled_rise)
+    added = signed_percent(conditions.added_rise_fraction)
     return f"{added} of the rise is added for what acts beside the model (irg help physics)"
 
 

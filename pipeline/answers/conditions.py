@@ -31,7 +31,7 @@ class ConditionValues(TypedDict, total=False):
     bulk_temperature: Values | None
     critical_temperature: Values | None
     critical_area_fraction: Values | None
-    unmodelled_rise: Values | None
+    added_rise_fraction: Values | None
 
 
 class Operation(NamedTuple):

@@ -73,11 +73,11 @@ class JudgedCase:
             lambda: specimen_of(self.case, c, self._flags),
         )
         if c.critical_temperature is None:
-            others = "from tests", c.unmodelled_rise, c.critical_area_fraction, c.corrections
+            others = "from tests", c.added_rise_fraction, c.critical_area_fraction, c.corrections
             found = self._once(others, lambda: critical_temperature_of(self.case, specimen, c))
             c = replace(c, critical_temperature=found.temperature)
             return Judge(self, c, specimen, replace(found.evidence, critical=found))
-        oil = c.critical_temperature, c.unmodelled_rise, c.critical_area_fraction
+        oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
         evidence = self._once(
             ("evidence", *oil, c.corrections), lambda: evidence_of(self.case, specimen, c)
         )
@@ -135,7 +135,7 @@ class Judge:
     def limits(self, at: Operation) -> Array:
         """ln(allowable rise) of points (k,)."""
         critical = known_critical_temperature(self.conditions)
-        heating = at.friction * (1 + self.conditions.unmodelled_rise)
+        heating = at.friction * (1 + self.conditions.added_rise_fraction)
         with np.errstate(divide="ignore"):
             return np.asarray(np.log((critical - at.bulk_temperature) / heating))
 
@@ -194,7 +194,7 @@ class Judge:
         )
         against = self._withhold(verdict, reason, at)
         verdict = np.where(against, UNDECIDED, verdict).astype(np.int8)
-        heating = (1 + self.conditions.unmodelled_rise) * np.exp(rise)
+        heating = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
         critical = known_critical_temperature(self.conditions)
         simulated = known & self.field.is_point(at.load, at.velocity)
         beyond = known & ~simulated & self.field.is_extrapolated(load, velocity)

@@ -11,7 +11,7 @@ from pipeline.answers.conditions import ConditionValues, judged
 from pipeline.answers.critical_temperature import conditions_of
 from pipeline.answers.results import cases_of, dataset_of, sweep_of, sweeps_of
 from pipeline.store.place import PathLike
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 from tribo import QUANTILES, InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.thermal.quantiles import failed_share
@@ -41,7 +41,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
         the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
-        critical temperature, ``failed_fraction``, the share of the contact area above it.
+        critical temperature, ``failed_area_fraction``, the share of the contact area above it.
 
     Examples
     --------
@@ -77,10 +77,10 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
             found[name].attrs = {"units": "K", "long_name": meaning}
         if own.critical_temperature is not None:
             failed = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
-            share = failed(rises["rise_quantile"], rise_limit(own))
+            share = failed(rises["rise_quantile"], allowable_rise(own))
             share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
-            found["failed_fraction"] = held["max_rise"].copy(data=share)
-            found["failed_fraction"].attrs = {
+            found["failed_area_fraction"] = held["max_rise"].copy(data=share)
+            found["failed_area_fraction"].attrs = {
                 "units": "1",
                 "long_name": "share of the contact above the critical temperature",
             }

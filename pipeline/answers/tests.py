@@ -19,7 +19,7 @@ from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.conditions import Conditions, rise_limit, with_own
+from pipeline.sweep.conditions import Conditions, allowable_rise, with_own
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
@@ -203,7 +203,7 @@ def _compared(
     if len(specimen.apart) > 1:  # they were computed on the first patch alone
         rises = rises * np.exp([specimen.offset_at(*place) for place in test.places])
     with np.errstate(divide="ignore"):
-        y = np.clip(np.log(rises / rise_limit(own)), -_FARTHEST, _FARTHEST).tolist()
+        y = np.clip(np.log(rises / allowable_rise(own)), -_FARTHEST, _FARTHEST).tolist()
     return ComparedTest(
         test, own,
         severe=y[-1] if test.outcome != "mild" else math.nan,

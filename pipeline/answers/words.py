@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.condition_words import unmodelled_rise_words, verdict_conditions
+from pipeline.answers.condition_words import added_rise_words, verdict_conditions
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.preset_error import error_in_words
 from pipeline.answers.results import sweep_of
@@ -87,7 +87,7 @@ def _notes(judge: Judge) -> Iterator[str]:
     case, sweep = judge.case, judge.case.sweep
     lines = [
         case.note_on_failed, sweep.caveat, *warning_lines(sweep, answered=True),
-        unmodelled_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
+        added_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip
     yield from filter(None, lines)

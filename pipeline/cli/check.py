@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 import pipeline
-from pipeline.answers.condition_words import unmodelled_rise_words
+from pipeline.answers.condition_words import added_rise_words
 from pipeline.answers.preset_error import has_unknown_error
 from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_text
 from pipeline.answers.tables import frame_of, records
@@ -133,7 +133,7 @@ def _meaning_rows(
     u = "of the disk u" if sweep.scene.motion else "V"
     peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
     yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
-    if added := unmodelled_rise_words(sweep.conditions):
+    if added := added_rise_words(sweep.conditions):
         yield "", added
     elif sweep.scene.friction_heat and not sweep.tests:
         yield "", "holder and films are not counted; model.rise adds them (irg help physics)"

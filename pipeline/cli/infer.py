@@ -70,7 +70,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width also needs --load and --velocity")
     sweep = _hold_for(sweep, options.load, options.duration)
-    *_, end = sweep.scene.all_stations(options.load)
+    *_, end = sweep.scene.all_load_steps(options.load)
     with working("seeking the wear rate, one simulation after the other"):
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity

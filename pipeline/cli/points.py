@@ -73,7 +73,8 @@ def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
 
 
 _CONTACT = {
-    "max_temperature": "highest temperature [°C]", "failed_fraction": "failed area fraction [%]",
+    "max_temperature": "highest temperature [°C]",
+    "failed_area_fraction": "failed area fraction [%]",
     "pin_heat_share": "heat into the pin [%]", "contact_width": "contact width [µm]",
     "contact_fraction": "real contact area of the window [%]",
     "mean_pressure": "mean pressure [GPa]",

@@ -18,7 +18,7 @@ from pipeline.answers.results import CaseResults, case_dims, cases_of, sweep_of
 from pipeline.answers.words import extending, outside
 from pipeline.figures import style
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions, allowable_rise
 from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
@@ -91,7 +91,7 @@ def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
     known = conditions.critical_temperature is not None
-    limit, points = rise_limit(conditions) if known else math.inf, list[Spot]()
+    limit, points = allowable_rise(conditions) if known else math.inf, list[Spot]()
     for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
         require_done_at(case.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))

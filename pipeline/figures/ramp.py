@@ -31,7 +31,7 @@ from pipeline.figures.fields import (
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import COLUMNS, MADE, VARIABLES
-from pipeline.sweep.conditions import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions, allowable_rise
 from tribo import InputError
 from tribo.types import Array
 
@@ -183,7 +183,7 @@ def temperature(
             axes.plot(at, curve, color=BLUE, **look | part)
         words = governing_words(judged.critical_area_fraction)
         axes.plot([], [], color=BLUE, label=words, **look)
-    if _critical_line(axes, own) and (limit := rise_limit(own)) > 0:
+    if _critical_line(axes, own) and (limit := allowable_rise(own)) > 0:
         line = np.array([load_here]), np.array([math.log(limit)])
         turns = _field(shown, own).along_velocity(*line).places
         for turn in turns[np.isfinite(turns)]:

@@ -110,7 +110,7 @@ class _Tasks:
 
     def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
         self._client, self._sweep = client, sweep
-        self._stations, self._store = choose_stored_steps(sweep), writer.store
+        self._stored_steps, self._store = choose_stored_steps(sweep), writer.store
         self._cases: dict[tuple[str, Fields], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
@@ -151,7 +151,7 @@ class _Tasks:
         fields = self._store.fields_of(name)
         key = self._sweep._hash_scene(case.scene), fields
         if key not in self._cases:
-            made = Case(case.scene, self._stations, fields, case.has_film)
+            made = Case(case.scene, self._stored_steps, fields, case.has_film)
             self._cases[key] = made.pickled()
         return self._cases[key]
 

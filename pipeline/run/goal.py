@@ -20,7 +20,7 @@ from pipeline.scene.entries import entry_at
 from pipeline.store.read import store_dataset
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
@@ -50,7 +50,7 @@ def require_boundary(sweep: Sweep) -> None:
         why = "sweep.velocities has none above 0"
     elif any(case.critical_from_tests for case in sweep.cases):
         why = "temperature.critical is from tests, whose points come first; run without an accuracy"
-    elif not np.isfinite([rise_limit(case.conditions) for case in sweep.cases]).all():
+    elif not np.isfinite([allowable_rise(case.conditions) for case in sweep.cases]).all():
         why = "friction.coefficient is 0"
     if why:
         raise InputError(f"there is no boundary whose error can be a goal: {why}")

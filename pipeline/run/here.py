@@ -38,12 +38,12 @@ def computed_dataset(store: Store) -> xr.Dataset:
 def _simulated(
     store: Store, points: Sequence[Point], needed: Sequence[Point], report: Report
 ) -> Iterator[PointRecord]:
-    stations = choose_stored_steps(store.sweep)
+    stored_steps = choose_stored_steps(store.sweep)
     for point in points:
         scene = store.sweep.case(point.case).scene
         try:
             film, fields = store.sweep.case(point.case).has_film, store.fields_of(point.case)
-            made = run_point(scene, stations, point, None, report, film, fields)
+            made = run_point(scene, stored_steps, point, None, report, film, fields)
         except TriboError as error:
             if point in needed:
                 raise

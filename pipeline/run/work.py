@@ -25,7 +25,7 @@ from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stored_steps import Fields, StoredSteps
 from pipeline.sweep.sweep import Point
 from tribo import Scene, TriboError
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 
 class ExecutionError(TriboError):
@@ -79,7 +79,7 @@ class Case:
     """What points of one scene have in common: the scene, and what is recorded of them."""
 
     scene: Scene
-    stations: StoredSteps
+    stored_steps: StoredSteps
     fields: Fields
     with_film: bool
 
@@ -94,7 +94,7 @@ def _unpickled(case: bytes) -> Case:
     return found
 
 
-_ramps = Trunks()  # the loading ramps that this worker has computed, for the points to come
+_ramps = RampCache()  # the loading ramps that this worker has computed, for the points to come
 _one_at_a_time = threading.Lock()  # several threads of one process gained 6 % at most
 
 
@@ -108,7 +108,7 @@ def simulate_point(case: bytes, point: Point) -> tuple[PointRecord, Program]:
             given = _unpickled(case)
             result = run_point(
                 given.scene,
-                given.stations,
+                given.stored_steps,
                 point,
                 _ramps,
                 with_film=given.with_film,

@@ -194,7 +194,7 @@ def expect_contacts(
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:
     """Duration of the loading to a load and of its hold [s], and the load's time integral [N s]."""
-    stations = list(scene.all_stations(load))
-    times = np.array([0.0, *(station.time for station in stations)])
-    loads = np.array([0.0, *(station.normal_load for station in stations)])
+    load_steps = list(scene.all_load_steps(load))
+    times = np.array([0.0, *(step.time for step in load_steps)])
+    loads = np.array([0.0, *(step.normal_load for step in load_steps)])
     return float(times[-1]), float(np.trapezoid(loads, times))

@@ -230,5 +230,5 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     case = () if realization is None else (("realization", realization),)
     sweep = sweep_of(sweep)
-    scene, stations = sweep.case(case).scene, choose_stored_steps(sweep)
-    return plan.run_point(scene, stations, Point(*place, case), progress=progress or silent)
+    scene, stored_steps = sweep.case(case).scene, choose_stored_steps(sweep)
+    return plan.run_point(scene, stored_steps, Point(*place, case), progress=progress or silent)

@@ -64,7 +64,7 @@ class Group:
     @cached_property
     def axes(self) -> Axes:
         """Values along each dimension, and of the columns of the table of cases."""
-        sweep, stations = self.sweep, choose_stored_steps(self.sweep)
+        sweep, stored_steps = self.sweep, choose_stored_steps(self.sweep)
         rows = {name: in_order(values) for name, values in sweep.case_table.axes.items()}
         # A column that a dimension determines has a value for each label, in the same order.
         rows |= {
@@ -74,12 +74,12 @@ class Group:
         scenes = [case.scene for case in sweep._on_first_surface]
         if self.prefix:
             kept = (
-                stations.kept(sweep.case(name).scene, load, velocity)
+                stored_steps.kept(sweep.case(name).scene, load, velocity)
                 for load, velocity, name in self._points
             )
         else:
             ramps = {ramp_of(scene): scene for scene in scenes}.values()
-            kept = (stations.kept(*one) for one in itertools.product(ramps, sweep.loads))
+            kept = (stored_steps.kept(*one) for one in itertools.product(ramps, sweep.loads))
         values = {
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
@@ -223,11 +223,11 @@ def _made_coordinates(group: Group) -> dict[str, Array]:
     They are NaN at unused steps before the first step of a point.
     """
     sweep, axes, wanted = group.sweep, group.axes, group.variables
-    stations, dims = choose_stored_steps(sweep), wanted["time"].dims
+    stored_steps, dims = choose_stored_steps(sweep), wanted["time"].dims
 
     @functools.cache
     def known(name: CaseName, load: float, velocity: float | None) -> list[Any]:
-        kept = stations.kept(sweep.case(name).scene, load, velocity)
+        kept = stored_steps.kept(sweep.case(name).scene, load, velocity)
         lacking = [(math.nan,) * 3] * (group.sizes[group.step] - len(kept))
         slid = [math.nan if one.slid is None else one.slid for one in kept]
         steps = zip(kept, slid, strict=True)

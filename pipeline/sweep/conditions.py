@@ -17,16 +17,16 @@ PATHS = {
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
     "critical_area_fraction": "temperature.critical_area_fraction",
-    "unmodelled_rise": "model.rise",
+    "added_rise_fraction": "model.rise",
 }
 """Entries of the scene file that act after the simulation, by the conditions' names."""
 DIMENSIONS = {dimension_of(path): path for path in PATHS.values()}
 """Those entries by the name of the dimension that several values make."""
-CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "unmodelled_rise"}
+CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "added_rise_fraction"}
 """Conditions that rows of tables may set, and their entries in a scene."""
 UNITS = {
     "friction": "1", "bulk_temperature": "K", "critical_temperature": "K",
-    "critical_area_fraction": "1", "unmodelled_rise": "1",
+    "critical_area_fraction": "1", "added_rise_fraction": "1",
 }  # fmt: skip
 """Units of those of `plain_values` that are numbers."""
 OF_TESTS = "friction", "bulk_temperature", "corrections"
@@ -43,7 +43,7 @@ def plain_values(conditions: Conditions) -> dict[str, Any]:
         "friction": conditions.friction,
         "bulk_temperature": conditions.bulk_temperature,
         "critical_temperature": conditions.critical_temperature,
-        "unmodelled_rise": conditions.unmodelled_rise,
+        "added_rise_fraction": conditions.added_rise_fraction,
         "corrections": corrections and corrections.as_dict(),
         "critical_area_fraction": conditions.critical_area_fraction,
     }
@@ -61,14 +61,14 @@ def known_critical_temperature(conditions: Conditions) -> float:
     return conditions.critical_temperature
 
 
-def rise_limit(conditions: Conditions) -> float:
+def allowable_rise(conditions: Conditions) -> float:
     """Temperature rise per unit friction coefficient above which wear is severe [K].
 
     It is infinite if the friction coefficient is 0. Raises an `InputError` if the critical
     temperature is not known.
     """
     known_critical_temperature(conditions)
-    return verdict.rise_limit(conditions)
+    return verdict.allowable_rise(conditions)
 
 
 def with_own(conditions: Conditions, own: Conditions) -> Conditions:

@@ -26,7 +26,7 @@ from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, me
 from tribo.simulation import (
     Note,
     PointWarning,
-    Trunks,
+    RampCache,
     contact_key,
     contacts,
     fit_elements,
@@ -54,7 +54,7 @@ class PointResult:
     """Temperatures, wear and warnings that were computed at one load and velocity."""
 
     point: Point  #: Load, velocity and case.
-    #: Values at each station, the end last, by variable of the dataset: shape (n_step,), or
+    #: Values at each step, the end last, by variable of the dataset: shape (n_step,), or
     #: (n_step, n_quantile).
     columns: dict[str, Array]
     #: State at the end, with temperature; on smaller elements than the scene's where the surface
@@ -160,39 +160,40 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
 def run_point(
     scene: Scene,
-    stations: StoredSteps,
+    stored_steps: StoredSteps,
     point: Point,
-    trunks: Trunks | None = None,
+    ramp_cache: RampCache | None = None,
     progress: Report = silent,
     with_film: bool = False,
     fields: Fields = False,
 ) -> PointResult:
-    """Simulate a scene at a point, and record the results at its `stations`.
+    """Simulate a scene at a point, and record the results at its `stored_steps`.
 
-    `trunks` is a cache of load steps that were simulated for other points. This point continues
+    `ramp_cache` is a cache of load steps that were simulated for other points. This point continues
     from the cached steps, and its own steps are added to the cache. With None nothing is cached.
     `progress` is called after each step. `with_film` is True to also record the inlet of the worn
     contact, by which the film of an oil is judged. With `fields` "steps" the columns include them.
     """
     began = time.perf_counter()
     load, velocity, _ = point
-    trunks = trunks or Trunks()
+    ramp_cache = ramp_cache or RampCache()
     fitted = fit_elements(scene, load)
-    heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load, velocity)
+    heat_steps = stored_steps.heat_steps(scene, load)
+    kept = stored_steps.kept(scene, load, velocity)
     record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
-    note, own = None, {station.index for station in kept}
-    if stations.steps == "course":
+    note, own = None, {step.index for step in kept}
+    if stored_steps.steps == "course":
         name = fitted, velocity, fields
         note = Note(name, lambda state: _increment_values(record, fitted, velocity, state))
         own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
-    memo = trunks.last(contact_key(fitted, load, velocity, heat_steps))
-    found = memo.get(asked := (fitted, stations, with_film, fields))
+    memo = ramp_cache.last(contact_key(fitted, load, velocity, heat_steps))
+    found = memo.get(asked := (fitted, stored_steps, with_film, fields))
     if found is None:  # no row with this heat came before
         states: list[State] = []
         if isinstance(fitted.loading, Stages):
-            states += stages_of(scene, load, velocity, trunks)
+            states += stages_of(scene, load, velocity, ramp_cache)
             own = set()
-        for contact in contacts(scene, load, velocity, trunks, heat_steps, note) if own else ():
+        for contact in contacts(scene, load, velocity, ramp_cache, heat_steps, note) if own else ():
             if contact.index in own:
                 is_last = contact.index == kept[-1].index
                 states.append(_heated(fitted, velocity, contact, is_last))

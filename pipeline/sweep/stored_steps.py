@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tribo import MeasuredLoad, Scene, Stages
-from tribo.loading import Station
+from tribo.loading import LoadStep
 
 Steps = Literal["course", "end"]
 """Steps that are stored: all of them ("course"), or those that verdicts use ("end")."""
@@ -32,23 +32,23 @@ class StoredSteps:
         """
         if isinstance(scene.loading, Stages):
             return frozenset()  # onset and end of each stage always have one
-        way = list(scene.all_stations(load))
+        way = list(scene.all_load_steps(load))
         holding = [step for step in way if step.holding]
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
             return frozenset(step.index for step in (way if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
-    def kept(self, scene: Scene, load: float, velocity: float | None = None) -> list[Station]:
+    def kept(self, scene: Scene, load: float, velocity: float | None = None) -> list[LoadStep]:
         """Stations of a point at a load [N] that are stored; the last is the point's end.
 
         Of a specimen in stages they are onset and end of each. `velocity` [m/s] tells the last of
         stages of velocity.
         """
         if isinstance(scene.loading, Stages):
-            return [one for one in scene.stations(load, (), velocity) if one.is_shown]
+            return [one for one in scene.load_steps(load, (), velocity) if one.is_shown]
         heated = self.heat_steps(scene, load)
-        steps = list(scene.stations(load, heated))
+        steps = list(scene.load_steps(load, heated))
         return [
             step
             for step in steps

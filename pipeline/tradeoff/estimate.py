@@ -20,8 +20,8 @@ from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count
 from tribo import Scene, Stages, State
-from tribo.simulation import Trunks, contacts, fit_elements, heat
-from tribo.simulation.trunks import MOST_BYTES
+from tribo.simulation import RampCache, contacts, fit_elements, heat
+from tribo.simulation.ramp_cache import MOST_BYTES
 
 _SECONDS_TO_START = 1.0  # to start a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # to schedule and write a point
@@ -127,8 +127,8 @@ class _TaskTimes:
         load, velocity, case = task.point
         scene = self.sweep.case(case).scene if self.is_of_tests else self.sweep.scene
         if (key := (scene, load, velocity)) not in self._steps:
-            stations = choose_stored_steps(self.sweep)
-            self._steps[key] = _count_steps(scene, stations, load, velocity)
+            stored_steps = choose_stored_steps(self.sweep)
+            self._steps[key] = _count_steps(scene, stored_steps, load, velocity)
         increments, own, shown = self._steps[key]
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
@@ -180,8 +180,8 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
     """
     moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
-    of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
-    ramps = (contacts(sweep.scene, load, velocity, trunks) for load in sweep.loads)
+    of_contacts, of_heat, ramp_cache = list[float](), list[float](), RampCache()
+    ramps = (contacts(sweep.scene, load, velocity, ramp_cache) for load in sweep.loads)
     began = time.process_time()
     for state in itertools.chain.from_iterable(ramps):
         if not state.pressure.any():
@@ -198,11 +198,11 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _count_steps(
-    scene: Scene, stations: StoredSteps, load: float, velocity: float
+    scene: Scene, stored_steps: StoredSteps, load: float, velocity: float
 ) -> tuple[int, int, int]:
     """Numbers of steps that higher loads share, of all others, and of those with a temperature."""
-    requested = stations.heat_steps(scene, load)
-    steps = list(scene.stations(load, requested, velocity))
+    requested = stored_steps.heat_steps(scene, load)
+    steps = list(scene.load_steps(load, requested, velocity))
     if isinstance(scene.loading, Stages):
         return len(steps), 0, sum(step.is_shown for step in steps)
     shared = sum(
@@ -214,16 +214,16 @@ def _count_steps(
         or (step.normal_load == load and not step.holding)
         for step in steps
     )
-    if stations.steps == "course" and steps[-1].on_trunk:
+    if stored_steps.steps == "course" and steps[-1].on_trunk:
         return len(steps), 0, 1  # the end is the last step that others share
     return shared, len(steps) - shared, shown
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
-    stations = choose_stored_steps(sweep)
+    stored_steps = choose_stored_steps(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    steps = max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)
+    steps = max(len(stored_steps.kept(sweep.scene, n)) for n in sweep.loads)
     fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]
     return 8.0 * numbers * steps + fields * field

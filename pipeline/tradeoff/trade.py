@@ -28,7 +28,7 @@ from pipeline.store.place import PathLike
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 ACCURACIES = 0.05, 0.03, 0.02
 """Errors that `irg trade` asks for, one after another."""
@@ -173,9 +173,11 @@ def seconds_of_point(sweep: Sweep, near: float) -> float:
 
 def seconds_of_loads(sweep: Sweep, near: float) -> float:
     """Processor time [s] of all loads at the velocity next to `near` [m/s], which share a ramp."""
-    case, trunks = sweep._on_first_surface[0], Trunks()
+    case, ramp_cache = sweep._on_first_surface[0], RampCache()
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - near))
     began = time.process_time()
     for load in sweep.loads:
-        run_point(case.scene, choose_stored_steps(sweep), Point(load, velocity, case.name), trunks)
+        run_point(
+            case.scene, choose_stored_steps(sweep), Point(load, velocity, case.name), ramp_cache
+        )
     return time.process_time() - began

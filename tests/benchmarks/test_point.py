@@ -9,7 +9,7 @@ from pipeline.sweep import plan
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time
 from tests.benchmarks.scene import SCENE
 from tests.helpers.points import run_point
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 
 @pytest.mark.benchmark(timer=time.process_time)
@@ -20,9 +20,9 @@ def test_chain_of_loads(benchmark, preset, velocity):
     chain = [point for point in plan.points(sweep) if point.velocity == velocity]
 
     def points():
-        trunks = Trunks()
+        ramp_cache = RampCache()
         for point in chain:
-            run_point(sweep, point, trunks)
+            run_point(sweep, point, ramp_cache)
 
     points()  # makes kernels and roughness before timing
     benchmark.pedantic(points, rounds=3)

@@ -25,7 +25,7 @@ from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 
 @pytest.fixture(scope="module")
@@ -106,10 +106,10 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
 def simulate(sweep, velocities, core):
     os.sched_setaffinity(0, {core})
     began = time.perf_counter()
-    trunks = Trunks()
+    ramp_cache = RampCache()
     for velocity in velocities:
         for load in sweep.loads:
-            run_point(sweep, Point(load, velocity), trunks)
+            run_point(sweep, Point(load, velocity), ramp_cache)
     return time.perf_counter() - began
 
 

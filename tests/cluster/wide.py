@@ -44,10 +44,10 @@ class Waiting:
         self._seconds, self._known, self._run_point = seconds, {}, work.run_point
         self._lock = threading.Lock()
 
-    def __call__(self, scene, stations, point, *_, **options):
+    def __call__(self, scene, stored_steps, point, *_, **options):
         with self._lock:
             if point.load not in self._known:
-                self._known[point.load] = self._run_point(scene, stations, point, **options)
+                self._known[point.load] = self._run_point(scene, stored_steps, point, **options)
         time.sleep(self._seconds)
         return replace(self._known[point.load], point=point, wall_time=self._seconds)
 

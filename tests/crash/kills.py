@@ -56,8 +56,8 @@ class _AsStored:
 
     def __call__(self, point):
         if self._expected is None:
-            stations = opened(self._path).sweep.stored_steps
-            self._expected = Expected(changed(self._sweep, stored_steps=stations))
+            stored_steps = opened(self._path).sweep.stored_steps
+            self._expected = Expected(changed(self._sweep, stored_steps=stored_steps))
         return self._expected(point)
 
 

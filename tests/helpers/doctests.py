@@ -57,14 +57,14 @@ def _compute(scene, path):
     from pipeline.store.create import writing
     from pipeline.sweep.plan import points, tasks
     from tests.helpers.points import run_point
-    from tribo.simulation import Trunks
+    from tribo.simulation import RampCache
 
     sweep = pipeline.load_scene(scene)
     records = []
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        trunks = Trunks()
+        ramp_cache = RampCache()
         for task in tasks(points(sweep), sweep):
-            results = [run_point(sweep, task.point, trunks)]
+            results = [run_point(sweep, task.point, ramp_cache)]
             records += [result.record(sweep.fields) for result in results]
         store.commit(records)
         compute_here(store)

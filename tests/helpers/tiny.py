@@ -65,10 +65,10 @@ class FaultyRamp(tribo.Ramp):
         values = self.rate, self.reference_load, self.hold, self.faulty_load
         return _remade, (type(self), *values)
 
-    def stations(self, normal_load, increments, hold_increments=0):
+    def load_steps(self, normal_load, increments, hold_increments=0):
         if normal_load == self.faulty_load and _on_a_worker():
             self.fault()
-        return tribo.Ramp.stations(self, normal_load, increments, hold_increments)
+        return tribo.Ramp.load_steps(self, normal_load, increments, hold_increments)
 
 
 class DeadlyRamp(FaultyRamp):
@@ -84,10 +84,10 @@ class DivergingRamp(FaultyRamp):
 class SlowRamp(FaultyRamp):
     """A ramp that takes 0.2 s at every load in workers, as a large scene does."""
 
-    def stations(self, normal_load, increments, hold_increments=0):
+    def load_steps(self, normal_load, increments, hold_increments=0):
         if _on_a_worker():
             time.sleep(0.2)
-        return tribo.Ramp.stations(self, normal_load, increments, hold_increments)
+        return tribo.Ramp.load_steps(self, normal_load, increments, hold_increments)
 
 
 class EndlessRamp(FaultyRamp):

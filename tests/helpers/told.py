@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.answers.specimen import SWEPT, merged
 from pipeline.run.search import Search
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 
 
 class Told:
@@ -48,7 +48,7 @@ class Told:
             is_highest,
             self._alone,
         )
-        limit = np.log(rise_limit(self.conditions))
+        limit = np.log(allowable_rise(self.conditions))
         first = y[0] + specimen.offset - limit
         return Search(specimen, limit, self.promised, first, self.asked, self.goal)
 

@@ -49,4 +49,4 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
     margin = asked(tmp_path / "a.zarr", LOAD, VELOCITY)
     point = run_point(sweep_of(LOADINGS[loading], motion), LOAD, VELOCITY)
     verdict = point.verdict(sweep.conditions)
-    assert margin.governing_temperature == pytest.approx(verdict.deciding_temperature, rel=1e-9)
+    assert margin.governing_temperature == pytest.approx(verdict.governing_temperature, rel=1e-9)

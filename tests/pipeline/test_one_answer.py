@@ -12,7 +12,7 @@ import pipeline
 from pipeline.answers.conditions import judged
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import sweep_of
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.asked import asked as ask
 from tests.helpers.sweeps import deciding_rise, with_fields
@@ -129,7 +129,7 @@ def planes(rises):
 def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, changes):
     ds, truth, crossings = judged_case(name, changes)
     conditions = conditions_of(ds, changes)
-    limit = rise_limit(conditions)
+    limit = allowable_rise(conditions)
     for axis, along in (("load", "velocity"), ("velocity", "load")):
         x, may_turn_back = ds[along].values, along == "velocity" and conditions.has_friction_curve
         partial, true = (
@@ -173,7 +173,7 @@ def test_margins_say_what_the_boundary_says(name, changes):
     ds, truth, crossings = judged_case(name, changes)
     conditions = conditions_of(ds, changes)
     true, done = (planes(deciding_rise(one, conditions)) for one in (truth, ds))
-    true, done = true > rise_limit(conditions), np.isfinite(done)
+    true, done = true > allowable_rise(conditions), np.isfinite(done)
     places = list(itertools.product(range(ds.sizes["load"]), range(ds.sizes["velocity"])))
     asked = [(i, j) for i, j in places[::21] if done[:, i, j].all()]
     loads, velocities = ds["load"].values, ds["velocity"].values

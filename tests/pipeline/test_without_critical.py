@@ -28,7 +28,7 @@ def store(tmp_path_factory):
 def test_temperatures_are_known_and_the_failed_share_is_not(store):
     ds = pipeline.temperatures(store)
     assert np.isfinite(ds["max_temperature"].values).any()
-    assert "failed_fraction" not in ds
+    assert "failed_area_fraction" not in ds
 
 
 def test_the_boundary_asks_for_it_by_its_key(store):
@@ -48,7 +48,7 @@ def test_a_point_has_its_temperature_and_no_verdict():
     sweep = tiny.sweep()
     result = run_point(sweep, 600.0, 1.5)
     judged, unjudged = result.verdict(KNOWN), result.verdict(UNKNOWN)
-    assert unjudged == replace(judged, is_severe=None, failed_fraction=None)
+    assert unjudged == replace(judged, is_severe=None, failed_area_fraction=None)
 
 
 def test_a_scene_file_may_leave_it_out(tmp_path, irg):

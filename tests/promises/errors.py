@@ -30,7 +30,7 @@ from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, TriboError, WarningKind
 from tribo.constants import SLOWEST
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 from tribo.simulation.severity import worst_rises
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -102,13 +102,13 @@ def rises(sweep, fidelity, loads, velocities):
         name: replace(sweep.conditions, critical_area_fraction=one)
         for name, one in CRITERIA.items()
     }
-    shape, stations = (len(loads), len(velocities)), choose_stored_steps(sweep)
+    shape, stored_steps = (len(loads), len(velocities)), choose_stored_steps(sweep)
     found = {name: np.full(shape, np.nan) for name in CRITERIA}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):
-        trunks = Trunks()
+        ramp_cache = RampCache()
         for row, load in enumerate(loads):
-            point = run_point(sweep.scene, stations, Point(load, velocity), trunks)
+            point = run_point(sweep.scene, stored_steps, Point(load, velocity), ramp_cache)
             for name, conditions in kinds.items():
                 found[name][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})

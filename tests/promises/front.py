@@ -27,7 +27,7 @@ from tests.promises.families import case_of, cases
 from tests.promises.truth import deciding_rises, known
 from tribo import PRESETS, TriboError, simulate, warnings
 from tribo.constants import SLOWEST
-from tribo.simulation import Trunks, forget_kernels
+from tribo.simulation import RampCache, forget_kernels
 
 PROMISED = "standard", "fine"
 NUMBERS = 16
@@ -78,7 +78,7 @@ def errors(case, fidelity):
     sweep = sweep.with_fidelity(dividing(sweep.scene, fidelity), None)
     forget_kernels()
     began = time.process_time()
-    ramps = [(one, Trunks()) for one in velocities]
+    ramps = [(one, RampCache()) for one in velocities]
     rises = np.array([list(deciding_rises(sweep, *ramp)) for ramp in ramps])
     seconds = time.process_time() - began
     exponents = np.gradient(np.log(true), np.log(velocities), axis=0)
@@ -94,10 +94,10 @@ def errors(case, fidelity):
     }
 
 
-def warned(sweep, velocity, trunks):
+def warned(sweep, velocity, ramp_cache):
     """Yield, for each load, True if the point carries a warning."""
     for load in sweep.loads:
-        *_, state = simulate(sweep.scene, load, velocity, trunks)
+        *_, state = simulate(sweep.scene, load, velocity, ramp_cache)
         yield bool(warnings(sweep.scene, state))
 
 

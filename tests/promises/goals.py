@@ -60,7 +60,7 @@ class Planes:
         presets = {name: sweep.with_fidelity(one, name) for name, one in names.items()}
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
         self._patches = {name: self._scenes(one) for name, one in presets.items()}
-        self._stations, self._path = choose_stored_steps(sweep), path
+        self._stored_steps, self._path = choose_stored_steps(sweep), path
         kept = json.loads(path.read_text()) if path.exists() else []
         self._found = {tuple(key): tuple(values) for key, values in kept}
 
@@ -80,7 +80,7 @@ class Planes:
         key = preset, patch, float(load), float(velocity)
         if key not in self._found:
             try:
-                found = run_point(self._patches[preset][patch], self._stations, Point(*key[2:]))
+                found = run_point(self._patches[preset][patch], self._stored_steps, Point(*key[2:]))
             except TriboError:
                 self._found[key] = np.nan, np.nan, 0, 0.0
                 return self._found[key]

@@ -24,7 +24,7 @@ def rise(duration, model):
     }
     sweep = pipeline.load_scene("first_try", "standard", own)
     verdict = pipeline.run_point(sweep, LOAD, VELOCITY).verdict(sweep.conditions)
-    return verdict.deciding_temperature - sweep.conditions.bulk_temperature
+    return verdict.governing_temperature - sweep.conditions.bulk_temperature
 
 
 def main():

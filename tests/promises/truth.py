@@ -17,17 +17,17 @@ import numpy as np
 
 from tests.promises.families import cases
 from tribo import TriboError, judge
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 TRUTH = Path(__file__).with_name("truth.json")
 
 
-def deciding_rises(sweep, velocity, trunks):
+def deciding_rises(sweep, velocity, ramp_cache):
     """Yield the deciding rise [K] at friction 1 at each load of a sweep, at one velocity."""
     conditions = sweep.conditions
     for load in sweep.loads:
-        verdict = judge(sweep.scene, load, velocity, conditions, trunks)
-        rise = verdict.deciding_temperature - verdict.bulk_temperature
+        verdict = judge(sweep.scene, load, velocity, conditions, ramp_cache)
+        rise = verdict.governing_temperature - verdict.bulk_temperature
         yield rise / conditions.friction
 
 
@@ -57,7 +57,7 @@ def compute(case, ends):
         if key in rises or time.monotonic() > ends:
             continue
         began = time.process_time()
-        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity, Trunks())]
+        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity, RampCache())]
         _write(case, rises)
         took = time.process_time() - began
         print(f"{case.name}, {velocity:g} m/s: {took:.0f} s", file=sys.stderr, flush=True)

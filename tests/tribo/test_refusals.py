@@ -32,7 +32,7 @@ from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.inverse import specific_wear_rate
 from tribo.numerics import Convolution
 from tribo.simulation import stages_of, start, state_rises, widen_window
-from tribo.simulation.verdict import rise_limit
+from tribo.simulation.verdict import allowable_rise
 from tribo.surface import self_affine
 from tribo.surface.areal import remove_form
 from tribo.surface.topography import block_average
@@ -147,12 +147,12 @@ REFUSALS = {
     "own wear": (lambda: wear_over(Law(), 0.0, 1.0, 1e9, 1.0), "it must be a tribo.Wear"),
     "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
-    "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
+    "no increments": (lambda: list(Ramp(1.0, 1.0).load_steps(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "stages that fall": (lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0), "do not rise from 2 to 1"),
     "stages without hold": (lambda: Stages((1.0, 2.0), (1.0,), 1.0), "2 loads, 0 velocities and 1"),
-    "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).stations(2.0, 4)), "give one of 1 N"),
-    "many stages": (lambda: list(Stages((1.0,), (1.0,), 1.0).stations(1.0, 100_000)), "over 1000"),
+    "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).load_steps(2.0, 4)), "give one of 1 N"),
+    "many stages": (lambda: [*Stages((1.0,), (1.0,), 1.0).load_steps(1.0, 100_000)], "over 1000"),
     "history of velocities": (lambda: scene(
         loading=Stages((1.0,), (1.0,), 1.0, (1.0,)), fidelity=Fidelity(heat_model="history"),
     ), "the velocity rises in stages"),
@@ -163,13 +163,13 @@ REFUSALS = {
     "a plane for a surface": (lambda: remove_form(np.ones((6, 5)), (1e-6, 1e-6)), "a plane"),
     "stage at an edge": (lambda: stages_of(scene(
         loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0), "touches the"),
-    "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
+    "steps": (lambda: list(Ramp(1.0, 1e-9).load_steps(600.0, 100)),
               "at most 10000 are allowed"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
     "columns": (lambda: MeasuredLoad([0.0, 1.0], [1.0]), "two columns of equal length"),
     "row": (lambda: MeasuredLoad([0.0, 0.0], [0.0, 1.0]), "row 1 (counted from 0): time 0 s"),
     "no rise": (lambda: MeasuredLoad([0.0, 1.0], [5.0, 5.0]), "begins at 5 N and reaches 5 N"),
-    "record load": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).stations(0.0, 9)),
+    "record load": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).load_steps(0.0, 9)),
                     "normal_load is 0.0"),
     # contact
     "load": (lambda: solved(normal_load=1.0), "the most at a hardness of 1e+09 Pa"),
@@ -216,18 +216,19 @@ REFUSALS = {
         for name in (field.name for field in fields(Track))
         if name != "disc"
     },
-    "unmodelled rise": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
-                                                 unmodelled_rise=-1.0), "unmodelled_rise is -1.0"),
+    "added rise": (lambda: tribo.Conditions(
+        friction=0.1, bulk_temperature=298.0, added_rise_fraction=-1.0
+    ), "added_rise_fraction is -1.0"),
     "friction of conditions": (lambda: tribo.Conditions(friction=-0.1, bulk_temperature=298.0),
                                "friction is -0.1"),
     "bulk of conditions": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=-1.0),
                            "bulk_temperature is -1.0 K"),
-    "rise of conditions": (lambda: tribo.Conditions(0.1, 298.0, unmodelled_rise=np.nan),
-                           "unmodelled_rise is nan; it must be one finite number"),
+    "rise of conditions": (lambda: tribo.Conditions(0.1, 298.0, added_rise_fraction=np.nan),
+                           "added_rise_fraction is nan; it must be one finite number"),
     "critical": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
                                           critical_temperature=290.0),
                  "critical_temperature is 290 K (16.85 °C); it must be above the bulk"),
-    "no limit": (lambda: rise_limit(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
+    "no limit": (lambda: allowable_rise(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
                  "critical_temperature is None"),
     "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),
     "motion": (lambda: Motion(slide_roll_ratio=INFINITE), "slide_roll_ratio is inf"),

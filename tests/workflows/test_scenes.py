@@ -12,7 +12,7 @@ PAPER = pipeline.load_scene(WORKFLOWS / "irg_transition.toml")
 MEASURED = {400.0: 2.25, 200.0: 3.75}  # Table 4: N, m/s
 
 
-def deciding_temperature(sweep, load, velocity):
+def governing_temperature(sweep, load, velocity):
     heat = pipeline.run_point(sweep, load, velocity).state.heat
     rise = heat.rise_quantile[QUANTILES.index(1 - sweep.conditions.critical_area_fraction)]
     return sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
@@ -22,8 +22,8 @@ def deciding_temperature(sweep, load, velocity):
 def test_predicted_critical_velocity_is_within_15_percent_of_the_measured_one(load):
     """At friction 0.1, wear is mild 15 % below the measured velocity and severe 15 % above."""
     critical = PAPER.conditions.critical_temperature
-    assert deciding_temperature(PAPER, load, 0.85 * MEASURED[load]) < critical
-    assert deciding_temperature(PAPER, load, 1.15 * MEASURED[load]) > critical
+    assert governing_temperature(PAPER, load, 0.85 * MEASURED[load]) < critical
+    assert governing_temperature(PAPER, load, 1.15 * MEASURED[load]) > critical
 
 
 def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
@@ -44,8 +44,8 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
 def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):
     scene = pipeline.load_scene(name)
     critical = scene.conditions.critical_temperature
-    assert deciding_temperature(scene, load, 0.85 * velocity) < critical
-    assert deciding_temperature(scene, load, 1.15 * velocity) > critical
+    assert governing_temperature(scene, load, 0.85 * velocity) < critical
+    assert governing_temperature(scene, load, 1.15 * velocity) > critical
     text = (WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8")
     marked = [line.split()[0] for line in text.splitlines() if "  # yours" in line]
     assert {"oil", "ra", "coefficient", "critical"} <= {*marked}

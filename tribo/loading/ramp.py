@@ -26,7 +26,7 @@ MOST_STEPS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Station:
+class LoadStep:
     """A time of the loading at which the contact is solved: the end of a step.
 
     Attributes
@@ -36,17 +36,17 @@ class Station:
     time : float
         Time since the loading began [s].
     on_trunk : bool
-        True if higher loads pass through this station too.
+        True if higher loads pass through this load step too.
     index : int
-        Number of steps from the unloaded state to this station.
+        Number of steps from the unloaded state to this load step.
     impulse : float
         Integral of the load over the time since the loading began, ∫F dt [N s].
     holding : bool
-        True if the load has been the same since the station before.
+        True if the load has been the same since the load step before.
     is_shown : bool
         True at the onset and at the end of a stage, whose temperatures are always computed.
     velocity : float or None
-        Sliding velocity since the station before [m/s]; None for that of the point.
+        Sliding velocity since the load step before [m/s]; None for that of the point.
     slid, worn : float or None
         Distance slid [m], and ∫F V dt [N m], since the loading began; None if they follow from the
         point's velocity.
@@ -55,7 +55,7 @@ class Station:
     --------
     >>> import tribo
     >>> ramp = tribo.Ramp(rate=150.0, reference_load=750.0)
-    >>> *_, last = ramp.stations(100.0, increments=10)
+    >>> *_, last = ramp.load_steps(100.0, increments=10)
     >>> last.normal_load, last.on_trunk
     (100.0, False)
     """
@@ -92,8 +92,8 @@ class Ramp:
     Examples
     --------
     >>> ramp = Ramp(rate=150.0, reference_load=750.0, hold=30.0)
-    >>> for station in ramp.stations(200.0, increments=5):
-    ...     print(f"{station.normal_load:g} N at {station.time:.4f} s")
+    >>> for load_step in ramp.load_steps(200.0, increments=5):
+    ...     print(f"{load_step.normal_load:g} N at {load_step.time:.4f} s")
     150 N at 1.0000 s
     200 N at 1.3333 s
     200 N at 5.1882 s
@@ -140,9 +140,9 @@ class Ramp:
         """
         return LEAST_SHARE_OF_INCREMENTS * self.increment(normal_load, increments=1)
 
-    def stations(
+    def load_steps(
         self, normal_load: float, increments: int, hold_increments: int = 0
-    ) -> Iterator[Station]:
+    ) -> Iterator[LoadStep]:
         """Times at which the contact is solved, with their loads: of the ramp, then of the hold.
 
         The ramp ends at `normal_load` [N], the load of the hold. `increments` is the number of
@@ -152,16 +152,16 @@ class Ramp:
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
-        for station in self._rise(normal_load, increments):
-            yield station  # `yield from` would not keep the last station
-        ends = self._hold_ends(station.time / 2, hold_increments or increments)
+        for load_step in self._rise(normal_load, increments):
+            yield load_step  # `yield from` would not keep the last load step
+        ends = self._hold_ends(load_step.time / 2, hold_increments or increments)
         for number, held in enumerate(ends, 1):
-            yield Station(
+            yield LoadStep(
                 normal_load,
-                station.time + held,
+                load_step.time + held,
                 on_trunk=False,
-                index=station.index + number,
-                impulse=station.impulse + normal_load * held,
+                index=load_step.index + number,
+                impulse=load_step.impulse + normal_load * held,
                 holding=True,
             )
 
@@ -176,22 +176,22 @@ class Ramp:
             yield before * math.expm1(grown * step / steps)
         yield self.hold
 
-    def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
+    def _rise(self, normal_load: float, increments: int) -> Iterator[LoadStep]:
         """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one there."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
-                yield self._station_at_load(normal_load, load == normal_load, index)
+                yield self._step_at_load(normal_load, load == normal_load, index)
                 return
-            yield self._station_at_load(load, True, index)
-        yield self._station_at_load(normal_load, False, last + 1)
+            yield self._step_at_load(load, True, index)
+        yield self._step_at_load(normal_load, False, last + 1)
 
-    def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
-        """Station at the time at which the growing load reaches `normal_load` [N]."""
+    def _step_at_load(self, normal_load: float, on_trunk: bool, index: int) -> LoadStep:
+        """LoadStep at the time at which the growing load reaches `normal_load` [N]."""
         time = normal_load / self.rate
-        return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
+        return LoadStep(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 
 
 def _whole_steps(load: float, step: float) -> int:

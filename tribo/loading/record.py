@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.constants import EVEN_STEPS, FITTED_SHARES, LOAD_NOISE
 from tribo.errors import InputError, require_positive
-from tribo.loading.ramp import Ramp, Station
+from tribo.loading.ramp import LoadStep, Ramp
 from tribo.types import Array
 
 _MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
@@ -50,8 +50,8 @@ class MeasuredLoad:
     Examples
     --------
     >>> record = MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 100.0]))
-    >>> for station in record.stations(50.0, increments=4):
-    ...     print(f"{station.normal_load:.1f} N at {station.time:.2f} s")
+    >>> for load_step in record.load_steps(50.0, increments=4):
+    ...     print(f"{load_step.normal_load:.1f} N at {load_step.time:.2f} s")
     17.7 N at 0.44 s
     35.4 N at 0.89 s
     44.3 N at 1.85 s
@@ -109,9 +109,9 @@ class MeasuredLoad:
         (t0, t1), (F0, F1) = self.times[row - 1 : row + 1], self.loads[row - 1 : row + 1]
         return float(t0 + (load - F0) / (F1 - F0) * (t1 - t0))
 
-    def stations(
+    def load_steps(
         self, normal_load: float, increments: int, hold_increments: int = 0
-    ) -> Iterator[Station]:
+    ) -> Iterator[LoadStep]:
         """Times at which the contact is solved, with their loads, up to `normal_load` [N].
 
         The loading is divided into `increments` steps; the times are the ends of these steps,
@@ -126,7 +126,7 @@ class MeasuredLoad:
         impulses = scale * self._impulses(begin + times)
         for index in range(increments):
             load, time, impulse = (float(of[index]) for of in (loads, times, impulses))
-            yield Station(load, time, on_trunk=False, index=index + 1, impulse=impulse)
+            yield LoadStep(load, time, on_trunk=False, index=index + 1, impulse=impulse)
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
@@ -204,7 +204,7 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
     return (*zip(times.tolist(), shares, strict=True), (end - begin, 1.0))
 
 
-@functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
+@functools.lru_cache(maxsize=4)  # a sweep asks for the load steps of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     """Share of all steps done at each reading, and its time [s]; None if steps are equal."""
     begin, end = float(record.times[0]), record.time_at(1.0)

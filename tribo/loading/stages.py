@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from tribo.constants import STEPS_OF_HOLD, STEPS_OF_LATER_RAMP
 from tribo.errors import InputError, require_integer, require_positive
-from tribo.loading.ramp import MOST_STEPS, Station
+from tribo.loading.ramp import MOST_STEPS, LoadStep
 
 _SAME = 1e-9  # relative rounding difference of one load
 
@@ -38,8 +38,8 @@ class Stages:
     Examples
     --------
     >>> stages = Stages(loads=(100.0, 200.0), holds=(60.0, 60.0), rate=150.0)
-    >>> for station in stages.stations(200.0, increments=2):
-    ...     print(f"{station.normal_load:.0f} N at {station.time:.1f} s")
+    >>> for load_step in stages.load_steps(200.0, increments=2):
+    ...     print(f"{load_step.normal_load:.0f} N at {load_step.time:.1f} s")
     50 N at 0.3 s
     100 N at 0.7 s
     100 N at 4.8 s
@@ -122,7 +122,7 @@ class Stages:
         >>> Stages(loads=(100.0, 200.0), holds=(60.0, 30.0), rate=100.0).course
         ((0.0, 0.0), (1.0, 0.5), (61.0, 0.5), (62.0, 1.0), (92.0, 1.0))
         """
-        ends = self.stations(self.loads[-1], 1)
+        ends = self.load_steps(self.loads[-1], 1)
         shown = [(one.time, one.normal_load / self.loads[-1]) for one in ends if one.is_shown]
         return ((0.0, 0.0), *dict.fromkeys(shown))
 
@@ -145,9 +145,9 @@ class Stages:
         velocities = self.velocities or (None,) * number
         return [*zip(loads, self.holds, velocities, strict=True)][:count]
 
-    def stations(
+    def load_steps(
         self, normal_load: float, increments: int, velocity: float | None = None
-    ) -> Iterator[Station]:
+    ) -> Iterator[LoadStep]:
         """Times at which the contact is solved, up to the end of the stage at `normal_load` [N].
 
         With stages of velocity it is the end of the stage at `velocity` [m/s]. The first ramp has
@@ -158,21 +158,21 @@ class Stages:
         count = self.count(normal_load, velocity)
         if increments + count * (STEPS_OF_LATER_RAMP + STEPS_OF_HOLD) > MOST_STEPS:
             raise InputError(f"{count} stages take over {MOST_STEPS} steps; give fewer")
-        station = Station(0.0, 0.0, True, 0, 0.0)
+        load_step = LoadStep(0.0, 0.0, True, 0, 0.0)
         for number, (load, hold, own) in enumerate(self._levels(count)):
             steps = STEPS_OF_LATER_RAMP if number else increments
-            shares = [1.0] if load == station.normal_load else _shares(steps)
-            for loaded in self._ramp(station, load, shares, own):
-                station = loaded
-                yield station
-            for held in _hold(station, hold):
-                station = held
-                yield station
+            shares = [1.0] if load == load_step.normal_load else _shares(steps)
+            for loaded in self._ramp(load_step, load, shares, own):
+                load_step = loaded
+                yield load_step
+            for held in _hold(load_step, hold):
+                load_step = held
+                yield load_step
 
     def _ramp(
-        self, begin: Station, load: float, shares: list[float], velocity: float | None
-    ) -> Iterator[Station]:
-        """Steps from a station to the onset of the next stage, at `load` [N]."""
+        self, begin: LoadStep, load: float, shares: list[float], velocity: float | None
+    ) -> Iterator[LoadStep]:
+        """Steps from a load step to the onset of the next stage, at `load` [N]."""
         change = load - begin.normal_load
         for number, share in enumerate(shares, 1):
             now, duration = begin.normal_load + share * change, share * change / self.rate
@@ -185,7 +185,7 @@ def _shares(steps: int) -> list[float]:
     return [number / steps for number in range(1, steps + 1)]
 
 
-def _hold(begin: Station, hold: float) -> Iterator[Station]:
+def _hold(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
     """Steps of a hold from the onset of its stage."""
     speed = begin.velocity or 1.0
     before = begin.impulse if begin.worn is None else begin.worn / speed
@@ -197,22 +197,22 @@ def _hold(begin: Station, hold: float) -> Iterator[Station]:
 
 
 def _after(
-    begin: Station,
+    begin: LoadStep,
     number: int,
     load: float,
     duration: float,
     velocity: float | None,
     is_shown: bool,
     holding: bool,
-) -> Station:
-    """Station `number` steps after another one, `duration` [s] later, at `load` [N]."""
+) -> LoadStep:
+    """LoadStep `number` steps after another one, `duration` [s] later, at `load` [N]."""
     impulse = (begin.normal_load + load) / 2 * duration
     own: dict[str, float] = {}
     if velocity is not None:
         own["velocity"] = velocity
         own["slid"] = (begin.slid or 0.0) + velocity * duration
         own["worn"] = (begin.worn or 0.0) + velocity * impulse
-    return Station(
+    return LoadStep(
         load,
         begin.time + duration,
         True,

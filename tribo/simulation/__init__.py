@@ -30,12 +30,12 @@ from tribo.simulation.point import stages_of as stages_of
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
 from tribo.simulation.point_warnings import warnings as warnings
+from tribo.simulation.ramp_cache import Note as Note
+from tribo.simulation.ramp_cache import RampCache as RampCache
 from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.stage_window import widen_window as widen_window
 from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State
 from tribo.simulation.step_measures import measures as measures
 from tribo.simulation.temperature import heat as heat
-from tribo.simulation.trunks import Note as Note
-from tribo.simulation.trunks import Trunks as Trunks
 from tribo.simulation.verdict import Verdict as Verdict

@@ -1,6 +1,6 @@
 """Caches of simulations: maps, surfaces, kernels and contacts, kept for later points.
 
-Points of a diagram share nothing but these values and the ramps of `tribo.simulation.trunks`. A
+Points of a diagram share nothing but these values and the ramps of `tribo.simulation.ramp_cache`. A
 cached value does not change once it is made, and threads may use it at the same time. A thread
 waits while another thread computes a value of the same cache.
 """

@@ -15,7 +15,7 @@ from tribo.thermal import QUANTILES, require_share, rise_exceeded
 from tribo.types import Array
 
 _NUMBERS = (
-    "friction", "bulk_temperature", "critical_temperature", "unmodelled_rise",
+    "friction", "bulk_temperature", "critical_temperature", "added_rise_fraction",
     "critical_area_fraction",
 )  # fmt: skip
 
@@ -32,7 +32,7 @@ class Conditions:
         Temperature of both bodies far from the contact [K].
     critical_temperature : float or None
         Temperature above which the lubricant fails [K]; None if it is not known.
-    unmodelled_rise : float
+    added_rise_fraction : float
         Rise that acts beside the model, as a part of the rise by friction that is computed: 0.06
         multiplies it by 1.06. It is above -1.
     corrections : Corrections or None
@@ -57,7 +57,7 @@ class Conditions:
     friction: float
     bulk_temperature: float
     critical_temperature: float | None = None
-    unmodelled_rise: float = field(default=0.0, kw_only=True)
+    added_rise_fraction: float = field(default=0.0, kw_only=True)
     corrections: Corrections | None = field(default=None, kw_only=True)
     critical_area_fraction: float = field(default=0.1, kw_only=True)
 
@@ -77,15 +77,16 @@ class Conditions:
                 f"critical_temperature is {critical:g} K ({critical - 273.15:.4g} °C); it must be "
                 f"above the bulk temperature, {bulk:g} K ({bulk - 273.15:.4g} °C)"
             )
-        if self.unmodelled_rise <= -1:
+        if self.added_rise_fraction <= -1:
             raise InputError(
-                f"unmodelled_rise is {self.unmodelled_rise!r}; give a share above -1, such as 0.06"
+                f"added_rise_fraction is {self.added_rise_fraction!r}; give a fraction above -1, "
+                "such as 0.06"
             )
 
     @property
     def rise_factor(self) -> float:
-        """Factor by which a rise per unit friction is multiplied: µ (1 + `unmodelled_rise`)."""
-        return self.friction * (1 + self.unmodelled_rise)
+        """Factor by which a rise per unit friction is multiplied: µ (1 + `added_rise_fraction`)."""
+        return self.friction * (1 + self.added_rise_fraction)
 
     @property
     def friction_law(self) -> Friction:

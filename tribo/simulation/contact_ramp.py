@@ -21,7 +21,7 @@ from functools import partial
 import numpy as np
 
 from tribo.errors import InputError, TriboError, require_positive
-from tribo.loading import Stages, Station
+from tribo.loading import LoadStep, Stages
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
@@ -30,9 +30,9 @@ from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, start
 from tribo.simulation.parts_of_steps import parts_of
 from tribo.simulation.passing import position_means
+from tribo.simulation.ramp_cache import Note, RampCache
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.trunks import Note, Trunks
 
 
 def mechanics(scene: Scene) -> Scene:
@@ -56,8 +56,8 @@ def mechanics(scene: Scene) -> Scene:
 
 
 def contact_key(scene: Scene, load: float, velocity: float, requested: Container[int]) -> Hashable:
-    """What the contacts of a point depend on, and the stations at which they are asked for."""
-    asked = [one.index for one in scene.all_stations(load, velocity) if one.index in requested]
+    """What the contacts of a point depend on, and the load steps at which they are asked for."""
+    asked = [one.index for one in scene.all_load_steps(load, velocity) if one.index in requested]
     return mechanics(scene), velocity, load, *asked
 
 
@@ -76,7 +76,7 @@ def contacts(
     scene: Scene,
     normal_load: float,
     velocity: float,
-    trunks: Trunks | None = None,
+    ramp_cache: RampCache | None = None,
     requested: Container[int] = (),
     note: Note | None = None,
 ) -> Iterator[State]:
@@ -91,11 +91,11 @@ def contacts(
         System to simulate.
     normal_load, velocity : float
         Load on the whole pin at the end [N], and sliding velocity [m/s].
-    trunks : Trunks, optional
+    ramp_cache : RampCache, optional
         Cache of the ramps of other points. Steps found there are not repeated, and new steps below
         `normal_load` are added to it.
     requested : container of int, optional
-        Indices of further steps, `Station.index`, whose states shall have `State.is_requested`.
+        Indices of further steps, `LoadStep.index`, whose states shall have `State.is_requested`.
     note : Note, optional
         Value to record after each increment of the ramp below `normal_load`, on the finest grid.
         The last states with `State.is_requested` have the recorded values as `State.course`.
@@ -103,8 +103,8 @@ def contacts(
     Yields
     ------
     State
-        State after every step that `trunks` did not have yet. Without wear and with the heat model
-        "elapsed", only the states with `State.is_requested`.
+        State after every step that `ramp_cache` did not have yet. Without wear and with the heat
+        model "elapsed", only the states with `State.is_requested`.
 
     Raises
     ------
@@ -112,20 +112,20 @@ def contacts(
         If load or velocity is not allowed, or a contact does not reach its tolerance.
     """
     _check(scene, normal_load, velocity)
-    trunks = Trunks() if trunks is None else trunks
+    ramp_cache = RampCache() if ramp_cache is None else ramp_cache
     scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
-    stations = list(scene.stations(normal_load, requested, velocity))
+    load_steps = list(scene.load_steps(normal_load, requested, velocity))
     if not scene.remembers_steps:
-        for station in stations:
-            yield _independent_state(levels, normal_load, velocity, station)
+        for load_step in load_steps:
+            yield _independent_state(levels, normal_load, velocity, load_step)
         return
     has_stages = isinstance(scene.loading, Stages)
     on_finest = range(MOST_STEPS + 1) if note and not has_stages else requested
     advanced = partial(_advance, levels, velocity, on_finest)
     key = mechanics(scene), *ramp_key(scene, normal_load, velocity), on_finest is requested
-    if has_stages or (note and stations[-1].on_trunk):
-        last = yield from _to_shared_end(trunks, key, start(scene), stations, advanced, note)
+    if has_stages or (note and load_steps[-1].on_trunk):
+        last = yield from _to_shared_end(ramp_cache, key, start(scene), load_steps, advanced, note)
         if last.is_requested or not last.pressure.any():
             yield last
             return
@@ -134,39 +134,39 @@ def contacts(
             lambda one: (
                 one.on_trunk and one.normal_load < normal_load and one.index not in requested
             ),
-            stations,
+            load_steps,
         )
     )
-    memo = trunks.last(contact_key(scene, normal_load, velocity, requested))
-    new = trunks.reach(key, start(scene), shared, advanced, note)
+    memo = ramp_cache.last(contact_key(scene, normal_load, velocity, requested))
+    new = ramp_cache.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
     state = state.history or state
     if "ends" in memo:  # solved for a scene that differs in heat alone
         yield from (replace(one, course=course) for one in memo["ends"])
         return
     ends = list[State]()
-    for one in _ends(levels, state, stations[len(shared) :], normal_load, velocity, requested):
+    for one in _ends(levels, state, load_steps[len(shared) :], normal_load, velocity, requested):
         if one.is_requested:
             ends.append(one)
         yield replace(one, course=course) if one.is_requested else one
-    if trunks.has_room_for(ends):
+    if ramp_cache.has_room_for(ends):
         memo["ends"] = ends
 
 
 def _to_shared_end(
-    trunks: Trunks,
+    ramp_cache: RampCache,
     key: Hashable,
     begin: State,
-    stations: Sequence[Station],
-    advance: Callable[[State, Station], State],
+    load_steps: Sequence[LoadStep],
+    advance: Callable[[State, LoadStep], State],
     note: Note | None,
 ) -> Generator[State, None, State]:
-    """Yield the states that `trunks` did not have yet; return the last one.
+    """Yield the states that `ramp_cache` did not have yet; return the last one.
 
     Higher loads continue from the last one: that of a stage, or of a ramp where it ends a step.
     """
-    yield from trunks.reach(key, begin, stations[:-1], advance, note)
-    rest = trunks.reach(key, begin, stations, advance, note)
+    yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, note)
+    rest = ramp_cache.reach(key, begin, load_steps, advance, note)
     while True:
         try:
             next(rest)
@@ -180,17 +180,17 @@ def _advance(
     velocity: float,
     requested: Container[int],
     before: State,
-    station: Station,
+    load_step: LoadStep,
 ) -> State:
     """Compute a step that loads share: on the coarsest grid, and where asked for on the finest."""
-    velocity = velocity if station.velocity is None else station.velocity
-    begin, after = _last_part(levels, velocity, before.history or before, station)
-    if not (station.is_shown or station.index in requested):
+    velocity = velocity if load_step.velocity is None else load_step.velocity
+    begin, after = _last_part(levels, velocity, before.history or before, load_step)
+    if not (load_step.is_shown or load_step.index in requested):
         return after
     try:
-        shown = _solve_requested(levels, begin, after, station, velocity)
+        shown = _solve_requested(levels, begin, after, load_step, velocity)
     except TriboError:
-        if station.is_shown:
+        if load_step.is_shown:
             raise
         return after  # the ramp goes on, and the ends of points do not need this contact
     if shown.history is None:
@@ -202,22 +202,22 @@ def _advance(
 def _ends(
     levels: tuple[Scene, ...],
     state: State,
-    stations: Sequence[Station],
+    load_steps: Sequence[LoadStep],
     normal_load: float,
     velocity: float,
     requested: Container[int],
 ) -> Iterator[State]:
-    """Yield the states at a point's last stations, after `state`, which no other load shares."""
+    """Yield the states at a point's last load steps, after `state`, which no other load shares."""
     scene, is_worn, reached = levels[0], velocity != 0, None
-    for station in stations:
-        if station.holding and reached and not (is_worn or scene.remembers_heat):
-            is_requested = station is stations[-1] or station.index in requested
-            yield replace(_later_state(reached, station, velocity), is_requested=is_requested)
+    for load_step in load_steps:
+        if load_step.holding and reached and not (is_worn or scene.remembers_heat):
+            is_requested = load_step is load_steps[-1] or load_step.index in requested
+            yield replace(_later_state(reached, load_step, velocity), is_requested=is_requested)
             continue
-        before, state = _last_part(levels, velocity, state, station)
-        is_reached = station.normal_load == normal_load and not station.holding
-        if station is stations[-1] or is_reached or station.index in requested:
-            finished = _solve_requested(levels, before, state, station, velocity)
+        before, state = _last_part(levels, velocity, state, load_step)
+        is_reached = load_step.normal_load == normal_load and not load_step.holding
+        if load_step is load_steps[-1] or is_reached or load_step.index in requested:
+            finished = _solve_requested(levels, before, state, load_step, velocity)
             reached = finished if is_reached else reached
             yield finished
         else:
@@ -237,11 +237,11 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _last_part(
-    levels: tuple[Scene, ...], velocity: float, before: State, station: Station
+    levels: tuple[Scene, ...], velocity: float, before: State, load_step: LoadStep
 ) -> tuple[State, State]:
-    """States before and after the last part of a step to `station`, on the coarsest grid."""
+    """States before and after the last part of a step to `load_step`, on the coarsest grid."""
     scene, after, iterations = levels[0], before, 0
-    for part in parts_of(scene, before, station, velocity):
+    for part in parts_of(scene, before, load_step, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
         if scene.remembers_heat:
             # The heat of every step acts later, so that each step needs its pressure at its end.
@@ -254,13 +254,13 @@ def _solve_requested(
     levels: tuple[Scene, ...],
     before: State,
     after: State,
-    station: Station,
+    load_step: LoadStep,
     velocity: float,
 ) -> State:
     """Repeat a step on the finest grid, so that the state at its end can get a temperature."""
     if not after.pressure.any():
         return after
-    finest = refine_step(levels, before, after, station, velocity)
+    finest = refine_step(levels, before, after, load_step, velocity)
     finished = position_means(levels[-1], before, finest, velocity)
     return replace(finished, is_requested=True)
 
@@ -269,30 +269,30 @@ def _independent_state(
     levels: tuple[Scene, ...],
     normal_load: float,
     velocity: float,
-    station: Station,
+    load_step: LoadStep,
 ) -> State:
-    """State at `station` on the way to `normal_load` [N], where no earlier step matters."""
+    """State at `load_step` on the way to `normal_load` [N], where no earlier step matters."""
     scene = levels[-1]
 
     def compute() -> State:
-        # From the start at each station: not even a first guess may depend on steps, or results
-        # would depend on the stations at which a temperature is requested.
-        ends = _last_part(levels, velocity, start(scene), station)
-        return _solve_requested(levels, *ends, station, velocity)
+        # From the start at each load step: not even a first guess may depend on steps, or results
+        # would depend on the load steps at which a temperature is requested.
+        ends = _last_part(levels, velocity, start(scene), load_step)
+        return _solve_requested(levels, *ends, load_step, velocity)
 
     # The contact under a load does not depend on when the load is reached.
-    contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
-    return _later_state(contact, station, velocity)
+    contact = unworn_contact((mechanics(scene), load_step.normal_load, normal_load), compute)
+    return _later_state(contact, load_step, velocity)
 
 
-def _later_state(contact: State, station: Station, velocity: float) -> State:
-    """The state `contact`, of equal load and without wear, at the time of a `station`."""
+def _later_state(contact: State, load_step: LoadStep, velocity: float) -> State:
+    """The state `contact`, of equal load and without wear, at the time of a `load_step`."""
     return replace(
         contact,
-        time=station.time,
-        impulse=station.impulse,
-        index=station.index,
-        on_trunk=station.on_trunk,
-        velocity=station.velocity,
-        sliding_distance=station.distance(velocity),
+        time=load_step.time,
+        impulse=load_step.impulse,
+        index=load_step.index,
+        on_trunk=load_step.on_trunk,
+        velocity=load_step.velocity,
+        sliding_distance=load_step.distance(velocity),
     )

@@ -27,7 +27,7 @@ from tribo.constants import (
     PIXELS_OF_POSITIONS,
     SHIFT,
 )
-from tribo.loading import MeasuredLoad, Stages, Station
+from tribo.loading import LoadStep, MeasuredLoad, Stages
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.scene import Scene
@@ -87,23 +87,23 @@ def _part_factor(scene: Scene) -> int:
 def passes(
     scene: Scene,
     state: State,
-    station: Station,
+    load_step: LoadStep,
     wear: Wear | None,
     distance: float,
     observed: bool,
     scheme: WearScheme | None = None,
 ) -> Iterator[Pass]:
-    """Yield the contacts to solve in the step from `state` to `station`, in order.
+    """Yield the contacts to solve in the step from `state` to `load_step`, in order.
 
     The pin wears by `wear` over the `distance` slid in the step [m]. `scheme` integrates the wear;
     by default it is the fidelity's. If `observed`, the disk is unshifted in the last contact.
     """
     if not wear or not distance:
-        yield Pass(Stage(station.normal_load, 0.0, 0.0))
+        yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
         return
     runge_kutta = WEAR_SCHEMES[scheme or scene.fidelity.wear_scheme]
-    loads = state.normal_load, station.normal_load
-    mean_load = max(0.0, (station.impulse - state.impulse) / (station.time - state.time))
+    loads = state.normal_load, load_step.normal_load
+    mean_load = max(0.0, (load_step.impulse - state.impulse) / (load_step.time - state.time))
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
@@ -115,12 +115,12 @@ def passes(
         begin, end = float(ends[part]), float(ends[part + 1])
         mean = count * mean_load * (begin + end) / 2 / length if length else mean_load
         stages = list(runge_kutta.stages((begin, end), mean, distance / count))
-        for place, stage in enumerate(stages, len(stages) * (most * station.index + part)):
+        for place, stage in enumerate(stages, len(stages) * (most * load_step.index + part)):
             yield Pass(stage, _position(scene, place))
     # Pressure and temperature are evaluated where the disk has worn nothing yet: any other position
     # has left the imprint of its waves, which would make the contact rougher and too hot.
     if observed:
-        yield Pass(Stage(station.normal_load, 0.0, 0.0))
+        yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
 
 
 def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:

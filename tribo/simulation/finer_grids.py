@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.simulation.disk_positions import Pass, passes
 from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, solve_pass
@@ -18,12 +18,12 @@ from tribo.wear import Stage
 
 
 def refine_step(
-    levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
+    levels: tuple[Scene, ...], before: State, after: State, load_step: LoadStep, velocity: float
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
-    `levels` has the scene on each grid, coarsest first, and `station` is the end of the step. Each
-    grid starts from the result on the grid before, so that it solves the contact only once.
+    `levels` has the scene on each grid, coarsest first, and `load_step` is the end of the step.
+    Each grid starts from the result on the grid before, so that it solves the contact only once.
 
     If heat of earlier steps counts, `after` is returned. If the wear is a mean over positions of
     the disk, `after` keeps its wear, and only its contact is solved on the finest grid.
@@ -33,8 +33,8 @@ def refine_step(
         return after
     if finest.sweeps_over and len(levels) > 1:
         return _solve_on_finest(finest, after)
-    state = end_implicitly(levels[0], before, after, station, velocity)
-    wear_depth = _rewind(levels[0], before, state, station, velocity)
+    state = end_implicitly(levels[0], before, after, load_step, velocity)
+    wear_depth = _rewind(levels[0], before, state, load_step, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
         pressure = _prolong(state.pressure, shape)
@@ -44,16 +44,18 @@ def refine_step(
             wear_depth=_interpolate(wear_depth, shape),
             displacement=None,
         )
-        finer = advance(scene, on_grid, station, velocity, pressure, scheme="implicit")
+        finer = advance(scene, on_grid, load_step, velocity, pressure, scheme="implicit")
         state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
     return state
 
 
-def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
+def _rewind(
+    scene: Scene, before: State, after: State, load_step: LoadStep, velocity: float
+) -> Array:
     """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`."""
     distance = abs(velocity) * (after.time - before.time)
     wear = wear_of_step(scene, before, distance, velocity)
-    stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
+    stage = next(passes(scene, before, load_step, wear, distance, True, "implicit")).stage
     if wear is None or stage.normal_load != after.normal_load:  # a load that falls to zero
         return before.wear_depth
     return after.wear_depth - wear.depth(after.pressure, stage.distance)

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.constants import IMPLICIT_END, NEW_LOAD, RIM_PRESSURE
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.simulation.loading_step import advance
 from tribo.simulation.parts_of_steps import between
 from tribo.simulation.scene import Scene
@@ -21,18 +21,18 @@ from tribo.wear import WEAR_SCHEMES
 
 
 def end_implicitly(
-    scene: Scene, before: State, after: State, station: Station, velocity: float
+    scene: Scene, before: State, after: State, load_step: LoadStep, velocity: float
 ) -> State:
     """Repeat a step, its last sixth by the implicit wear scheme, if much new area touches.
 
-    The step leads from the state `before` to the state `after`, at `station`, on one grid. Returns
-    the new state at the station, or `after` if nothing was repeated.
+    The step leads from the state `before` to the state `after`, at `load_step`, on one grid.
+    Returns the new state at the load step, or `after` if nothing was repeated.
     """
     if not _comes_into_contact(scene, before, after, velocity):
         return after
     near = after.pressure
-    middle = advance(scene, before, between(before, station, 1 - IMPLICIT_END), velocity, near)
-    end = advance(scene, middle, station, velocity, near, scheme="implicit")
+    middle = advance(scene, before, between(before, load_step, 1 - IMPLICIT_END), velocity, near)
+    end = advance(scene, middle, load_step, velocity, near, scheme="implicit")
     states = (after, middle, end)
     return replace(
         end,

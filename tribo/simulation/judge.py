@@ -10,9 +10,9 @@ from tribo.errors import InputError
 from tribo.loading import Ramp, Stages
 from tribo.simulation.conditions import Conditions
 from tribo.simulation.point import simulate, stages_of
+from tribo.simulation.ramp_cache import RampCache
 from tribo.simulation.scene import Scene
 from tribo.simulation.step_measures import measures
-from tribo.simulation.trunks import Trunks
 from tribo.simulation.verdict import Verdict, verdict
 
 
@@ -22,7 +22,7 @@ def judge(
     load: float,
     velocity: float,
     conditions: Conditions,
-    trunks: Trunks | None = None,
+    ramp_cache: RampCache | None = None,
 ) -> Verdict:
     """Simulate one point, and judge its wear.
 
@@ -35,7 +35,7 @@ def judge(
     conditions : Conditions
         Friction and temperatures. The motion and the loading in their `corrections` are
         replaced by those of the scene.
-    trunks : Trunks, optional
+    ramp_cache : RampCache, optional
         Cached ramps of other points. Their steps are not repeated, and new ones are added.
 
     Returns
@@ -62,20 +62,20 @@ def judge(
     ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
     >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
     >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
-    >>> found.is_severe, f"{found.deciding_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
+    >>> found.is_severe, f"{found.governing_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
     conditions = conditions.under(scene.loading)
     if parts := conditions.corrections:
         conditions = replace(conditions, corrections=replace(parts, motion=scene.motion))
     if isinstance(scene.loading, Stages):
-        states, least = stages_of(scene, load, velocity, trunks), 0.0
+        states, least = stages_of(scene, load, velocity, ramp_cache), 0.0
     else:
         requested: list[int] = []
         if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
-            stations = scene.all_stations(load)
-            requested = [station.index for station in stations if station.holding]
-        states, least = list(simulate(scene, load, velocity, trunks, requested)), load
+            load_steps = scene.all_load_steps(load)
+            requested = [load_step.index for load_step in load_steps if load_step.holding]
+        states, least = list(simulate(scene, load, velocity, ramp_cache, requested)), load
     states = [one for one in states if one.heat is not None and one.normal_load >= least]
     if not states:
         raise InputError(f"load is {load:g} N, at which nothing is in contact")

@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.constants import FARTHEST_STEP
 from tribo.contact import ContactSolution, solve_contact
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, guard_range
@@ -50,13 +50,13 @@ def start(scene: Scene) -> State:
 def advance(
     scene: Scene,
     state: State,
-    station: Station,
+    load_step: LoadStep,
     velocity: float,
     guess: Array | None = None,
     observed: bool = True,
     scheme: WearScheme | None = None,
 ) -> State:
-    """Advance load and sliding to `station`; the pin wears meanwhile.
+    """Advance load and sliding to `load_step`; the pin wears meanwhile.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def advance(
         System to simulate.
     state : State
         State at an earlier time.
-    station : Station
+    load step : LoadStep
         Time and load at the end of the step.
     velocity : float
         Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
@@ -80,22 +80,22 @@ def advance(
     Returns
     -------
     State
-        State at the station. It has a temperature only if temperatures depend on the heat of
+        State at the load step. It has a temperature only if temperatures depend on the heat of
         earlier steps.
 
     Examples
     --------
     >>> import tribo
-    >>> first = next(iter(scene.stations(10.0)))
+    >>> first = next(iter(scene.load_steps(10.0)))
     >>> advance(scene, start(scene), first, velocity=0.065).normal_load
     10.0
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
-    velocity = velocity if station.velocity is None else station.velocity
-    distance = abs(velocity) * (station.time - state.time)
+    velocity = velocity if load_step.velocity is None else load_step.velocity
+    distance = abs(velocity) * (load_step.time - state.time)
     wear = wear_of_step(scene, state, distance, velocity)
     passed = state.pressure if guess is None else guess
-    for contact_pass in passes(scene, state, station, wear, distance, observed, scheme):
+    for contact_pass in passes(scene, state, load_step, wear, distance, observed, scheme):
         # At the disk's own position the last two states give the best guess; elsewhere, the contact
         # that has just passed does.
         extrapolated = (guess is None and contact_pass.shift is None) or not passed.any()
@@ -107,19 +107,19 @@ def advance(
         passed = contact.pressure
     if wear:
         area = _element_area(scene) * scene.windows_worn(velocity)
-        volume = _worn_volume(scene, wear, state, station, velocity, area)
+        volume = _worn_volume(scene, wear, state, load_step, velocity, area)
         check_wear(state.wear_depth, wear_depth, area, volume)
     advanced = State(
         pressure=contact.pressure,
         wear_depth=wear_depth,
-        normal_load=station.normal_load,
-        time=station.time,
+        normal_load=load_step.normal_load,
+        time=load_step.time,
         # Not the sum of the steps, whose last bits would depend on which steps led here.
-        sliding_distance=station.distance(velocity),
-        velocity=station.velocity,
-        impulse=station.impulse,
-        on_trunk=station.on_trunk,
-        index=station.index,
+        sliding_distance=load_step.distance(velocity),
+        velocity=load_step.velocity,
+        impulse=load_step.impulse,
+        on_trunk=load_step.on_trunk,
+        index=load_step.index,
         iterations=iterations,
         residual=residual,
         previous_pressure=state.pressure,
@@ -133,14 +133,19 @@ def advance(
 
 
 def _worn_volume(
-    scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
+    scene: Scene,
+    wear: Wear,
+    state: State,
+    load_step: LoadStep,
+    velocity: float,
+    element_area: float,
 ) -> float:
-    """Volume that the whole pin has lost from the start to `station`, the end of a step [m³]."""
+    """Volume that the whole pin has lost from the start to `load_step`, the end of a step [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law or station.velocity is not None:  # the rate is that of this step alone
+    if scene.wears_by_law or load_step.velocity is not None:  # the rate is that of this step alone
         before = float(state.wear_depth.sum()) * element_area
-        return before + rate * (station.impulse - state.impulse)
-    return rate * station.impulse
+        return before + rate * (load_step.impulse - state.impulse)
+    return rate * load_step.impulse
 
 
 def solve_pass(

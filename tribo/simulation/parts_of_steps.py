@@ -14,27 +14,29 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from tribo.constants import ENOUGH_STEPS, MOST_PARTS_OF_STEP
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.simulation.disk_positions import imprint_of
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_wear import wear_of_step
 
 
-def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
+def parts_of(
+    scene: Scene, before: State, load_step: LoadStep, velocity: float
+) -> Iterator[LoadStep]:
     """Cut a step into parts of equal duration; yield time and load at the end of each part.
 
-    The step leads from the state `before` to `station`, which is yielded last. The step has so many
-    parts that in each the roughness wears only a shallow imprint into the pin, but at most 4, and
-    only one with 25 steps or more. A dense contact has more parts, see
+    The step leads from the state `before` to `load_step`, which is yielded last. The step has so
+    many parts that in each the roughness wears only a shallow imprint into the pin, but at most 4,
+    and only one with 25 steps or more. A dense contact has more parts, see
     `tribo.simulation.element_size`.
     """
-    distance = abs(velocity) * (station.time - before.time)
-    count = 1 if station.holding or not scene.remembers_steps else scene.fidelity.parts
+    distance = abs(velocity) * (load_step.time - before.time)
+    count = 1 if load_step.holding or not scene.remembers_steps else scene.fidelity.parts
     count *= _part_count(scene, before, distance / count, velocity)
     for part in range(1, count):
-        yield between(before, station, part / count)
-    yield station
+        yield between(before, load_step, part / count)
+    yield load_step
 
 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
@@ -49,19 +51,19 @@ def _part_count(scene: Scene, before: State, distance: float, velocity: float) -
     return math.ceil(min(max(imprint, 1.0), MOST_PARTS_OF_STEP, enough))
 
 
-def between(before: State, station: Station, share: float) -> Station:
+def between(before: State, load_step: LoadStep, share: float) -> LoadStep:
     """Time and load after a `share` of a step's duration, if the load changes linearly within it.
 
-    The step leads from the state `before` to `station`.
+    The step leads from the state `before` to `load_step`.
     """
-    begin, end = before.normal_load, station.normal_load
+    begin, end = before.normal_load, load_step.normal_load
     load = begin + share * (end - begin)
     part = share * (begin + load) / (begin + end) if begin + end else 0.0  # of an unloaded step
-    impulse = part * (station.impulse - before.impulse)
+    impulse = part * (load_step.impulse - before.impulse)
     return replace(
-        station,
+        load_step,
         normal_load=load,
-        time=before.time + share * (station.time - before.time),
+        time=before.time + share * (load_step.time - before.time),
         on_trunk=False,
         impulse=before.impulse + impulse,
     )

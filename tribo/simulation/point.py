@@ -14,17 +14,17 @@ from dataclasses import replace
 from tribo.errors import InputError
 from tribo.simulation.contact_ramp import contacts
 from tribo.simulation.point_warnings import touched_edges
+from tribo.simulation.ramp_cache import Note, RampCache
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.temperature import heat
-from tribo.simulation.trunks import Note, Trunks
 
 
 def simulate(
     scene: Scene,
     normal_load: float,
     velocity: float,
-    trunks: Trunks | None = None,
+    ramp_cache: RampCache | None = None,
     requested: Container[int] = (),
 ) -> Iterator[State]:
     """Simulate a loading up to `normal_load` at constant `velocity`; yield the states of its steps.
@@ -40,7 +40,7 @@ def simulate(
         Load on the whole pin at the end [N].
     velocity : float
         Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
-    trunks : Trunks, optional
+    ramp_cache : RampCache, optional
         Cache of states on ramps of the load, which points at several loads share. States found in
         the cache are neither computed again nor yielded, and new ones are added to it. The cache
         does not change the numbers of the yielded states.
@@ -50,7 +50,7 @@ def simulate(
     Yields
     ------
     State
-        State after every step that was not in `trunks`. The state that reaches `normal_load`,
+        State after every step that was not in `ramp_cache`. The state that reaches `normal_load`,
         the last state and the states of `requested` have their temperature, if anything touches.
         Without wear and with the heat model "elapsed", these are the only states.
 
@@ -69,7 +69,7 @@ def simulate(
     10 N after 1 s
     10 N after 61 s
     """
-    for state in contacts(scene, normal_load, velocity, trunks, requested):
+    for state in contacts(scene, normal_load, velocity, ramp_cache, requested):
         if state.is_requested and state.heat is None:
             yield replace(state, heat=heat(scene, state, _present(state, velocity)))
         else:
@@ -77,7 +77,7 @@ def simulate(
 
 
 def stages_of(
-    scene: Scene, normal_load: float, velocity: float, trunks: Trunks | None = None
+    scene: Scene, normal_load: float, velocity: float, ramp_cache: RampCache | None = None
 ) -> list[State]:
     """States with a temperature at onset and end of each stage up to the one asked for.
 
@@ -110,7 +110,7 @@ def stages_of(
         return replace(contact, heat=found)
 
     note = Note(("stages", scene, velocity), heated_if_asked)
-    states = list(contacts(scene, normal_load, velocity, trunks, note=note))
+    states = list(contacts(scene, normal_load, velocity, ramp_cache, note=note))
     # Without wear a stage depends on no other, and there is no course.
     noted = states[-1].course or map(heated_if_asked, states)
     found = [state for state in noted if state is not None]

@@ -28,9 +28,9 @@ from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import part_count
+from tribo.simulation.elapsed_heat import excess_of_elapsed_heat, load_steps_so_far
 from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
-from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
@@ -326,7 +326,7 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if the heat model "elapsed" gives too high a rise, as heat was much less in the past."""
     if scene.remembers_heat:
         return
-    excess = excess_of_present_heat(scene, state)
+    excess = excess_of_elapsed_heat(scene, state)
     if excess < TOO_WARM:
         return
     yield (
@@ -341,7 +341,7 @@ def _longest_step(scene: Scene, state: State) -> float:
     """Duration of the longest step so far [s]."""
     if state.on_trunk and isinstance(scene.loading, Ramp):
         return state.time / state.index
-    times = [0.0, *(station.time for station in stations_so_far(scene, state))]
+    times = [0.0, *(load_step.time for load_step in load_steps_so_far(scene, state))]
     return float(np.diff(times).max(initial=0.0))
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from tribo.constants import FEWEST_ELEMENTS, LOCAL_TOLERANCE
 from tribo.errors import InputError
-from tribo.loading import MeasuredLoad, Ramp, Stages, Station
+from tribo.loading import LoadStep, MeasuredLoad, Ramp, Stages
 from tribo.material import Material
 from tribo.numerics import Grid
 from tribo.simulation.fidelity import Fidelity
@@ -265,9 +265,9 @@ class Scene:
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
-    def stations(
+    def load_steps(
         self, normal_load: float, requested: Container[int] = (), velocity: float | None = None
-    ) -> Iterator[Station]:
+    ) -> Iterator[LoadStep]:
         """Times at which the contact must be solved, with loads, up to a load [N] and in its hold.
 
         Each is the end of a step. If a state depends on earlier states, all steps are yielded.
@@ -275,29 +275,33 @@ class Scene:
         stages, and steps with an index in `requested`. `velocity` [m/s] tells the last of stages
         of velocity.
         """
-        stations = self.all_stations(normal_load, velocity)
+        load_steps = self.all_load_steps(normal_load, velocity)
         if self.remembers_steps:
-            yield from stations
+            yield from load_steps
             return
         is_ramp, shown = isinstance(self.loading, Ramp), -1
-        for station in stations:
+        for load_step in load_steps:
             # Where a hold begins, too: how warm the bodies are depends on the load until then.
-            reaches = is_ramp and station.normal_load == normal_load and not station.holding
-            if station.index in requested or station.is_shown or reaches:
-                yield replace(station, on_trunk=station.on_trunk and station.index in requested)
-                shown = station.index
-        if station.index != shown:
-            yield replace(station, on_trunk=False)
+            reaches = is_ramp and load_step.normal_load == normal_load and not load_step.holding
+            if load_step.index in requested or load_step.is_shown or reaches:
+                yield replace(
+                    load_step, on_trunk=load_step.on_trunk and load_step.index in requested
+                )
+                shown = load_step.index
+        if load_step.index != shown:
+            yield replace(load_step, on_trunk=False)
 
-    def all_stations(self, normal_load: float, velocity: float | None = None) -> Iterator[Station]:
+    def all_load_steps(
+        self, normal_load: float, velocity: float | None = None
+    ) -> Iterator[LoadStep]:
         """Ends of all steps of the loading up to a load [N] and of its hold: times and loads.
 
         `velocity` [m/s] tells the last of stages of velocity.
         """
         fidelity, loading = self.fidelity, self.loading
         if isinstance(loading, Stages):
-            return loading.stations(normal_load, fidelity.increments, velocity)
-        return loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
+            return loading.load_steps(normal_load, fidelity.increments, velocity)
+        return loading.load_steps(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def ramp_increment(self, normal_load: float) -> float:
         """Increment [N] of the ramp to a load [N]; 0 for stages and for a recorded load.

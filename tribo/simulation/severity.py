@@ -12,7 +12,7 @@ import numpy as np
 
 from tribo.simulation.conditions import Conditions
 from tribo.simulation.corrections import NEEDED
-from tribo.simulation.verdict import worst_moment
+from tribo.simulation.verdict import hottest_step
 from tribo.types import Array
 
 
@@ -25,7 +25,7 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     `tribo.QUANTILES`. `load` [N] is the full load of each point, (..., 1).
     """
     rises = conditions.governing_rise(corrected_columns(columns, conditions))
-    worst = worst_moment(rises, columns["normal_load"], load)
+    worst = hottest_step(rises, columns["normal_load"], load)
     deciding: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     return deciding
 

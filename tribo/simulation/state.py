@@ -119,8 +119,8 @@ class State:
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
     course : tuple
-        Values that a `tribo.simulation.trunks.Note` recorded at the shared steps of the ramp before
-        this state; empty unless `is_requested`.
+        Values that a `tribo.simulation.ramp_cache.Note` recorded at the shared steps of the ramp
+        before this state; empty unless `is_requested`.
 
     Examples
     --------

@@ -26,41 +26,42 @@ class Verdict:
     Attributes
     ----------
     is_severe : bool or None
-        True if `deciding_temperature` is above the critical temperature; None if the critical
+        True if `governing_temperature` is above the critical temperature; None if the critical
         temperature is unknown.
     time : float
         Worst time, from the start of the loading [s].
-    deciding_temperature : float
+    governing_temperature : float
         Temperature of the contact that is compared with the critical temperature, such as the
         temperature exceeded on a tenth of the contact [K].
     max_temperature : float
         Highest temperature of the contact [K].
-    failed_fraction : float or None
+    failed_area_fraction : float or None
         Share of the contact area above the critical temperature; None if that is unknown.
     bulk_temperature : float
-        First part of `deciding_temperature`: the bulk temperature [K].
+        First part of `governing_temperature`: the bulk temperature [K].
     contact_rise : float
-        Second part: the rise between two half-spaces, with its unmodelled part [K].
+        Second part: the rise between two half-spaces, `Conditions.added_rise_fraction` included
+        [K].
     added_rise : float
         Third part: the rise added by earlier turns, and by friction that depends on velocity [K].
 
     Examples
     --------
-    >>> Verdict(True, 4.0, 425.0, 460.0, 0.2, 298.0, 124.0, 3.0).deciding_temperature
+    >>> Verdict(True, 4.0, 425.0, 460.0, 0.2, 298.0, 124.0, 3.0).governing_temperature
     425.0
     """
 
     is_severe: bool | None
     time: float
-    deciding_temperature: float
+    governing_temperature: float
     max_temperature: float
-    failed_fraction: float | None
+    failed_area_fraction: float | None
     bulk_temperature: float
     contact_rise: float
     added_rise: float
 
 
-def rise_limit(conditions: Conditions) -> float:
+def allowable_rise(conditions: Conditions) -> float:
     """Temperature rise per unit friction coefficient [K] above which wear is severe.
 
     It is infinite if the friction coefficient is 0. Raises an `InputError` if the critical
@@ -71,7 +72,7 @@ def rise_limit(conditions: Conditions) -> float:
     return conditions.limit(conditions.critical_temperature)
 
 
-def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
+def hottest_step(rise: Array, normal_load: Array, load: Array | float) -> Indices:
     """Index of the step with the highest rise among the steps at `load` or above, for each point.
 
     Without such a step it is the last step. `rise` and `normal_load` [N] have the steps on their
@@ -92,17 +93,17 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     parts = conditions.corrections
     together = parts.applied(columns) if parts else columns
     rises = conditions.governing_rise(together)
-    worst = int(worst_moment(rises, together["normal_load"], load))
+    worst = int(hottest_step(rises, together["normal_load"], load))
     rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
     of_contact = float(conditions.contact_temperature(conditions.governing_rise(columns)[worst]))
     known = conditions.critical_temperature is not None
     deciding = float(conditions.contact_temperature(rise))
     return Verdict(
-        is_severe=rise > rise_limit(conditions) if known else None,
+        is_severe=rise > allowable_rise(conditions) if known else None,
         time=float(together["time"][worst]),
-        deciding_temperature=deciding,
+        governing_temperature=deciding,
         max_temperature=float(conditions.contact_temperature(quantiles[-1])),
-        failed_fraction=failed_share(quantiles, rise_limit(conditions)) if known else None,
+        failed_area_fraction=failed_share(quantiles, allowable_rise(conditions)) if known else None,
         bulk_temperature=conditions.bulk_temperature,
         contact_rise=of_contact - conditions.bulk_temperature,
         added_rise=deciding - of_contact,

@@ -13,7 +13,7 @@ from pipeline import Conditions, Sweep
 from pipeline.answers.condition_words import governing_words
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import known_critical_temperature, rise_limit
+from pipeline.sweep.conditions import allowable_rise, known_critical_temperature
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4
@@ -74,7 +74,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer window, surface {}".format)
     on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
     critical = known_critical_temperature(conditions)
-    limit = rise_limit(replace(conditions, friction=1.0))
+    limit = allowable_rise(replace(conditions, friction=1.0))
     flatter = worn(sweep.changed("disk.roughness.ra", _RA), "unworn")
     smoother = sweep
     for path, entry in _SMOOTHER.items():

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
 from tribo.simulation.lubrication import find_lubrication
@@ -96,7 +96,7 @@ def around_transition(sweep: Sweep, test: Any, step: float) -> Ends:
     rise = float(conditions.governing_rise(end))
     above = float(conditions.governing_rise(end_of(sweep, test, math.exp(step))))
     exponent = math.log(above / rise) / step
-    off = math.expm1(-math.log(rise / rise_limit(conditions)) / exponent)
+    off = math.expm1(-math.log(rise / allowable_rise(conditions)) / exponent)
     return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 
 

@@ -135,5 +135,5 @@ def test_every_door_has_the_same_critical_temperature():
     states = pipeline.points(ds)["state"].sel(load=400.0)[0]
     turns = pipeline.boundary(ds)["critical_velocity"].sel(load=400.0).item()
     assert ((states == "severe") == (states["velocity"] > turns)).all()
-    failed = pipeline.temperatures(ds)["failed_fraction"].sel(load=400.0, step=0)
+    failed = pipeline.temperatures(ds)["failed_area_fraction"].sel(load=400.0, step=0)
     assert ((failed > 0.1) == (failed["velocity"] > turns)).all()

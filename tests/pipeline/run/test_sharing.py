@@ -11,7 +11,7 @@ from pipeline.sweep.plan import points, tasks
 from tests.helpers.points import run_point
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
-from tribo.simulation import Trunks, loading_step
+from tribo.simulation import RampCache, loading_step
 from tribo.simulation.cache import forget_kernels
 
 CONDUCTIVITY, RATE = "materials.steel.thermal_conductivity", "wear.specific_wear_rate"
@@ -78,9 +78,9 @@ def test_a_row_that_shares_contacts_has_the_bits_that_it_has_alone(scene, physic
     alone = {point: run_point(sweep, point) for point in points(sweep)}
     every = [task.point for task in tasks(points(sweep), sweep)]
     mixed = random.Random(2).sample(every, len(every))
-    for order, trunks in ((mixed, Trunks(0)), ((*every, *mixed), Trunks(2**28))):
+    for order, ramp_cache in ((mixed, RampCache(0)), ((*every, *mixed), RampCache(2**28))):
         for point in order:
-            shared = run_point(sweep, point, trunks)
+            shared = run_point(sweep, point, ramp_cache)
             assert shared.warnings == alone[point].warnings
             for name, values in (alone[point].columns | alone[point].fields).items():
                 assert values.tobytes() == (shared.columns | shared.fields)[name].tobytes(), name
@@ -110,11 +110,11 @@ def solutions(sweep, monkeypatch):
         return solve(*arguments, **options)
 
     forget_kernels()
-    trunks = Trunks()
+    ramp_cache = RampCache()
     with monkeypatch.context() as patch:
         patch.setattr(loading_step, "solve_contact", counting)
         for task in tasks(points(sweep), sweep):
-            run_point(sweep, task.point, trunks)
+            run_point(sweep, task.point, ramp_cache)
     return count
 
 

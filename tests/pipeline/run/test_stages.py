@@ -11,7 +11,7 @@ from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.sweep import plan
 from tests.helpers.scenes import SCENE
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 STAGES = 'stages = { first = "100 N", step = "20 N", hold = "20 s" }'
 TEXT = (
@@ -47,13 +47,13 @@ def store(tmp_path_factory):
     """A plane of stages and three tests by stages, computed in this process."""
     folder = tmp_path_factory.mktemp("stages")
     (folder / "lab.toml").write_text(TEXT + TESTS, encoding="utf-8")
-    sweep, trunks = pipeline.load_scene(folder / "lab.toml"), Trunks()
+    sweep, ramp_cache = pipeline.load_scene(folder / "lab.toml"), RampCache()
     with writing(folder / "lab.zarr", sweep) as opened:
         for part in (opened, opened.tests):
             for task in plan.tasks(part.pending(), part.sweep):
                 point = task.point
-                scene, stations = part.sweep.case(point.case).scene, part.sweep.stored_steps
-                result = plan.run_point(scene, stations, point, trunks)
+                scene, stored_steps = part.sweep.case(point.case).scene, part.sweep.stored_steps
+                result = plan.run_point(scene, stored_steps, point, ramp_cache)
                 part.commit([result.record(part.sweep.fields)])
     return sweep, folder / "lab.zarr"
 
@@ -78,7 +78,7 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
     assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
     point = pipeline.run_point(store[0]._single_case(), 120.0, 2.0)
-    assert point.verdict(store[0].conditions).deciding_temperature == pytest.approx(
+    assert point.verdict(store[0].conditions).governing_temperature == pytest.approx(
         found[1], rel=1e-12
     )
 

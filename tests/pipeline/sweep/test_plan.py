@@ -17,7 +17,7 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
-from tribo.simulation import Trunks, contact_ramp, disk_positions, heat
+from tribo.simulation import RampCache, contact_ramp, disk_positions, heat
 from tribo.simulation.finer_grids import refine_step
 
 SWEEP = tiny.sweep()
@@ -90,9 +90,9 @@ def _few_positions(monkeypatch):
 @pytest.mark.parametrize("physics", PHYSICS)
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, limit):
     """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
-    sweep, trunks = tiny.sweep(steps=steps, **PHYSICS[physics]), Trunks(limit)
+    sweep, ramp_cache = tiny.sweep(steps=steps, **PHYSICS[physics]), RampCache(limit)
     for load in (150.0, 250.0, 600.0, 625.0, 250.0):
-        result = run_alone(sweep, Point(load, 1.0), trunks)
+        result = run_alone(sweep, Point(load, 1.0), ramp_cache)
         assert same(result, run_point(sweep, load, 1.0))
         assert len(result.columns["time"]) == len(
             choose_stored_steps(sweep).kept(sweep.scene, load)
@@ -127,10 +127,10 @@ def test_a_step_is_the_end_of_the_point_at_its_load(physics):
 
 
 def test_a_contact_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
-    def failing(levels, before, after, station, velocity):
-        if station.normal_load == 250.0:
+    def failing(levels, before, after, step, velocity):
+        if step.normal_load == 250.0:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return refine_step(levels, before, after, station, velocity)
+        return refine_step(levels, before, after, step, velocity)
 
     whole = run_point(SWEEP, 600.0, 1.0).columns
     monkeypatch.setattr(contact_ramp, "refine_step", failing)

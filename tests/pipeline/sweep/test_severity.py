@@ -8,7 +8,7 @@ import pytest
 
 import tribo
 from pipeline import Conditions, run_point
-from pipeline.sweep.conditions import rise_limit
+from pipeline.sweep.conditions import allowable_rise
 from tests.helpers import tiny
 from tribo import QUANTILES
 from tribo.simulation.severity import (
@@ -34,9 +34,9 @@ def columns(*rises, loads):
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.5])
 def test_at_the_limit_just_the_critical_area_fraction_is_above_the_critical_temperature(share):
     conditions = replace(OWN, friction=0.05, critical_area_fraction=share)
-    at_limit = rise_limit(conditions)
+    at_limit = allowable_rise(conditions)
     rises = EVEN * at_limit / conditions.governing_rise({"rise_quantile": EVEN})
-    assert failed_share(rises, rise_limit(conditions)) == pytest.approx(share, abs=1e-12)
+    assert failed_share(rises, allowable_rise(conditions)) == pytest.approx(share, abs=1e-12)
     deciding = conditions.governing_rise({"rise_quantile": rises})
     assert conditions.contact_temperature(deciding) == pytest.approx(
         conditions.critical_temperature
@@ -44,7 +44,7 @@ def test_at_the_limit_just_the_critical_area_fraction_is_above_the_critical_temp
     for factor, is_severe in ((1.001, True), (0.999, False)):
         judged = verdict(columns(factor * rises, loads=[600.0]), 600.0, conditions)
         assert judged.is_severe is is_severe
-        assert (judged.failed_fraction > share) is is_severe
+        assert (judged.failed_area_fraction > share) is is_severe
 
 
 @pytest.mark.parametrize("share", [0.1, 0.0])
@@ -56,19 +56,19 @@ def test_each_critical_area_fraction_decides_by_its_own_temperature_everywhere(s
     conditions = replace(sweep.conditions, critical_area_fraction=share)
     assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
-    assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
+    assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
     oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, critical_area_fraction=share)
     alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
-    assert alone.deciding_temperature == pytest.approx(judged.deciding_temperature, rel=1e-9)
+    assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-9)
 
 
 def test_without_friction_nothing_is_warm_and_nothing_severe():
     conditions = replace(OWN, friction=0.0)
     judged = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
-    assert rise_limit(conditions) == math.inf
+    assert allowable_rise(conditions) == math.inf
     assert not judged.is_severe
-    assert judged.failed_fraction == 0
-    assert judged.max_temperature == judged.deciding_temperature == conditions.bulk_temperature
+    assert judged.failed_area_fraction == 0
+    assert judged.max_temperature == judged.governing_temperature == conditions.bulk_temperature
 
 
 def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
@@ -76,7 +76,7 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
     assert judged.time == 3.0
     assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
-    assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
+    assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
 
 
 def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
@@ -91,4 +91,4 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
     assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
     alone = tribo.judge(warm.scene, 600.0, 1.5, conditions)
     judged = result.verdict(conditions)
-    assert alone.deciding_temperature == pytest.approx(judged.deciding_temperature, rel=1e-6)
+    assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-6)

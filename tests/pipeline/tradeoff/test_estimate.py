@@ -10,7 +10,7 @@ from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
 from tribo import PRESETS, QUANTILES, Fidelity, Grid, Ramp
-from tribo.simulation import Trunks, contacts, heat
+from tribo.simulation import RampCache, contacts, heat
 
 SWEEP = changed(
     PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
@@ -35,9 +35,9 @@ def counted(sweep, monkeypatch):
 
     monkeypatch.setattr(plan, "heat", heating)
     monkeypatch.setattr(plan, "contacts", counting)
-    trunks = Trunks()
+    ramp_cache = RampCache()
     for task in tasks(points(sweep), sweep):
-        [run_point(sweep, task.point, trunks)]
+        [run_point(sweep, task.point, ramp_cache)]
     if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
         steps //= len(sweep.velocities)
     return steps, temperatures
@@ -53,7 +53,7 @@ def counted(sweep, monkeypatch):
         {"fidelity": Fidelity(increments=30), "wear": None},
         {"fidelity": Fidelity(increments=9), "loading": Ramp(150.0, 750.0, 1.0)},
     ],
-    ids=["ramp", "end", "history", "stations", "no wear", "hold"],
+    ids=["ramp", "end", "history", "stages", "no wear", "hold"],
 )
 def test_steps_and_temperatures_are_counted_before(changes, monkeypatch):
     sweep = changed(SWEEP, **{"roughness": None} | changes)

@@ -11,19 +11,19 @@ RAMP = Ramp(rate=150.0, reference_load=750.0)
 
 
 def test_trunk_is_the_same_for_every_load():
-    trunk = [s for s in RAMP.stations(750.0, 100) if s.on_trunk]
+    trunk = [s for s in RAMP.load_steps(750.0, 100) if s.on_trunk]
     for load in (200.0, 433.3, 600.0):
-        stations = list(RAMP.stations(load, 100))
-        assert stations[:-1] == trunk[: len(stations) - 1]
-        assert (stations[-1].normal_load, stations[-1].index) == (load, len(stations))
-        assert stations[-1].time == load / 150.0
+        load_steps = list(RAMP.load_steps(load, 100))
+        assert load_steps[:-1] == trunk[: len(load_steps) - 1]
+        assert (load_steps[-1].normal_load, load_steps[-1].index) == (load, len(load_steps))
+        assert load_steps[-1].time == load / 150.0
 
 
 def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_reference_load():
     for load in (300.0, 187.5, 187.0, 10.0, 1e-3, 1e-300):
-        stations = list(RAMP.stations(load, 100))
-        assert 25 <= len(stations) <= max(50, math.ceil(load / 7.5))
-        *trunk, last = stations
+        load_steps = list(RAMP.load_steps(load, 100))
+        assert 25 <= len(load_steps) <= max(50, math.ceil(load / 7.5))
+        *trunk, last = load_steps
         steps = np.diff([0.0, *(step.normal_load for step in trunk), last.normal_load])
         increment = RAMP.increment(load, 100)
         assert steps[:-1] == pytest.approx(increment)
@@ -36,7 +36,7 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
 @settings(max_examples=40, deadline=None)
 @given(load=st.floats(1.0, 2000.0), increments=st.integers(1, 300))
 def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
-    whole = list(RAMP.stations(load, increments))
+    whole = list(RAMP.load_steps(load, increments))
     assert len(whole) <= max(load / (750.0 / increments), increments / 2) + 1
     assert len(whole) >= increments / 4
     loads = [s.normal_load for s in whole]
@@ -47,9 +47,9 @@ def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
 def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
     held = Ramp(150.0, 750.0, hold=4.0)
     for load in (200.0, 600.0):
-        plain, stations = list(RAMP.stations(load, 5)), list(held.stations(load, 5))
-        assert stations[: len(plain)] == plain
-        hold = stations[len(plain) :]
+        plain, load_steps = list(RAMP.load_steps(load, 5)), list(held.load_steps(load, 5))
+        assert load_steps[: len(plain)] == plain
+        hold = load_steps[len(plain) :]
         assert {s.normal_load for s in hold} == {load}
         held_for = np.array([s.time - load / 150 for s in hold])
         assert held_for[-1] == pytest.approx(4.0)
@@ -57,16 +57,16 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         assert [s.index - plain[-1].index for s in hold] == [*range(1, len(hold) + 1)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
-    *_, end = Ramp(150.0, 750.0, hold=1e-9).stations(600.0, 100)
+    *_, end = Ramp(150.0, 750.0, hold=1e-9).load_steps(600.0, 100)
     assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(4.0))
 
 
 @pytest.mark.parametrize("hold", [4.0, 60.0, 1e6])
 @pytest.mark.parametrize("increments", [5, 25, 100])
 def test_each_step_of_a_hold_has_the_same_share_of_the_impulse_so_far(hold, increments):
-    *_, reached = Ramp(150.0, 750.0).stations(600.0, increments)
-    held = [s for s in Ramp(150.0, 750.0, hold).stations(600.0, increments) if s.holding]
-    impulses = np.array([reached.impulse, *(station.impulse for station in held)])
+    *_, reached = Ramp(150.0, 750.0).load_steps(600.0, increments)
+    held = [s for s in Ramp(150.0, 750.0, hold).load_steps(600.0, increments) if s.holding]
+    impulses = np.array([reached.impulse, *(load_step.impulse for load_step in held)])
     assert impulses[1:] / impulses[:-1] == pytest.approx((1 + hold / 2) ** (1 / len(held)))
     assert len(held) <= 1 + increments * math.log1p(hold / 2) / 4
     assert held[-1].time == pytest.approx(4.0 + hold)

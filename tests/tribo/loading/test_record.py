@@ -20,36 +20,36 @@ def smooth_record(noise=0.0):
 
 def test_a_jump_has_half_of_the_steps_and_the_rest_are_equal_in_time():
     record = MeasuredLoad(np.array([3.0, 5.0, 5.001, 7.001]), np.array([0.0, 0.0, 599.0, 600.0]))
-    stations = list(record.stations(600.0, 16))
-    times = [s.time for s in stations]
+    load_steps = list(record.load_steps(600.0, 16))
+    times = [s.time for s in load_steps]
     assert times[:4] == pytest.approx([0.5, 1.0, 1.5, 2.0], rel=1e-3)
     assert times[-4:] == pytest.approx([2.5, 3.0, 3.5, 4.0], rel=4e-3)
     assert 2.0 < times[4] < times[10] < 2.0011
-    assert [s.normal_load for s in stations[4:11]] == pytest.approx(
+    assert [s.normal_load for s in load_steps[4:11]] == pytest.approx(
         [75.0, 150.0, 225.0, 300.0, 375.0, 450.0, 525.0], rel=0.02
     )
-    assert [s.index for s in stations] == list(range(1, 17))
-    assert stations[-1].normal_load == 600.0
-    assert not any(s.on_trunk for s in stations)
+    assert [s.index for s in load_steps] == list(range(1, 17))
+    assert load_steps[-1].normal_load == 600.0
+    assert not any(s.on_trunk for s in load_steps)
 
 
 def test_loading_ends_where_the_reference_load_is_first_reached():
     record = smooth_record()
-    assert list(record.stations(740.0, 5))[-1].time == pytest.approx(0.5 + 740 / 150)
+    assert list(record.load_steps(740.0, 5))[-1].time == pytest.approx(0.5 + 740 / 150)
     # Without a reference it is the maximum, reached at 5.5 s.
     plateau = MeasuredLoad(TIMES, record.loads)
-    assert list(plateau.stations(750.0, 5))[-1].time == pytest.approx(5.5)
+    assert list(plateau.load_steps(750.0, 5))[-1].time == pytest.approx(5.5)
 
 
 def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
     record = MeasuredLoad(np.arange(5.0), np.array([-2.0, 200.0, 100.0, -3.0, 300.0]))
-    stations = list(record.stations(300.0, 1000))
+    load_steps = list(record.load_steps(300.0, 1000))
     for moment, load in ((1.0, 200.0), (2.0, 100.0), (3.0, 0.0)):
-        nearest = min(stations, key=lambda station: abs(station.time - moment))
+        nearest = min(load_steps, key=lambda load_step: abs(load_step.time - moment))
         assert nearest.normal_load == pytest.approx(load, abs=1.0)
-    assert min(s.normal_load for s in stations) == 0.0
+    assert min(s.normal_load for s in load_steps) == 0.0
     triangles = 200**2 / 202 + 100**2 / 103 + 300**2 / 303  # twice the triangles' areas above 0
-    assert stations[-1].impulse == pytest.approx(150 + triangles / 2, rel=1e-12)
+    assert load_steps[-1].impulse == pytest.approx(150 + triangles / 2, rel=1e-12)
     scene = replace(small_scene(increments=8), loading=record)
     states = list(simulate(scene, 300.0, 1.25))
     patches = scene.pin.patches(scene.grid)
@@ -79,7 +79,7 @@ def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
     since, shares = np.array(record.course).T
     assert len(since) <= 501
     assert (since[-1], shares[-1]) == (3600.0, 1.0)
-    *_, last = record.stations(620.0, increments=10)
+    *_, last = record.load_steps(620.0, increments=10)
     assert np.trapezoid(620.0 * shares, since) == pytest.approx(last.impulse, rel=2e-3)
     late = np.linspace(3598.0, 3599.9, 39)
     np.testing.assert_allclose(

@@ -129,8 +129,8 @@ def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(rad
 def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
     def worn(scene):
         state = start(scene)
-        for station in scene.stations(200.0):
-            state = advance(scene, state, station, 1.0)
+        for load_step in scene.load_steps(200.0):
+            state = advance(scene, state, load_step, 1.0)
         return measures(scene, state)["wear_volume"]
 
     scene = ball(preset, pixels=48, side=13e-6, increments=3, fewest_elements=0)

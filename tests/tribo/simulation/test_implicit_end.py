@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.scenes import small_scene
 from tribo import Grid, MeasuredLoad, Motion, Wear, simulate
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 VELOCITY = 2.0
 
@@ -49,15 +49,15 @@ def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
 @pytest.mark.parametrize("heat_model", ["elapsed", "history"])
 def test_higher_loads_pass_through_it_only_with_the_heat_of_all_steps(heat_model):
     scene = worn_scene(heat_model=heat_model)
-    passed = last(scene, 375.0)  # the fifth of the ten stations
+    passed = last(scene, 375.0)  # the fifth of the ten load steps
     assert passed.on_trunk
     assert (passed.history is None) == (heat_model == "history")
     if passed.history:
         assert not np.array_equal(passed.pressure, passed.history.pressure)
     *_, alone = simulate(scene, 600.0, VELOCITY)
-    trunks = Trunks()
-    list(simulate(scene, 375.0, VELOCITY, trunks))
-    *_, gone_on = simulate(scene, 600.0, VELOCITY, trunks)
+    ramp_cache = RampCache()
+    list(simulate(scene, 375.0, VELOCITY, ramp_cache))
+    *_, gone_on = simulate(scene, 600.0, VELOCITY, ramp_cache)
     assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
 
 
@@ -68,6 +68,6 @@ def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
     scene = replace(worn_scene(), loading=record, wear=Wear(1e-14, pattern))
     state = last(scene, 750.0)
     assert state.history is not None
-    *_, station = scene.stations(750.0)
+    *_, load_step = scene.load_steps(750.0)
     worn = state.wear_depth.mean() * scene.nominal_area
-    assert worn == pytest.approx(1e-14 * VELOCITY * station.impulse, rel=1e-10)
+    assert worn == pytest.approx(1e-14 * VELOCITY * load_step.impulse, rel=1e-10)

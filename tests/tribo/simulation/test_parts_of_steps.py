@@ -14,7 +14,7 @@ RATE, VELOCITY = 150.0, 1.5
 
 def test_a_part_has_the_impulse_of_its_own_loads():
     scene = small_scene(parts=4)
-    first = next(scene.stations(600.0))
+    first = next(scene.load_steps(600.0))
     parts = list(parts_of(scene, start(scene), first, VELOCITY))
     assert [part.time / first.time for part in parts] == pytest.approx([0.25, 0.5, 0.75, 1.0])
     # ∫F dt of F = RATE t
@@ -32,7 +32,7 @@ def test_contacts_at_positions_of_the_disk_wear_by_the_loads_of_their_parts():
         wear=Wear(1e-14),
         fidelity=Fidelity(increments=4),
     )
-    first = next(scene.stations(75.0))
+    first = next(scene.load_steps(75.0))
     distance = VELOCITY * first.time
     begin = start(scene)
     found = list(passes(scene, begin, first, scene.wear, distance, False, "implicit"))

@@ -22,7 +22,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.simulation import Trunks
+from tribo.simulation import RampCache
 
 few = settings(deadline=None, derandomize=True, max_examples=6)
 
@@ -163,9 +163,9 @@ def test_neither_the_order_of_a_sweep_nor_its_cache_changes_a_bit(drawn, velocit
     ))  # fmt: skip
     loads = sorted({share * full for share in shares})
     alone = {load: last(scene, load, velocity) for load in reversed(loads)}
-    trunks = Trunks(limit)
+    ramp_cache = RampCache(limit)
     for load in [*loads, *reversed(loads)]:
-        states = list(simulate(scene, load, velocity, trunks))
+        states = list(simulate(scene, load, velocity, ramp_cache))
         assert np.array_equal(states[-1].pressure, alone[load].pressure)
         assert np.array_equal(states[-1].wear_depth, alone[load].wear_depth)
         assert np.array_equal(states[-1].heat.rise, alone[load].heat.rise)

@@ -19,7 +19,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.simulation import Trunks, stages_of, widen_window
+from tribo.simulation import RampCache, stages_of, widen_window
 
 LOADS = 100.0, 250.0, 400.0
 STAGES = Stages(LOADS, (10.0, 20.0, 10.0), rate=150.0)
@@ -38,7 +38,7 @@ def rises(states):
 
 @pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"heat_model": "history"}])
 def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
-    scene, cached = worn_scene(**fidelity), Trunks()
+    scene, cached = worn_scene(**fidelity), RampCache()
     whole = stages_of(scene, 400.0, 2.0, cached)
     for load, count in ((100.0, 2), (250.0, 4)):
         alone = stages_of(scene, load, 2.0)
@@ -51,10 +51,10 @@ def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
 
 
 def test_a_column_of_stages_costs_one_specimen():
-    scene, cached = worn_scene(), Trunks()
+    scene, cached = worn_scene(), RampCache()
     counts = [len(list(simulate(scene, load, 2.0, cached))) for load in LOADS]
     assert counts == [8 + 2, 3 + 2, 3 + 2]
-    assert len(list(simulate(scene, 400.0, 2.0, Trunks()))) == sum(counts)
+    assert len(list(simulate(scene, 400.0, 2.0, RampCache()))) == sum(counts)
 
 
 def test_stages_are_within_1_percent_of_a_record_typed_by_hand():
@@ -116,7 +116,7 @@ def test_a_verdict_is_of_the_hottest_stage_so_far():
     alone = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
     assert alone[2] < alone[0]  # a worn pin is cooler at 120 N than the unworn one at 100 N
     expected = np.maximum.accumulate(alone)[1::2]
-    found = [one.deciding_temperature for one in verdicts]
+    found = [one.governing_temperature for one in verdicts]
     assert found == pytest.approx(list(expected), rel=1e-3)
     assert verdicts[1].time == verdicts[0].time == pytest.approx(100 / 150)
 

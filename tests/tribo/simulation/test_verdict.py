@@ -12,7 +12,7 @@ import tribo
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tribo.loading import MeasuredLoad
-from tribo.simulation.verdict import worst_moment
+from tribo.simulation.verdict import hottest_step
 
 TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
 WARM = tribo.Corrections(track=TRACK, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9))))
@@ -36,17 +36,17 @@ def test_one_call_gives_the_verdict_of_a_sweep(loading, parts):
     found = tribo.judge(sweep.scene, 600.0, 1.5, oil)
     assert found == expected
     whole = found.bulk_temperature + found.contact_rise + found.added_rise
-    assert found.deciding_temperature == pytest.approx(whole, rel=1e-12)
+    assert found.governing_temperature == pytest.approx(whole, rel=1e-12)
     assert (found.added_rise != 0) == (parts is not None)
-    assert found.is_severe == (found.deciding_temperature > 418.15)
+    assert found.is_severe == (found.governing_temperature > 418.15)
 
 
 def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
     found = tribo.judge(
         tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)
     )
-    assert (found.is_severe, found.failed_fraction) == (None, None)
-    assert found.deciding_temperature > 300.0
+    assert (found.is_severe, found.failed_area_fraction) == (None, None)
+    assert found.governing_temperature > 300.0
 
 
 def test_the_script_of_the_page_prints_a_verdict(capsys):
@@ -71,4 +71,4 @@ def test_the_bodies_of_a_motion_turn_as_the_scene_says():
 
 def test_a_hotter_step_below_the_load_does_not_count():
     rises, loads = np.array([9.0, 5.0, 4.0]), np.array([95.0, 100.0, 100.0])
-    assert worst_moment(rises, loads, 100.0) == 1
+    assert hottest_step(rises, loads, 100.0) == 1

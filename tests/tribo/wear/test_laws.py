@@ -121,7 +121,7 @@ def test_a_law_with_a_critical_pressure_changes_at_the_load_after_hertz(pin, win
     law = Galling(1e-20, 5e-20, mean_pressure_of(pin, 0.45 * LOAD))
     scene = replace(smooth_scene(pin, 10), wear=law)
     scene = replace(scene, pixels=replace(window, periodic=scene.pixels.periodic))
-    loads = [station.normal_load for station in scene.all_stations(LOAD)]
+    loads = [load_step.normal_load for load_step in scene.all_load_steps(LOAD)]
     changed = next(load for load in loads if load >= 0.45 * LOAD)
     per_load = VELOCITY / scene.loading.rate / 2
     higher = law.higher_rate * (LOAD**2 - changed**2)
@@ -158,7 +158,7 @@ def test_a_law_by_pressure_wears_alike_on_all_grids_of_the_last_step():
 def test_a_law_by_velocity_is_archard_s_with_its_rate(velocity):
     law = Hastened(1.2e-15, 0.5)
     archard = tribo.Wear(1.2e-15 * velocity**0.5)
-    ramps = tribo.simulation.Trunks()
+    ramps = tribo.simulation.RampCache()
     scene = replace(small_scene(increments=6), wear=law)
     for other in (0.7, velocity):  # a ramp at another velocity is not shared
         *_, state = tribo.simulate(scene, LOAD, other, ramps)

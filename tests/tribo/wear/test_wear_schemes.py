@@ -44,8 +44,8 @@ def plane(**fidelity):
 @functools.cache
 def end(scene):
     state = start(scene)
-    for station in scene.stations(LOAD):
-        state = advance(scene, state, station, VELOCITY)
+    for load_step in scene.load_steps(LOAD):
+        state = advance(scene, state, load_step, VELOCITY)
     return state
 
 

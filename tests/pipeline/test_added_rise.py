@@ -15,7 +15,7 @@ from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 from tribo import Corrections, Friction
 
-RISE, ADDED = {"unmodelled_rise": "+6 %"}, 1.06
+RISE, ADDED = {"added_rise_fraction": "+6 %"}, 1.06
 LINE = "+6 % of the rise is added for what acts beside the model (irg help physics)"
 FEW = {
     "fidelity.preset": "standard",

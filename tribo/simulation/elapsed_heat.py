@@ -20,7 +20,7 @@ import math
 import numpy as np
 import scipy
 
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.material import Material
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -31,7 +31,7 @@ _NODES = 128  # nodes of a midpoint rule, which is exact to 1e-4 here
 _HOTTEST = 0.1  # share of the contact that decides by default
 
 
-def excess_of_present_heat(scene: Scene, state: State) -> float:
+def excess_of_elapsed_heat(scene: Scene, state: State) -> float:
     """Estimate the relative error of the rise if present heat is taken to act since time 0.
 
     The error is positive if the rise is too high. It is for the rise that a tenth of the contact
@@ -43,7 +43,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     --------
     >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> f"{100 * excess_of_present_heat(scene, state):.3f} %"  # after a minute at full load
+    >>> f"{100 * excess_of_elapsed_heat(scene, state):.3f} %"  # after a minute at full load
     '0.000 %'
     """
     speed = state.speed
@@ -63,20 +63,20 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     return float(excess / rise_exceeded(state.heat.rise_quantile, _HOTTEST))
 
 
-def stations_so_far(scene: Scene, state: State) -> list[Station]:
+def load_steps_so_far(scene: Scene, state: State) -> list[LoadStep]:
     """Ends of the steps that a loading to the load of `state` takes, up to the time of `state`.
 
     A `state` from a loading to a higher load may have been computed with other steps.
     """
-    stations = scene.all_stations(state.normal_load, state.velocity)
-    return [station for station in stations if station.time <= state.time * (1 + 1e-12)]
+    load_steps = scene.all_load_steps(state.normal_load, state.velocity)
+    return [load_step for load_step in load_steps if load_step.time <= state.time * (1 + 1e-12)]
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
     """Times before a state [s], from 0, and the share of its load that was missing then."""
-    stations = stations_so_far(scene, state)
-    times = np.array([0.0, *(station.time for station in stations)])
-    loads = np.array([0.0, *(station.normal_load for station in stations)])
+    load_steps = load_steps_so_far(scene, state)
+    times = np.array([0.0, *(load_step.time for load_step in load_steps)])
+    loads = np.array([0.0, *(load_step.normal_load for load_step in load_steps)])
     return (times[-1] - times)[::-1], (1 - loads / loads[-1])[::-1]
 
 

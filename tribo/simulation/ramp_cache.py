@@ -13,7 +13,7 @@ from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from tribo.loading import Station
+from tribo.loading import LoadStep
 from tribo.simulation.state import State
 from tribo.types import Array, Spectrum
 
@@ -62,7 +62,7 @@ class _Trunk:
             self.nbytes = sum(array.nbytes for array in _arrays(state))
 
 
-class Trunks:
+class RampCache:
     """A cache of the states along ramps of the load, by mechanics, velocity and increment.
 
     The total size of the states is at most `limit` [B]. The least recently used ramps are dropped
@@ -77,9 +77,9 @@ class Trunks:
     >>> scene = replace(scene, wear=tribo.Wear(1e-15))
     >>> ramp, fine = tribo.Ramp(1.0, 10.0), replace(scene.fidelity, increments=8)
     >>> scene = replace(scene, loading=ramp, fidelity=fine)
-    >>> trunks = Trunks()
+    >>> ramp_cache = RampCache()
     >>> for load in (5.0, 9.0):
-    ...     print(sum(1 for state in tribo.simulate(scene, load, 0.065, trunks)))
+    ...     print(sum(1 for state in tribo.simulate(scene, load, 0.065, ramp_cache)))
     4
     5
     """
@@ -111,35 +111,35 @@ class Trunks:
         self,
         key: Hashable,
         begin: State,
-        stations: Sequence[Station],
-        advance: Callable[[State, Station], State],
+        load_steps: Sequence[LoadStep],
+        advance: Callable[[State, LoadStep], State],
         note: Note | None = None,
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
-        """Continue a cached ramp up to the last of its `stations`, and yield the new states.
+        """Continue a cached ramp up to the last of its `load_steps`, and yield the new states.
 
-        The ramp starts from the state `begin`, and is cached by `key`. `stations` are the ends of
+        The ramp starts from the state `begin`, and is cached by `key`. `load_steps` are the ends of
         its steps: times with their loads. `advance` computes a state from the state one step
-        earlier. Returns the state at the last station, and a tuple of the value that `note`
-        recorded at each station; the tuple is empty without a `note`.
+        earlier. Returns the state at the last load step, and a tuple of the value that `note`
+        recorded at each load step; the tuple is empty without a `note`.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
             self._trunks.move_to_end(key)
         with trunk.lock:  # a thread waits here for a ramp that another thread computes
-            recorded = len(trunk.notes.get(note.name, ())) if note else len(stations)
-            trunk.clear_if_dropped(len(stations), recorded)
+            recorded = len(trunk.notes.get(note.name, ())) if note else len(load_steps)
+            trunk.clear_if_dropped(len(load_steps), recorded)
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
             state = begin
-            for index, station in enumerate(stations, 1):
+            for index, load_step in enumerate(load_steps, 1):
                 if trunk.dropped < index <= trunk.count:
                     state = trunk.states[index - trunk.dropped - 1]
                 elif index > trunk.count:
-                    state = advance(state, station)
+                    state = advance(state, load_step)
                     trunk.add(state, self._limit)
                     yield state
                 if note and len(notes) < index:
                     notes.append(note.make(state))
-            found = state, tuple(notes[: len(stations)])
+            found = state, tuple(notes[: len(load_steps)])
         self._shrink()
         return found
 

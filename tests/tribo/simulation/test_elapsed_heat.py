@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Ramp, Wear
-from tribo.simulation.present_heat import excess_of_present_heat
+from tribo.simulation.elapsed_heat import excess_of_elapsed_heat
 from tribo.thermal import rise_exceeded
 
 # The closed form depends neither on width nor on shape of the contact.
@@ -43,13 +43,13 @@ def true_excess(scene, load, velocity):
 def test_a_hold_makes_it_less():
     grown = last(WORN, 600.0, 0.001)
     held = replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0))
-    foretold = excess_of_present_heat(held, last(held, 600.0, 0.001))
-    assert foretold < 0.3 * excess_of_present_heat(WORN, grown)
+    foretold = excess_of_elapsed_heat(held, last(held, 600.0, 0.001))
+    assert foretold < 0.3 * excess_of_elapsed_heat(WORN, grown)
     assert foretold / true_excess(held, 600.0, 0.001) == WITHIN
     at_once = replace(
         WORN, loading=MeasuredLoad(np.array([0.0, 1e-9, 5.0]), np.array([0.0, 599.0, 600.0]))
     )
-    assert abs(excess_of_present_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
+    assert abs(excess_of_elapsed_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
 
 
 @pytest.mark.parametrize(("velocity", "least"), [(0.05, 0.1)])
@@ -58,7 +58,7 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, l
     late = with_(replace(WORN, loading=jumping), contact_tolerance=1e-3)
     true = true_excess(late, 600.0, velocity)
     assert true > least
-    foretold = excess_of_present_heat(late, last(late, 600.0, velocity))
+    foretold = excess_of_elapsed_heat(late, last(late, 600.0, velocity))
     assert 0.5 * true < foretold < 1.1 * true
 
 
@@ -73,5 +73,5 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, l
     ids=["smooth", "worn", "alumina", "ball"],
 )
 def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
-    foretold = excess_of_present_heat(scene, last(scene, load, velocity))
+    foretold = excess_of_elapsed_heat(scene, last(scene, load, velocity))
     assert foretold / true_excess(scene, load, velocity) == WITHIN
