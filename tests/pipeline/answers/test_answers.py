@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
+from scipy.stats import norm as normal
 from scipy.stats import t as student
 
 from pipeline.answers.error import (
@@ -93,6 +94,13 @@ def test_probability_is_that_of_brute_force(results):
     found = update(tuple(results), Prior())
     assert found.probability(y) == pytest.approx(exact, abs=1e-4)
     assert found.probability(np.array([found.level(0.05)])) == pytest.approx(0.05, abs=1e-9)
+
+
+def test_a_specimen_that_contradicts_itself_is_a_transition_as_uncertain_as_a_uniform_interval():
+    """Mild up to 0.2 and severe from −0.1: at 0.05, with the variance 0.3²/12."""
+    found = Outcome(-0.1, 0.2).log_likelihood(np.array([0.02]), np.array([0.055]))
+    variance = 0.055**2 + 0.3**2 / 12
+    assert found == pytest.approx(normal.logpdf(0.07, scale=math.sqrt(variance)), rel=1e-9)
 
 
 def test_errors_are_0_at_points_and_continuous():

@@ -60,6 +60,9 @@ def test_holes_do_not_move_the_autocorrelation(share):
     """A wave of 40 µm falls to 0.2 at 40 µm · arccos(0.2)/2π = 8.7 µm."""
     wave = np.cos(2 * np.pi * np.arange(200) / 40)[:, None] * np.ones(60)
     whole, *_ = autocorrelation_lengths(wave, (1e-6, 1e-6))
+    assert whole == pytest.approx(
+        40e-6 * math.acos(0.2) / (2 * math.pi), rel=0.03
+    )  # ends of the wave
     patchy, longest, _ = autocorrelation_lengths(holed(wave, share), (1e-6, 1e-6))
     assert patchy == pytest.approx(whole, rel=0.01)
     assert longest == math.inf

@@ -11,10 +11,7 @@ from pipeline import Conditions, run_point
 from pipeline.sweep.conditions import allowable_rise
 from tests.helpers import tiny
 from tribo import QUANTILES
-from tribo.simulation.severity import (
-    corrected_columns,
-    worst_rises,
-)
+from tribo.simulation.severity import corrected_columns, relative_sampling, worst_rises
 from tribo.simulation.verdict import verdict
 from tribo.thermal import failed_share
 
@@ -92,3 +89,9 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
     alone = tribo.judge(warm.scene, 600.0, 1.5, conditions)
     judged = result.verdict(conditions)
     assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-6)
+
+
+def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the_end():
+    known = columns(3 * EVEN, EVEN, loads=[300.0, 600.0])
+    known["rise_sampling"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
+    assert relative_sampling(known, OWN) == pytest.approx(0.05, rel=1e-6)

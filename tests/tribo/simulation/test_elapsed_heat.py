@@ -1,9 +1,11 @@
 """Foretold error of the present heat, beside all heat so far (past.py)."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
@@ -38,6 +40,33 @@ def true_excess(scene, load, velocity):
         for model in ("elapsed", "history")
     )
     return 1 - by_all / present
+
+
+def test_it_is_the_integral_of_its_formula():
+    """Heat that was missing while the load grew, over its age τ, with each body's share twice."""
+    state = last(WORN, 600.0, 0.001)
+    stations = list(WORN.all_stations(600.0, 0.001))
+    times, loads = ([0.0, *(getattr(one, n) for one in stations)] for n in ("time", "normal_load"))
+    both, share = WORN.velocities_at(0.001), state.heat.pin_heat_share
+
+    def warming(age):
+        missing, length = 1 - np.interp(times[-1] - age, times, loads) / 600.0, WORN.heated_length
+        if length == "nearest-image":
+            length = 2 * WORN.grid.size[1]
+        return missing * sum(
+            part**2
+            * math.erf(length / (4 * math.sqrt(body.thermal_diffusivity * age)))
+            * math.exp(-(velocity**2) * age / (4 * body.thermal_diffusivity))
+            / (2 * math.pi * body.thermal_conductivity * age)
+            for part, body, velocity in (
+                (share, WORN.pin.material, both.pin),
+                (1 - share, WORN.disk, both.disk),
+            )
+        )
+
+    excess, _ = quad(warming, 0, times[-1], limit=500, epsrel=1e-8)
+    expected = 600.0 * 0.001 / WORN.pin.length * excess / hottest_tenth(state)
+    assert excess_of_present_heat(WORN, state) == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_hold_makes_it_less():
