@@ -66,7 +66,7 @@ def test_it_is_the_integral_of_its_formula():
 
     excess, _ = quad(warming, 0, times[-1], limit=500, epsrel=1e-8)
     expected = 600.0 * 0.001 / WORN.pin.length * excess / hottest_tenth(state)
-    assert excess_of_present_heat(WORN, state) == pytest.approx(expected, rel=1e-3)
+    assert excess_of_elapsed_heat(WORN, state) == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_hold_makes_it_less():
