@@ -24,8 +24,9 @@ def draw_trade(trade: Trade) -> Figure:
             goal = "" if one.accuracy is None else f"{100 * one.accuracy:g} %: "
             words = f"{goal}{one.points} points" if goal else f"{one.preset}"
             words += ", all steps" * one.has_steps
+            away = (8, -14) if one.has_steps else (8, 4)  # planes have nearly the same error
             axes.annotate(
-                words, (one.seconds, one.error), (8, 4), textcoords="offset points",
+                words, (one.seconds, one.error), away, textcoords="offset points",
                 path_effects=style.HALO,
             )  # fmt: skip
     axes.margins(0.15)
