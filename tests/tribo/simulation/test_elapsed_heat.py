@@ -45,8 +45,8 @@ def true_excess(scene, load, velocity):
 def test_it_is_the_integral_of_its_formula():
     """Heat that was missing while the load grew, over its age τ, with each body's share twice."""
     state = last(WORN, 600.0, 0.001)
-    stations = list(WORN.all_stations(600.0, 0.001))
-    times, loads = ([0.0, *(getattr(one, n) for one in stations)] for n in ("time", "normal_load"))
+    steps = list(WORN.all_load_steps(600.0, 0.001))
+    times, loads = ([0.0, *(getattr(one, n) for one in steps)] for n in ("time", "normal_load"))
     both, share = WORN.velocities_at(0.001), state.heat.pin_heat_share
 
     def warming(age):
