@@ -47,7 +47,7 @@ def silent(progress: Progress) -> None:
     """Ignore a report of progress."""
 
 
-def staged(
+def with_progress(
     items: Iterable[T],
     progress: Report,
     name: Callable[[T], str] = str,

@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.cli.parser import parse
-from pipeline.scene.facts import facts_of
+from pipeline.scene.contact_estimate import estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_case
 
 ROOT = Path(__file__).parents[1]
@@ -36,7 +36,7 @@ def test_scenes_load_and_raise_no_doubts(scene, tmp_path):
     path = tmp_path / "bearing.toml"
     path.write_text(scene, encoding="utf-8")
     sweep = pipeline.load_scene(path)
-    assert [one.code for one in warnings_of_case(sweep, facts_of(sweep))] == ["sharp_ends"]
+    assert [one.code for one in warnings_of_case(sweep, estimate_contact(sweep))] == ["sharp_ends"]
 
 
 def test_the_agreement_is_that_of_the_page_on_the_paper():

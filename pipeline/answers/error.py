@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from pipeline.answers.field import Field
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.specimen import SWEPT, Alone, Specimen
+from pipeline.answers.specimen import SWEPT, JackknifeQuality, Specimen
 from pipeline.constants import (
     BEYOND,
     LEAST_BENT,
@@ -119,7 +119,7 @@ def interpolation_errors(
         i = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
         own = _along_rows(field, np.repeat(rows, len(each)), np.tile(each, len(rows)))
         own = own.reshape(len(rows), -1)
-        bounds = _gap_bounds(curves, rough, np.unique(i[gap > 0]), own)[i, back]
+        bounds = _interpolation_bounds(curves, rough, np.unique(i[gap > 0]), own)[i, back]
         between = np.where(gap > 0, bounds * _shape(way), 0.0)
     inside = (first <= loads) & (loads <= last)
     return along, np.where(inside, between, np.nan)
@@ -155,12 +155,13 @@ def _errors_of(curves: Pchip, own: Indices, at: Array) -> Array:
         return np.where(at == x[0], 0.0, np.nan)
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     gap = x[i + 1] - x[i]
-    within = _gap_bounds(curves, ROUGH_GAP, np.unique(i))[i, own] * _shape((at - x[i]) / gap)
+    bounds = _interpolation_bounds(curves, ROUGH_GAP, np.unique(i))[i, own]
+    within = bounds * _shape((at - x[i]) / gap)
     beyond = np.maximum(np.maximum(x[0] - at, at - x[-1]), 0.0)
     return np.asarray(within + beyond * np.hypot(_SLOPE, BEYOND * (beyond + gap)))
 
 
-def _gap_bounds(
+def _interpolation_bounds(
     curves: Pchip, rough: Array | float, gaps: Indices, own: Array | float = 0.0
 ) -> Array:
     """Bounds of the error of k curves in the middle of each gap (n − 1, k), valid for `gaps`.
@@ -214,12 +215,13 @@ def surface_errors(specimen: Specimen) -> Array:
     squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=(0, 1))
     freedom = np.maximum(count - 1, 0)
     squares = freedom * squares / max(freedom.sum(), 1)
-    return patches_bound(count, squares, specimen.sampling, specimen.is_highest, specimen.alone)
+    one = specimen
+    return surface_sampling_bound(count, squares, one.sampling, one.is_highest, one.alone)
 
 
-def patches_bound(
+def surface_sampling_bound(
     count: Indices | int, squares: Array | float, sampling: Array | float,
-    is_highest: bool = False, alone: Alone = SWEPT,
+    is_highest: bool = False, alone: JackknifeQuality = SWEPT,
 ) -> Array:  # fmt: skip
     """Bound of ln(rise) at 95 % due to the choice of `count` patches.
 
@@ -230,8 +232,10 @@ def patches_bound(
 
     Examples
     --------
-    >>> float(patches_bound(1, 0.0, 0.02).round(4)), float(patches_bound(16, 0.006, 0.02).round(4))
-    (0.0473, 0.0104)
+    >>> float(surface_sampling_bound(1, 0.0, 0.02).round(4))
+    0.0473
+    >>> float(surface_sampling_bound(16, 0.006, 0.02).round(4))
+    0.0104
     """
     own = np.where(np.isnan(sampling), 0, alone.degrees)
     freedom = own + count - 1
@@ -242,7 +246,7 @@ def patches_bound(
 
 
 def patches_needed(
-    count: int, ratio: float, most: int, is_highest: bool = False, alone: Alone = SWEPT
+    count: int, ratio: float, most: int, is_highest: bool = False, alone: JackknifeQuality = SWEPT
 ) -> int:
     """Number of patches, `most` at most, whose bound is that of `count` patches over `ratio`.
 
@@ -262,7 +266,7 @@ def patches_needed(
     return int(enough[0]) if enough.size else most
 
 
-def patches_share(count: Any, is_highest: bool = False, alone: Alone = SWEPT) -> Array:
+def patches_share(count: Any, is_highest: bool = False, alone: JackknifeQuality = SWEPT) -> Array:
     """Bound by `count` patches over the deviation of one; all state their own deviation."""
     bound = stdtrit(alone.degrees - 1 + count, _BOUND)
     return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))

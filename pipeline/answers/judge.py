@@ -18,10 +18,10 @@ import numpy as np
 from pipeline.answers import words
 from pipeline.answers.conditions import Operation
 from pipeline.answers.critical_temperature import critical_temperature_of
+from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
 from pipeline.answers.pchip import at_nodes
-from pipeline.answers.preset_error import velocity_error
 from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out

@@ -34,13 +34,13 @@ from pipeline.store.schema import (
     TEST_STEP,
     VARIABLES,
     split_arrays,
-    test_variable,
+    variable_of_tests,
 )
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, wanted_slots
+from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, list_points_of_tests
 from pipeline.sweep.stored import sweep_of_plain
-from pipeline.sweep.stored_steps import load_that_counts
+from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import to_si
 from tribo import InputError
@@ -53,7 +53,7 @@ from tribo.types import Array, Indices, Mask
 
 _SPECIMEN = ("realization", *PLANE)
 _AT_ONCE = 16  # patches whose steps are read at a time
-_INNER = ("step", "cooler_share")
+_INNER = ("step", "area_fraction_below")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -249,7 +249,7 @@ class CaseResults:
         return np.asarray(found[(done[found] & done[found[0]]).any(axis=(1, 2))])
 
     @property
-    def note_on_failed(self) -> str:
+    def failed_realizations_note(self) -> str:
         """Which patches failed and are left out, in words; empty if there are none."""
         failed = (self.status == FAILED).any(axis=(1, 2))
         failed[self.counted] = False
@@ -270,21 +270,24 @@ class CaseResults:
                 "and heat: run it again with friction, into another store"
             )
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
-        least = [load_that_counts(self.sweep.scene, load) for load in self.loads.tolist()]
+        least = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
         at = np.array(least)[:, None, None]
         rises = np.concatenate([worst_rises(one, at, conditions) for one in self._parts(names)])
         rises = np.where(self.done, rises / conditions.friction_factor(self.velocities), np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
     def sampling(self, conditions: Conditions) -> Array:
-        """Relative deviation of the rise from patch to patch, as each point states it."""
-        parts, shares = self._parts(("rise_quantile", *SAMPLING)), self.ds["cooler_share"].values
+        """Standard deviation of ln(rise) between surface realizations, as each point states it."""
+        parts, shares = (
+            self._parts(("rise_quantile", *SAMPLING)),
+            self.ds["area_fraction_below"].values,
+        )
         found = [relative_sampling(one, conditions, shares) for one in parts]
         return np.where(self.done, np.concatenate(found), np.nan)
 
     def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
         """Yield arrays by name, of so many patches at a time that memory stays bounded."""
-        names, shares = [*names], {"quantile": self.ds["cooler_share"].values}
+        names, shares = [*names], {"quantile": self.ds["area_fraction_below"].values}
         count = self.ds.sizes["realization"]
         if count <= _AT_ONCE:
             yield shares | {name: self.array(name) for name in names}
@@ -406,13 +409,13 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]
     """Yield the points of each test of a sweep."""
     rows = defaultdict[tuple[Any, ...], deque[int]](deque)
     held: dict[str, Any] = {}
-    if test_variable("status") in ds.variables:
+    if variable_of_tests("status") in ds.variables:
         named = {
-            name: ds[test_variable(name)]
+            name: ds[variable_of_tests(name)]
             for name in AT_TESTS
-            if test_variable(name) in ds.variables
+            if variable_of_tests(name) in ds.variables
         }
-        inner = (TEST_POINT, TEST_STEP, "cooler_share")
+        inner = (TEST_POINT, TEST_STEP, "area_fraction_below")
         # `xarray.concat` of surfaces repeats what is the same for all of them.
         named = {
             k: one.isel({d: 0 for d in one.dims if d not in inner}) for k, one in named.items()
@@ -427,8 +430,8 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]
         ):
             rows[key].append(row)
     points = defaultdict[int, list[TestPoint]](list)
-    for slot in wanted_slots(sweep):
-        least = load_that_counts(sweep.tests[slot.test].case.scene, slot.load)
+    for slot in list_points_of_tests(sweep):
+        least = least_load_evaluated(sweep.tests[slot.test].case.scene, slot.load)
         found = rows[slot[:3]]
         if not found:
             points[slot.test].append(TestPoint(*slot[1:3], least, PENDING, "", {}))
@@ -439,7 +442,7 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]
             for name, one in held.items()
             if one.dtype.kind == "f" and name not in PLANE
         }
-        columns["quantile"] = ds["cooler_share"].values
+        columns["quantile"] = ds["area_fraction_below"].values
         state = int(held["status"][row]), str(held["message"][row])
         points[slot.test].append(TestPoint(*slot[1:3], least, *state, columns))
     yield from (tuple(points[number]) for number in range(len(sweep.tests)))

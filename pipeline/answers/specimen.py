@@ -24,20 +24,20 @@ from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask
 
 
-class Alone(NamedTuple):
+class JackknifeQuality(NamedTuple):
     """What a patch alone tells of how patches differ, by its jackknife."""
 
     degrees: int = GROUPS - 1  # of freedom
     factor: float = 1.0  # of the deviation of patches over that which one states
 
     @classmethod
-    def of(cls, scene: Scene) -> Alone:
+    def of(cls, scene: Scene) -> JackknifeQuality:
         """What a patch of a scene tells."""
         is_local = scene.wear is not None and scene.wear.pattern == "local"
-        return Alone(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
+        return JackknifeQuality(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
 
 
-SWEPT = Alone()
+SWEPT = JackknifeQuality()
 """What a patch alone tells unless wear is local."""
 
 
@@ -53,7 +53,7 @@ class Specimen(NamedTuple):
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
     is_highest: bool  # the highest temperature decides: then that of the hottest patch
-    alone: Alone
+    alone: JackknifeQuality
 
     @property
     def patches(self) -> Indices:
@@ -85,14 +85,17 @@ def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Sp
             else:
                 velocities = _means(velocities, starts)
     factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
-    is_highest, alone = conditions.critical_area_fraction == 0, Alone.of(case.sweep.scene)
+    is_highest, alone = (
+        conditions.critical_area_fraction == 0,
+        JackknifeQuality.of(case.sweep.scene),
+    )
     return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, alone)
 
 
 def merged(
     loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
     factor: Callable[[Array], Array] = np.ones_like, is_highest: bool = False,
-    alone: Alone = SWEPT,
+    alone: JackknifeQuality = SWEPT,
 ) -> Specimen:  # fmt: skip
     """The specimen of patches with ln(rise) `y` (m, n_load, n_velocity), NaN without a result.
 

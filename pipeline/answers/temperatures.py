@@ -21,7 +21,7 @@ _MEANINGS = {
     "mean_temperature": ("mean_rise", "mean temperature of the contact"),
     "temperature_quantile": ("rise_quantile", "quantile of the temperature of the contact"),
 }
-_INNER = ("step", "cooler_share")
+_INNER = ("step", "area_fraction_below")
 
 
 @np.errstate(under="ignore")
@@ -40,8 +40,9 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     -------
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
-        the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
-        critical temperature, ``failed_area_fraction``, the share of the contact area above it.
+        the temperature [K] that a share ``area_fraction_below`` of the contact stays below; and,
+        with a critical temperature, ``failed_area_fraction``, the share of the contact area above
+        it.
 
     Examples
     --------
@@ -55,10 +56,10 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     """
     ds = dataset_of(ds)
     from_tests = sweep_of(ds).base.critical_from_tests
-    if len(ds["cooler_share"]) < len(QUANTILES):
+    if len(ds["area_fraction_below"]) < len(QUANTILES):
         raise InputError(
-            f"the dataset has {len(ds['cooler_share'])} of {len(QUANTILES)} shares of the contact "
-            "(cooler_share), and needs all; select some from the result"
+            f"the dataset has {len(ds['area_fraction_below'])} of {len(QUANTILES)} values of "
+            "area_fraction_below, and needs all; select some from the result"
         )
     whole = list[xr.Dataset]()
     known = [conditions_of(one, conditions) for one in cases_of(ds)] if from_tests else []

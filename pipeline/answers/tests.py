@@ -34,7 +34,7 @@ _SAME = 1e-9  # relative rounding difference of equal conditions
 
 
 @dataclass(frozen=True, slots=True)
-class ComparedTest:
+class EvaluatedTest:
     """A test at its own conditions: y where it was severe, and where it was mild.
 
     A measured transition has both: with a step at its two ends, without one the same twice. NaN
@@ -59,14 +59,14 @@ class ComparedTest:
 class Evidence:
     """All tests of a case, under one oil's conditions, and what they make of the prior."""
 
-    rows: tuple[ComparedTest, ...]
+    rows: tuple[EvaluatedTest, ...]
     prior: Prior
     critical: CriticalTemperature | None = None  #: Where it is integrated over.
 
     @functools.cached_property
-    def specimens(self) -> list[list[ComparedTest]]:
+    def specimens(self) -> list[list[EvaluatedTest]]:
         """Tests with a result within the model; both ends of a run by stages are one specimen."""
-        grouped = dict[str, list[ComparedTest]]()
+        grouped = dict[str, list[EvaluatedTest]]()
         for row in self.rows:
             if not (row.reason or row.is_outside):
                 grouped.setdefault(str(row.test.number), []).append(row)
@@ -113,7 +113,7 @@ class Evidence:
         return {}
 
     @property
-    def without_result(self) -> list[ComparedTest]:
+    def without_result(self) -> list[EvaluatedTest]:
         """Tests without a y: they wait, have failed, or cannot be compared."""
         return [row for row in self.rows if row.reason]
 
@@ -172,7 +172,7 @@ def waiting_text(evidence: Evidence) -> str:
     return f"{rows[0]}{others} {rows[0].reason}" if rows else ""
 
 
-def outcome_of(rows: list[ComparedTest]) -> Outcome:
+def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
     """One specimen as an interval of y: from its hardest mild point to its easiest severe one."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.inf)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=-math.inf)
@@ -192,19 +192,19 @@ def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evide
 def _compared(
     case: CaseResults, specimen: Specimen, oil: Conditions, test: SpecimenTest,
     points: tuple[TestPoint, ...],
-) -> ComparedTest:  # fmt: skip
+) -> EvaluatedTest:  # fmt: skip
     try:
         own = with_own(oil, test.case.conditions)
         if reason := next((one.why_missing for one in points if one.why_missing), ""):
-            return ComparedTest(test, own, reason=reason)
+            return EvaluatedTest(test, own, reason=reason)
         rises = np.array([one.rise(own) for one in points])
     except InputError as error:
-        return ComparedTest(test, None, reason=f"cannot be compared: {error}")
+        return EvaluatedTest(test, None, reason=f"cannot be compared: {error}")
     if len(specimen.apart) > 1:  # they were computed on the first patch alone
         rises = rises * np.exp([specimen.offset_at(*place) for place in test.places])
     with np.errstate(divide="ignore"):
         y = np.clip(np.log(rises / allowable_rise(own)), -_FARTHEST, _FARTHEST).tolist()
-    return ComparedTest(
+    return EvaluatedTest(
         test, own,
         severe=y[-1] if test.outcome != "mild" else math.nan,
         mild=y[0] if test.outcome != "severe" else math.nan,

@@ -16,7 +16,7 @@ import xarray as xr
 
 from pipeline.answers.condition_words import added_rise_words, verdict_conditions
 from pipeline.answers.conditions import NAMES
-from pipeline.answers.preset_error import error_in_words
+from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_lines
 from pipeline.answers.specimen import specimen_of
@@ -86,7 +86,7 @@ def _notes(judge: Judge) -> Iterator[str]:
     """Limits that all answers of a case have, beside `not_included`."""
     case, sweep = judge.case, judge.case.sweep
     lines = [
-        case.note_on_failed, sweep.caveat, *warning_lines(sweep, answered=True),
+        case.failed_realizations_note, sweep.caveat, *warning_lines(sweep, answered=True),
         added_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip

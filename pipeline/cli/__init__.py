@@ -112,7 +112,9 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     safe = "; finished points are safe" if getattr(options, "command", "") == "sweeps:run" else ""
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_: output.tell(*remarks("note", str(message)))
+            warnings.showwarning = lambda message, *_: output.print_note(
+                *remarks("note", str(message))
+            )
             result = function(options)
             output.show(options, result)
             if sys.stdout is not None:
@@ -120,10 +122,12 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             return int(result.code)
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
-            output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
+            output.print_error(
+                f"interrupted{safe}{safe and ': run the same command again to go on'}"
+            )
         return output.INTERRUPTED
     except TriboError as error:
-        output.complain(str(error))
+        output.print_error(str(error))
         is_of_other = isinstance(error, pipeline.StoreMismatchError)
         return output.OTHER_SCENE if is_of_other else output.WRONG_USE
     except BrokenPipeError:
@@ -135,12 +139,12 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             if not isinstance(error, OSError) and "decompress" not in str(error):
                 raise
             reason = error if _has_folder() else "the working folder was deleted; go to another"
-            output.complain(f"cannot go on: {reason}{safe}")
+            output.print_error(f"cannot go on: {reason}{safe}")
             with suppress(OSError, ValueError, AttributeError):
                 # Keep Python from flushing stdout again at exit.
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return output.WRONG_USE
-        output.complain(
+        output.print_error(
             "out of memory, or of the threads and processes that this user may start (ulimit -a)"
             f"{safe}: take fewer workers or a coarser grid"
         )
@@ -150,7 +154,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         if (setting := _SETTINGS.get(frame.f_globals["__name__"])) is None:
             raise
         reason = shortened(" ".join(str(error.args[0] if error.args else error).split()))
-        output.complain(f"{setting} is wrong: {reason}{safe}")
+        output.print_error(f"{setting} is wrong: {reason}{safe}")
         return output.WRONG_USE
     finally:
         output.QUIET.clear()

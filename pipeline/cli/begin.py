@@ -24,7 +24,7 @@ def new(options: argparse.Namespace) -> Result:
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.file is None:
         raise InputError("no file is named; give a file to write, such as: irg new scene.toml")
-    scene, *copies = pipeline.new_scene(options.file, options.like)
+    scene, *copies = pipeline.new_scene(options.file, options.template)
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
         f"its meaning and cost: irg check {scene}",

@@ -12,7 +12,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.answers.condition_words import added_rise_words
-from pipeline.answers.preset_error import has_unknown_error
+from pipeline.answers.discretization_error import has_unknown_error
 from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_text
 from pipeline.answers.tables import frame_of, records
 from pipeline.cli.given import scene_in
@@ -20,14 +20,14 @@ from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
-from pipeline.scene.facts import (
-    CaseFacts,
-    Facts,
+from pipeline.scene.contact_estimate import (
+    CaseEstimate,
+    ContactEstimate,
     Span,
-    case_facts,
-    facts_of,
-    facts_of_all,
-    require_bearable_load,
+    estimate_case,
+    estimate_contact,
+    estimate_contacts,
+    require_admissible_load,
     single_cases,
 )
 from pipeline.scene.scene_warnings import notes_on_scene
@@ -38,7 +38,7 @@ from pipeline.sweep.notes import library_tables
 from pipeline.sweep.sweep import Sweep
 from pipeline.tradeoff.estimate import Estimate, worker_bytes
 from tribo import InputError, Scene, lubrication_regime
-from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
+from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 
 
 def check(options: argparse.Namespace) -> Result:
@@ -47,10 +47,10 @@ def check(options: argparse.Namespace) -> Result:
     cases, along = single_cases(sweep, _MOST_ROWS), sweep.case_table.column("load") is not None
     for _, case in cases:
         key = "sweep.along" if along else "sweep.loads"
-        require_bearable_load(case, max(case.loads), key)
+        require_admissible_load(case, max(case.loads), key)
     require_free_names(sweep)
-    facts = facts_of_all(cases) if along else facts_of(sweep)
-    listed = [case_facts(*one) for one in cases] if along else []
+    facts = estimate_contacts(cases) if along else estimate_contact(sweep)
+    listed = [estimate_case(*one) for one in cases] if along else []
     memory, machine = worker_bytes(sweep), machine_memory()
     needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
     if memory > machine:
@@ -89,7 +89,7 @@ _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _case_frame(rows: Sequence[CaseFacts]) -> pd.DataFrame:
+def _case_frame(rows: Sequence[CaseEstimate]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
     heads = (
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
@@ -108,7 +108,7 @@ def _case_frame(rows: Sequence[CaseFacts]) -> pd.DataFrame:
 
 
 def _meaning_rows(
-    sweep: Sweep, facts: Facts, rows: Sequence[CaseFacts], memory: str
+    sweep: Sweep, facts: ContactEstimate, rows: Sequence[CaseEstimate], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
@@ -213,7 +213,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         )
 
 
-def _surface_words(facts: SurfaceFacts) -> str:
+def _surface_words(facts: SurfaceSummary) -> str:
     """Roughness, slope, lay, curvature and tilt in words."""
     lay = "no lay" if facts.lay is None else f"grooves at {facts.lay:.0f}° to sliding"
     slope = "" if facts.slope is None else f"rms slope {facts.slope:.2g}, "

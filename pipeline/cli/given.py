@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.answers.preset_error import KEPT_FIELDS
+from pipeline.answers.discretization_error import KEPT_FIELDS
 from pipeline.answers.units import value_words
 from pipeline.answers.words import extending
-from pipeline.cli.output import tell
+from pipeline.cli.output import print_note
 from pipeline.cli.values import setting
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
@@ -50,7 +50,7 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 def flags_of(names: Iterable[str]) -> str:
     """Names of options as typed on the command line, such as "--load, --velocity"."""
-    typed = ("store" if name == "kept" else name.replace("_", "-") for name in names)
+    typed = ("store" if name == "store_path" else name.replace("_", "-") for name in names)
     return ", ".join(f"--{name}" for name in typed)
 
 
@@ -124,7 +124,7 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == CASE:
             key, what = "along", "values are the scene's own or those of its first row"
-        tell(f"note: sweep.{key} is ignored here; {what}; choose another by --set")
+        print_note(f"note: sweep.{key} is ignored here; {what}; choose another by --set")
     return sweep
 
 

@@ -15,7 +15,7 @@ from pipeline.answers.tables import TABLES, frame_of, records, short, writable_p
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.quantities import display, shown_in
-from pipeline.run.here import compute_here, computed_dataset
+from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.store.create import writing
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, Ramp
@@ -40,8 +40,8 @@ def infer(options: argparse.Namespace) -> Result:
             f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
     least = replace(sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
-    with working("simulating the tests") as progress, writing(options.kept, least) as store:
-        compute_here(store, source=stored_tests_of(sweep), report=progress)
+    with working("simulating the tests") as progress, writing(options.store_path, least) as store:
+        run_serial(store, source=stored_tests_of(sweep), report=progress)
     ds = computed_dataset(store)
     return _inferred_result(pipeline.infer(ds), pipeline.compare_tests(ds))
 

@@ -68,7 +68,7 @@ def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = Fal
     return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 
 
-WRITTEN = "output", "kept", "new_scene"
+WRITTEN = "output", "store_path", "new_scene"
 """Options that name files which a command writes."""
 
 
@@ -122,7 +122,7 @@ OF_NEW = (
         value("file FILE.toml", "file to write", user_path, nargs="?"),
         LIST.but(help="list the shipped scenes"),
     )),
-    value("--from NAME", "shipped scene to begin with; see --list", dest="like"),
+    value("--from NAME", "shipped scene to begin with; see --list", dest="template"),
 )  # fmt: skip
 
 WORKERS = value("-j --workers N", "number of processes; default: one for each core", values.count)
@@ -130,7 +130,7 @@ KEPT = (
     value(
         "--store OUT.zarr",
         "store for the points, resumed if it exists; by default no point is kept",
-        values.store, dest="kept",
+        values.store, dest="store_path",
     ),
     WORKERS,
 )  # fmt: skip

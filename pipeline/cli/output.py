@@ -69,7 +69,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
         document = records(result.frames) if result.document is None else result.document
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", json_of(document)))
         if result.document is None:
-            tell(*(line for line in text if isinstance(line, str) and line))
+            print_note(*(line for line in text if isinstance(line, str) and line))
     elif text:
         show_text(text)
 
@@ -106,13 +106,13 @@ def counted_tests(state: Summary | None) -> list[str]:
     return [f"tests: {state.done} of {state.total} points done"] if state else []
 
 
-def tell(*messages: str | Progress) -> None:
+def print_note(*messages: str | Progress) -> None:
     """Print notes, or the beginning of a stage, on stderr unless --quiet."""
     for message in messages if not QUIET.is_set() else ():
-        complain(str(message))
+        print_error(str(message))
 
 
-def complain(message: str) -> None:
+def print_error(message: str) -> None:
     """Print an error on stderr, on a line below a progress bar."""
     lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
     if "tqdm" not in sys.modules:  # no progress line; an import could fail for lack of memory
@@ -149,7 +149,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
         def show(progress: Progress) -> None:
             nonlocal bar, latest, printed, printed_at
             if progress.words:
-                tell(progress)
+                print_note(progress)
             elif not progress.total or time.monotonic() < begins:
                 return
             elif in_place:
@@ -162,18 +162,18 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
             else:
                 latest = str(progress)
                 if time.monotonic() - printed_at >= _BETWEEN_LINES:
-                    tell(latest)
+                    print_note(latest)
                     printed, printed_at = latest, time.monotonic()
 
         yield show
         if latest != printed:
-            tell(latest)
+            print_note(latest)
 
 
 @contextmanager
 def working(task: str) -> Iterator[Report]:
     """Context manager: print that `task` is running if it takes long; yield a progress function."""
-    timer = threading.Timer(_SOON, tell, [f"{task} …"])
+    timer = threading.Timer(_SOON, print_note, [f"{task} …"])
     timer.daemon = True
     timer.start()
     try:

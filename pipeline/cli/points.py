@@ -14,9 +14,9 @@ from pipeline.answers.frames import whole_frame
 from pipeline.answers.results import sweep_of as scene_sweep
 from pipeline.answers.tables import frame_of, transposed
 from pipeline.cli.given import one_scene_in, stored_tests_of
-from pipeline.cli.output import Result, tell, working, wrapped
-from pipeline.run.here import compute_here, computed_dataset
-from pipeline.scene.facts import require_bearable_load
+from pipeline.cli.output import Result, print_note, working, wrapped
+from pipeline.run.serial import computed_dataset, run_serial
+from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
 from pipeline.sweep.case import Place
 from pipeline.sweep.sweep import Point
@@ -30,7 +30,7 @@ def point(options: argparse.Namespace) -> Result:
     """Answer ``irg point``: simulate a point, two beside it and the scene's tests, and judge it."""
     load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
-    require_bearable_load(sweep, load, "--load")
+    require_admissible_load(sweep, load, "--load")
     if velocity <= 0:
         raise InputError(f"velocity is {velocity:g} m/s; it must be above 0")
     velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
@@ -44,10 +44,10 @@ def point(options: argparse.Namespace) -> Result:
     source = stored_tests_of(sweep) if places.tests else None
     count = len(velocities) + sum(len(one.places) for one in places.tests)
     if source is None and count > _MANY:
-        tell(f"{count} points will be simulated, including those of tests")
+        print_note(f"{count} points will be simulated, including those of tests")
     with working("simulating") as progress, writing(None, places) as store:
         wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
-        compute_here(store, wanted, source, progress)
+        run_serial(store, wanted, source, progress)
     return _margin_result(computed_dataset(store), (load, velocity))
 
 

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
-from pipeline.answers.preset_error import error_in_words
+from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.tables import frame_of, records, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
 from pipeline.store.place import REMEDY, ROOT, StoreError

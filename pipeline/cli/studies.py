@@ -13,7 +13,7 @@ from pipeline.cli.output import Result
 
 def trade(options: argparse.Namespace) -> Result:
     """Answer ``irg trade``: what each accuracy of a scene's boundary costs, measured."""
-    out = options.kept or Path("results") / f"{options.scene.stem}-trade.zarr"
+    out = options.store_path or Path("results") / f"{options.scene.stem}-trade.zarr"
     scene = given.scene_in(options)
     with output.run_line() as progress:
         found = pipeline.trade(scene, out, workers=options.workers, progress=progress)

@@ -11,15 +11,15 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers.preset_error import error_in_words, has_unknown_error
+from pipeline.answers.discretization_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_notes import warning_lines
 from pipeline.answers.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.check import check
 from pipeline.cli.given import scene_in, values_in
-from pipeline.cli.output import Result, tell
-from pipeline.scene.facts import require_bearable_load
+from pipeline.cli.output import Result, print_note
+from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.scene.scene_warnings import notes_on_scene
 from pipeline.store.schema import PLANE
 from tribo import InputError
@@ -32,10 +32,10 @@ def run(options: argparse.Namespace) -> Result:
         return check(options)
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
-    tell(*(f"note: {one.text}" for one in notes_on_scene(sweep)))
+    print_note(*(f"note: {one.text}" for one in notes_on_scene(sweep)))
     for line in warning_lines(sweep):
-        output.complain(line)  # with --quiet, too
-    require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
+        output.print_error(line)  # with --quiet, too
+    require_admissible_load(sweep, min(sweep.loads), "sweep.loads")
     choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
     elsewhere = None
     if options.scheduler or options.scheduler_file:

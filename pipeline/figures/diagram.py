@@ -27,7 +27,7 @@ from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.units import value_words
 from pipeline.constants import DECIDED
 from pipeline.figures import style
-from pipeline.figures.fields import Wanted, wanted_values
+from pipeline.figures.fields import QuantityLike, wanted_values
 from pipeline.figures.markers import mark_places, mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
@@ -65,8 +65,8 @@ def diagram(
     conditions: Mapping[str, Any],
     realization: int | None = None,
     log: bool = False,
-    load: Wanted = None,
-    velocity: Wanted = None,
+    load: QuantityLike = None,
+    velocity: QuantityLike = None,
 ) -> Figure:
     """Draw the transition diagram.
 
@@ -130,7 +130,7 @@ def diagram(
     return figure
 
 
-def _places(load: Wanted, velocity: Wanted) -> list[Place]:
+def _places(load: QuantityLike, velocity: QuantityLike) -> list[Place]:
     """Operating points in SI, from loads and velocities that are pairs."""
     loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
     if len(loads) != len(velocities):

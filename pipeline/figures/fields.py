@@ -24,9 +24,9 @@ from tribo import InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.types import Array, Mask
 
-Wanted = float | str | Iterable[float | str] | None
+QuantityLike = float | str | Iterable[float | str] | None
 """Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
-Spot = tuple[int, int]
+PointIndex = tuple[int, int]
 """Indices of a point along load and velocity."""
 LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
@@ -46,7 +46,7 @@ class Shown(NamedTuple):
         held = {str(k) for k, one in self.case.ds.items() if {"step"} <= {*one.dims}}
         return corrected_columns({name: self.values(name) for name in held}, self.conditions)
 
-    def words(self, point: Spot) -> str:
+    def words(self, point: PointIndex) -> str:
         """The point in words, such as "750 N, 1.25 m/s"."""
         return f"{self.case.loads[point[0]]:g} N, {self.case.velocities[point[1]]:g} m/s"
 
@@ -78,7 +78,7 @@ def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | N
     return Shown(case, conditions_of(case, conditions))
 
 
-def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:
+def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> list[PointIndex]:
     """Indices (load, velocity) of the points that a figure shows.
 
     There is one point for each pair of the wanted loads and velocities: the nearest one. By default
@@ -91,7 +91,7 @@ def chosen_points(shown: Shown, load: Wanted, velocity: Wanted) -> list[Spot]:
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
     known = conditions.critical_temperature is not None
-    limit, points = allowable_rise(conditions) if known else math.inf, list[Spot]()
+    limit, points = allowable_rise(conditions) if known else math.inf, list[PointIndex]()
     for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
         require_done_at(case.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
@@ -126,14 +126,14 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     return found
 
 
-def require_single(kind: str, **given: Wanted) -> None:
+def require_single(kind: str, **given: QuantityLike) -> None:
     """Raise an `InputError` if a figure of this `kind` is given several loads or velocities."""
     for name, values in given.items():
         if len(several := wanted_values(name, values)) > 1:
             raise InputError(f"{kind} shows one {name}, not {len(several)}; give one")
 
 
-def nearest_indices(case: CaseResults, axis: str, values: Wanted) -> list[int]:
+def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[int]:
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
     places, found = case.loads if axis == "load" else case.velocities, list[int]()
     for wanted in wanted_values(axis, values):
@@ -206,7 +206,7 @@ def fields(
     return figure
 
 
-def _require_step(shown: Shown, point: Spot, step: int) -> None:
+def _require_step(shown: Shown, point: PointIndex, step: int) -> None:
     """Raise an `InputError` unless the fields at a `step` of a point are stored."""
     known = np.flatnonzero(np.isfinite(shown.values("contact_fraction")[point]))
     steps = (known - shown.case.ds.sizes["step"] + 1).tolist()
@@ -219,7 +219,7 @@ def _require_step(shown: Shown, point: Spot, step: int) -> None:
         raise InputError(f"step is {step}; the point has the steps {steps[0]} to 0")
 
 
-def _surface_fields(shown: Shown, point: Spot, step: int) -> tuple[Array, ...]:
+def _surface_fields(shown: Shown, point: PointIndex, step: int) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
     conditions = shown.conditions
     place = {"realization": 0, "load": point[0], "velocity": point[1], "step": step - 1}

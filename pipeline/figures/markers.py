@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.answers.results import CaseResults
 from pipeline.figures import style
-from pipeline.figures.style import ASKED, BLACK, FAINT
+from pipeline.figures.style import BLACK, FAINT, OPERATING
 from pipeline.sweep.case import Place
 
 TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLACK)}
@@ -22,7 +22,7 @@ _OF_WORDS = 0.3  # of the width of a figure, for the numbers of an operating poi
 _FEW = 6  # operating points up to which each has its numbers beside
 
 
-def mark_test(
+def draw_test_marker(
     axes: Axes, number: str, outcome: str, place: tuple[float, float], faint: bool = False
 ) -> None:
     """Mark a test at its `place` (x, y), with its number beside."""
@@ -66,7 +66,7 @@ def mark_tests(
             continue
         faint = abs((test.bulk_temperature or own) - bulk) > _SAME_BULK
         kinds.append(test.outcome)
-        mark_test(axes, number, kinds[-1], (place[1], place[0]), faint)
+        draw_test_marker(axes, number, kinds[-1], (place[1], place[0]), faint)
         places.append(place)
         others |= faint
     caption = ["faint: tests at another bulk temperature"] * others
@@ -76,7 +76,7 @@ def mark_tests(
 
 def mark_places(axes: Axes, places: Sequence[Place]) -> None:
     """Mark operating points; few have their numbers beside, on the side away from the boundary."""
-    look: dict[str, Any] = {"mfc": ASKED, "mec": "white", "zorder": 5, "clip_on": False}
+    look: dict[str, Any] = {"mfc": OPERATING, "mec": "white", "zorder": 5, "clip_on": False}
     for load, velocity in places:
         size = 2.4 * rcParams["lines.markersize"]
         axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
@@ -87,7 +87,7 @@ def mark_places(axes: Axes, places: Sequence[Place]) -> None:
         to_left = across > _OF_WORDS if is_low else across > 1 - _OF_WORDS
         axes.annotate(
             f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
-            (-8 if to_left else 8, -6 if is_low else 6), textcoords="offset points", color=ASKED,
-            ha="right" if to_left else "left", va="top" if is_low else "bottom",
+            (-8 if to_left else 8, -6 if is_low else 6), textcoords="offset points",
+            color=OPERATING, ha="right" if to_left else "left", va="top" if is_low else "bottom",
             fontweight="bold", path_effects=style.HALO, zorder=5,
         )  # fmt: skip

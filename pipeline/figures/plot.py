@@ -19,7 +19,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.rows import rows
-from pipeline.figures.tested import draw_tests
+from pipeline.figures.tests import draw_tests
 from pipeline.store.schema import PLANE
 from pipeline.units import in_si
 from tribo import InputError

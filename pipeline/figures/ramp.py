@@ -19,9 +19,9 @@ from pipeline.answers.scene_notes import warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
 from pipeline.figures.fields import (
+    PointIndex,
+    QuantityLike,
     Shown,
-    Spot,
-    Wanted,
     chosen_points,
     nearest_indices,
     require_done_at,
@@ -46,8 +46,8 @@ _WEAR = ("greatest wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", 
 def ramp(
     ds: xr.Dataset,
     conditions: Mapping[str, Any],
-    load: Wanted = None,
-    velocity: Wanted = None,
+    load: QuantityLike = None,
+    velocity: QuantityLike = None,
     realization: int | None = None,
     show: str | None = None,
 ) -> Figure:
@@ -103,7 +103,7 @@ def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
 
 
 def _draw(
-    axes: Axes, columns: Mapping[str, Any], values: Array, points: list[Spot], look: Any
+    axes: Axes, columns: Mapping[str, Any], values: Array, points: list[PointIndex], look: Any
 ) -> None:
     """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
     for number, point in enumerate(points):
@@ -112,10 +112,12 @@ def _draw(
         axes.plot(time, found, color=f"C{number}", markevery=[-1], **look)
 
 
-def _temperatures(axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[Spot]) -> None:
+def _temperatures(
+    axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[PointIndex]
+) -> None:
     """Draw the highest, the governing and the critical temperature of points over time."""
     handles, conditions = [], shown.conditions
-    shares = shown.case.ds["cooler_share"].values
+    shares = shown.case.ds["area_fraction_below"].values
     for judged, look in _line_styles(conditions):
         rise = judged.governing_rise({**columns, "quantile": shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
@@ -143,7 +145,7 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
     return [axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")]
 
 
-def _load_axis(axes: Axes, columns: Mapping[str, Any], point: Spot) -> None:
+def _load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> None:
     """Add an upper axis with the load of `point` at each time, if this load grows at every step."""
     time, load = (np.append(0.0, columns[name][point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]

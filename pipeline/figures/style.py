@@ -32,7 +32,7 @@ BLUE, VERMILION, GREEN, SKY = (
 """Okabe and Ito's palette, distinguishable with any colour vision."""
 TINTS = {"mild": "#F1F7FB", "undecided": "#FBE3D2", "severe": "#F0BE9B"}
 """Shades of regions, which differ in grey, too: luminance 0.96, 0.90, 0.78."""
-ASKED = "#6A1B9A"  # marks of operating points
+OPERATING = "#6A1B9A"  # marks of operating points
 THIN, THICK = 0.9, 2.2  # width of thin and heavy lines [pt]
 BIG, FAINT = 1.9, 0.35  # factor on the size of prominent marks; opacity of faint ones
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
@@ -40,7 +40,7 @@ BAND: dict[str, Any] = {"fc": TINTS["undecided"], "ec": "none"}
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 """White outline for words over lines and marks; a box would hide these."""
 
-_HOUSE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
+_HOUSE = rc_params_from_file(Path(__file__).with_name("irg.mplstyle"), use_default_template=False)
 _SIZES = [name for name, value in _HOUSE.items() if name.endswith(("size", "width"))
           and isinstance(value, float)]  # fmt: skip
 _USUAL = 8.0  # width of a figure for which the style's sizes are meant [in]

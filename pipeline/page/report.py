@@ -27,7 +27,7 @@ from pipeline.answers.results import case_dims, dataset_of, sweep_of
 from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
-from pipeline.figures.tested import draw_tests
+from pipeline.figures.tests import draw_tests
 from pipeline.page.parts import (
     Grid,
     Items,

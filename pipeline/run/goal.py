@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import PARTS, SURFACE, total
 from pipeline.answers.judge import Judge, JudgedCase
-from pipeline.answers.preset_error import presets_for, velocity_error
 from pipeline.answers.results import CaseResults, ascending, cases_of
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_PATCHES, Goal, Search

@@ -23,7 +23,7 @@ from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import Watch
 from pipeline.scene.read import sweep_of
-from pipeline.store.create import enlarged, find_sweep, open_to_write, take_points, versions
+from pipeline.store.create import copy_points, enlarged, find_sweep, open_to_write, versions
 from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
@@ -175,7 +175,7 @@ def run_points(
         for group in store.groups if retry_failed else ():
             group.forget(group.points_where(group.flags == FAILED))
         if other:
-            taken = take_points(store, other)
+            taken = copy_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
         if goal:
             store.leave_out_pending()

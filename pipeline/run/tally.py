@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.schema import DONE, FAILED, NOT_ASKED, PENDING
+from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Store
 from pipeline.sweep.plan import PointRecord
 
@@ -37,7 +37,7 @@ class Tally:
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
-        asked = np.concatenate([one.flags[one.flags != NOT_ASKED] for one in self._groups])
+        asked = np.concatenate([one.flags[one.flags != NOT_NEEDED] for one in self._groups])
         done, failed, pending = (int(np.sum(asked == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None
         if self.computed:

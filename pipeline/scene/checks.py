@@ -8,7 +8,7 @@ from typing import Any
 
 import tribo
 from pipeline.quantities import display
-from pipeline.scene.facts import expect_contacts
+from pipeline.scene.contact_estimate import expect_contacts
 from pipeline.scene.faults import Fault, Faults
 from pipeline.scene.format import StagesTable
 from pipeline.scene.library import library

@@ -22,17 +22,17 @@ _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
 _MOST = 2**63 - 1  # largest whole number that a store keeps
 
 
-class UnfitError(Exception):
+class InvalidValueError(Exception):
     """A value does not fit its kind; the message says why."""
 
 
 def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
-    """Raise `UnfitError` with a `problem` unless a value is of the type `kind`.
+    """Raise `InvalidValueError` with a `problem` unless a value is of the type `kind`.
 
     True and false are not numbers.
     """
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise UnfitError(f"{quoted(value)} {problem}")
+        raise InvalidValueError(f"{quoted(value)} {problem}")
 
 
 class Kind:
@@ -52,12 +52,12 @@ class Kind:
         """
         try:
             return self._read(value, place, faults)
-        except (UnfitError, UnitError) as problem:
+        except (InvalidValueError, UnitError) as problem:
             faults.refuse(place, f"{problem}; give {allowed or self}")
             return None
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Read a value, or raise an `UnfitError`; faults within a list are added to `faults`."""
+        """Read a value or raise an `InvalidValueError`; faults in a list are added to `faults`."""
         raise NotImplementedError
 
 
@@ -69,9 +69,9 @@ class Text(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> str:
         require(value, str, "is not text")
         if not value:
-            raise UnfitError("the text is empty")
+            raise InvalidValueError("the text is empty")
         if "\0" in value:  # which no name of a file may have
-            raise UnfitError(f"{quoted(value)} has a null character")
+            raise InvalidValueError(f"{quoted(value)} has a null character")
         return str(value)
 
 
@@ -99,7 +99,9 @@ class OneOf(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> str:
         require(value, str, "is not text")
         if value not in self.options:
-            raise UnfitError(f"{quoted(value)} is unknown{did_you_mean(value, self.options)}")
+            raise InvalidValueError(
+                f"{quoted(value)} is unknown{did_you_mean(value, self.options)}"
+            )
         return str(value)
 
 
@@ -128,12 +130,12 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` if a value is outside the kind's bounds, or its size is."""
+        """Raise `InvalidValueError` if a value is outside the kind's bounds, or its size is."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
-            raise UnfitError(f"{quoted(value)} is out of range")
+            raise InvalidValueError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
             span = f"which is from {smallest:g} to {largest:g}"
-            raise UnfitError(f"{quoted(value)} is out of range, {span}")
+            raise InvalidValueError(f"{quoted(value)} is out of range, {span}")
 
 
 class Share(Number):
@@ -203,7 +205,7 @@ class Quantity(Kind):
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         if not isinstance(text := value, str):
-            raise UnfitError(f"{quoted(value)} has no unit")
+            raise InvalidValueError(f"{quoted(value)} has no unit")
         if middle := middle_of_range(text):
             faults.note(place, f"{quoted(text)} is a range; {middle}, its middle, is taken")
             text = middle
@@ -211,10 +213,12 @@ class Quantity(Kind):
         if exact == 0 and self.zero:
             return float(exact)
         if exact <= 0:
-            raise UnfitError(f"{quoted(value)} is out of range")
+            raise InvalidValueError(f"{quoted(value)} is out of range")
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
-            raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
+            raise InvalidValueError(
+                f"{quoted(value)} is out of range, which is from {low} to {high}"
+            )
         faults.warnings += unusual_warning(place, float(exact), self.usual, self.unit)
         return float(exact)
 
@@ -247,7 +251,7 @@ class OneQuantity(Kind):
         require(value, str, "has no unit")
         of = {si_unit(kind.example): kind for kind in self.kinds}.get(si_unit(value))
         if of is None:
-            raise UnfitError(f"{quoted(value)} is another quantity")
+            raise InvalidValueError(f"{quoted(value)} is another quantity")
         of._read(value, place, faults)  # raises if it is out of range
         return str(value)
 
@@ -267,7 +271,7 @@ class UnitText(Kind):
             text = f"{value}" if f"{value}"[:1].isdigit() else f"1 {value}"  # also of "2 nm"
             return to_si(text, like=f"1 {self.example}")
         except UnitError as error:
-            raise UnfitError(f"{quoted(value)} is not {self.name}") from error
+            raise InvalidValueError(f"{quoted(value)} is not {self.name}") from error
 
 
 LOAD = Quantity("200 N")

@@ -5,7 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of, single_cases
+from pipeline.scene.contact_estimate import (
+    USUAL_HARDNESS,
+    ContactEstimate,
+    Span,
+    estimate_contact,
+    single_cases,
+)
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import number_at
 from pipeline.sweep.case import SpecimenTest
@@ -24,10 +30,10 @@ Loading = Ramp | Stages | MeasuredLoad
 _MANY = 3  # numbers of tests that are named
 
 
-def warnings_of_case(sweep: Sweep, facts: Facts) -> tuple[SceneWarning, ...]:
+def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
     """Warnings of probable mistakes in one case, and of limits of the model, the gravest first.
 
-    `facts` are the numbers of the case from `facts_of`.
+    `facts` are the numbers of the case from `estimate_contact`.
     """
     found = [
         *_unusual(sweep, facts),
@@ -53,7 +59,7 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     chosen = single_cases(sweep, _MOST_CASES)
     found = dict[tuple[str, str], dict[str, SceneWarning]]()
     for label, case in chosen:
-        for one in warnings_of_case(case, facts_of(case)):
+        for one in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
             found.setdefault((one.code, one.place), {})[label] = one
     of_cases = (_in_cases(held, len(chosen)) for held in found.values())
@@ -85,7 +91,7 @@ def _unusual_values(sweep: Sweep) -> Warnings:
             yield odd[0]._replace(code="unusual_values", values=(*counts, *odd[0].values))
 
 
-def _unusual(sweep: Sweep, facts: Facts) -> Warnings:
+def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warnings of values outside their usual range, where several entries determine the value."""
     for body, material in (("pin", sweep.scene.pin.material), ("disk", sweep.scene.disk)):
         share = material.hardness / material.elastic_modulus
@@ -104,7 +110,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Warnings:
         yield from unusual_warning(place, facts.surface.ra, kind.usual, kind.unit)
 
 
-def _narrow_window(sweep: Sweep, facts: Facts) -> Warnings:
+def _narrow_window(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warning that the window is narrower than the expected contact."""
     side, pin = facts.window[0], sweep.scene.pin
     if pin.length is None:
@@ -125,7 +131,7 @@ def _far_tests(sweep: Sweep) -> Warnings:
             return
 
 
-def _surface_warnings(sweep: Sweep, facts: Facts) -> Warnings:
+def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     scene, surface = sweep.scene, facts.surface
     along = surface is not None and surface.lay is not None and surface.lay <= _ALONG
     if along and scene.wear and scene.wear.pattern == "swept":

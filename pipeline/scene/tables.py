@@ -35,12 +35,12 @@ from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
     Flag,
+    InvalidValueError,
     Kind,
     Number,
     OneOf,
     Quantity,
     Text,
-    UnfitError,
     Whole,
     require,
 )
@@ -132,10 +132,12 @@ class List(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
         if len(value) > self.most:
-            raise UnfitError(f"{len(value)} entries are too many, at most {self.most} are allowed")
+            raise InvalidValueError(
+                f"{len(value)} entries are too many, at most {self.most} are allowed"
+            )
         if len(value) != (self.length or max(len(value), 1)):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
-            raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
+            raise InvalidValueError(f"{quoted(value)} {count if value else 'is empty'}")
         items = [self.of.read(item, f"{place}[{i}]", faults) for i, item in enumerate(value)]
         if self.distinct and None not in items:
             order = sorted(range(len(items)), key=lambda k: (isinstance(items[k], str), items[k]))
@@ -165,7 +167,9 @@ class Each(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
         if len(value) != len(self.kinds):
-            raise UnfitError(f"{quoted(value)} has {len(value)} entries, not {len(self.kinds)}")
+            raise InvalidValueError(
+                f"{quoted(value)} has {len(value)} entries, not {len(self.kinds)}"
+            )
         pairs = zip(self.kinds, value, strict=True)
         items = [kind.read(one, f"{place}[{i}]", faults) for i, (kind, one) in enumerate(pairs)]
         return None if None in items else tuple(items)
@@ -194,16 +198,16 @@ class Range(Kind):
         first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
-            raise UnfitError(f'{span} falls; give the lower end as "from"')
+            raise InvalidValueError(f'{span} falls; give the lower end as "from"')
         if ("step" in value) == ("count" in value):
-            raise UnfitError(f"{span} needs either step or count")
+            raise InvalidValueError(f"{span} needs either step or count")
         if count := value.get("count"):
             parts = (Decimal(i) / (count - 1) for i in range(count))
             return tuple(float(first + part * (last - first)) for part in parts)
         step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step
         if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
-            raise UnfitError(
+            raise InvalidValueError(
                 f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
                 f"number up to {MOST_ON_AXIS}"
             )
@@ -314,7 +318,7 @@ class Tables(Kind):
 
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
-            raise UnfitError(f"{quoted(value)} is not a table that holds tables")
+            raise InvalidValueError(f"{quoted(value)} is not a table that holds tables")
         return {key: self.of.read(one, key_path(place, key), faults) for key, one in value.items()}
 
 

@@ -44,7 +44,7 @@ from pipeline.store.place import (
     io_errors,
     place_of,
 )
-from pipeline.store.resume import join, misfits
+from pipeline.store.resume import join, mismatches
 from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.schema import AT_ENDS, DATA, DONE, FAILED, FIELDS, PENDING
 from pipeline.store.store import Store
@@ -116,7 +116,7 @@ def _opened(
 ) -> Store:
     """The store of a sweep, made, enlarged or as it was."""
     before = find_root(place)
-    if before and (differing := [*misfits(before.sweep, sweep, before.goal)]):
+    if before and (differing := [*mismatches(before.sweep, sweep, before.goal)]):
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
@@ -286,7 +286,7 @@ def _no_room(place: StorePlace, reason: str) -> StoreError:
 # Points of another store
 
 
-def take_points(store: Store, other: Store) -> int:
+def copy_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
     Points of the two stores are the same if scene, load and velocity are the same, whatever their

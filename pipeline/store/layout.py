@@ -85,7 +85,7 @@ class Group:
             "velocity": [*sweep.velocities],
             **rows,
             self.step: [*range(1 - max(map(len, kept)), 1)],
-            "cooler_share": [*QUANTILES],
+            "area_fraction_below": [*QUANTILES],
             "x": scenes[0].grid.coordinates(0).tolist(),
             "y": scenes[0].grid.coordinates(1).tolist(),
         }

@@ -25,7 +25,7 @@ from pipeline.store.schema import (
     TEST_STEP,
     attributes_of,
     is_of_points,
-    test_variable,
+    variable_of_tests,
 )
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
@@ -103,8 +103,8 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
     ds = ds.isel({TEST_POINT: order[ds[TEST].values[order] != NO_TEST]})
     names = [name for name in AT_TESTS if name in ds.variables]
-    found = {test_variable(name): ds[name].variable for name in names}
-    message = found[test_variable("message")]
+    found = {variable_of_tests(name): ds[name].variable for name in names}
+    message = found[variable_of_tests("message")]
     message.values = message.values.astype(object)
     return {TEST: ds[TEST].variable, **found}
 

@@ -13,7 +13,7 @@ from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.points_of_tests import wanted_slots
+from pipeline.sweep.points_of_tests import list_points_of_tests
 from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.words import quoted
 from tribo import InputError
@@ -80,7 +80,7 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
 
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that those of a scene lack: what is done stays."""
-    known, kept = {slot[:3] for slot in wanted_slots(sweep)}, list[SpecimenTest]()
+    known, kept = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former):
         places = {(sweep._hash_scene(test.case.scene), *place) for place in test.places}
         kept += [test] if places - known else []
@@ -88,7 +88,7 @@ def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     return tuple(kept)
 
 
-def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
+def mismatches(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
     """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can.
 
     `goal` is the option that the store was last run with for an accuracy, if there is one.

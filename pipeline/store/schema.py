@@ -16,10 +16,10 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 28
+FORMAT = 29
 """Version of the layout of stores."""
-NOT_ASKED, DONE, FAILED, PENDING = 0, 1, 2, 3
-"""Values of the variable ``status``; no run has asked for a point that is `NOT_ASKED`."""
+NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
+"""Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
 DIM = "input"
 """Dimension of the variable `INPUTS`, which has no coordinate."""
 
@@ -37,7 +37,7 @@ class Variable(NamedTuple):
 PLANE = ("load", "velocity")
 """Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
 _STEP = (*PLANE, "step")
-_QUANTILES = (*_STEP, "cooler_share")
+_QUANTILES = (*_STEP, "area_fraction_below")
 _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
 
@@ -51,7 +51,9 @@ COORDINATES = {
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the point, 0 at its end, −1 before", "int64"),
-    "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
+    "area_fraction_below": Variable(
+        ("area_fraction_below",), "1", "share of the contact area that is cooler than the quantile"
+    ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
@@ -66,8 +68,8 @@ COLUMNS = {
     "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
     "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
     "mean_pressure": Variable(_STEP, "Pa", "mean pressure over the contact"),
-    "saturated_fraction": Variable(_STEP, "1", "share of the contact at the hardness"),
-    "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
+    "plastic_fraction": Variable(_STEP, "1", "share of the contact area at the hardness (plastic)"),
+    "wear_depth_max": Variable(_STEP, "m", "maximum wear depth of the pin"),
     "wear_volume": Variable(_STEP, "m^3", "worn volume of the whole pin"),
     "iterations": Variable(_STEP, "1", "iterations of the contact solver"),
     "residual": Variable(_STEP, "1", "residual of the contact solver"),
@@ -82,19 +84,21 @@ FIELDS = {
     "wear_depth": _field("m", "wear depth of the pin"),
 }
 SAMPLING = {
-    "rise_sampling": Variable(
-        (*PLANE, "cooler_share"), "1", "relative deviation of the rise from patch to patch"
+    "rise_realization_std": Variable(
+        (*PLANE, "area_fraction_below"),
+        "1",
+        "standard deviation of ln(rise) between surface realizations",
     ),
 }
 """Variables of the contact at the end, estimated from this contact alone."""
 FILM = {
     "film_inlet": Variable(PLANE, "1/m", "integral of the inlet, by which a film is judged"),
-    "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth worn contact"),
+    "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth, worn contact"),
 }
 """Variables of the contact at the end, by which answers judge the film of an oil."""
 _STATES = {
-    "flag_values": [NOT_ASKED, DONE, FAILED, PENDING],
-    "flag_meanings": "not_asked done failed pending",
+    "flag_values": [NOT_NEEDED, DONE, FAILED, PENDING],
+    "flag_meanings": "not_needed done failed pending",
 }
 _KINDS = {
     "flag_masks": [int(kind) for kind in WarningKind],
@@ -128,7 +132,7 @@ AT_TESTS = (
 """Variables at points of tests that answers need."""
 
 
-def test_variable(name: str) -> str:
+def variable_of_tests(name: str) -> str:
     """Name of a variable at the points of tests, in a dataset that also has the plane."""
     return f"test_{name}"
 
@@ -153,7 +157,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True for a dimension of points; False for a dimension within points, such as step."""
-    return dim not in ("step", TEST_STEP, "cooler_share", "x", "y", "input")
+    return dim not in ("step", TEST_STEP, "area_fraction_below", "x", "y", "input")
 
 
 def require_free_names(sweep: Sweep) -> None:

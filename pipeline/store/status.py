@@ -12,7 +12,7 @@ from pipeline.store.check import Damage, Index, find_damage
 from pipeline.store.lock import holder_of
 from pipeline.store.place import PathLike, io_errors, place_of
 from pipeline.store.root import read_root, stale_documents
-from pipeline.store.schema import DONE, FAILED, NOT_ASKED, PENDING
+from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
@@ -102,13 +102,13 @@ def summary_of(store: Store) -> Summary:
     """Count the points of an open store by state, and the points with a warning."""
     flags = store.flags
     if TEST in store.axes:  # points of earlier tests do not count
-        flags = np.where(np.equal(store.axes[TEST], NO_TEST), np.int8(NOT_ASKED), flags)
+        flags = np.where(np.equal(store.axes[TEST], NO_TEST), np.int8(NOT_NEEDED), flags)
     failed = [*zip(*np.nonzero(flags == FAILED), strict=True)]
     messages = store.read("message", ...) if failed else {}
     return Summary(
         name=store.sweep.name,
         title=store.sweep.title,
-        total=int(np.count_nonzero(flags != NOT_ASKED)),
+        total=int(np.count_nonzero(flags != NOT_NEEDED)),
         done=int(np.count_nonzero(flags == DONE)),
         pending=int(np.count_nonzero(flags == PENDING)),
         failed=_told(store, {index: str(messages[index]) for index in failed}),

@@ -37,7 +37,7 @@ from pipeline.store.schema import (
     DONE,
     FAILED,
     FIELDS,
-    NOT_ASKED,
+    NOT_NEEDED,
     PENDING,
     is_of_points,
     path_of,
@@ -239,18 +239,18 @@ class Store:
         wanted = np.zeros(self.flags.shape, bool)
         for point in points:
             wanted[self.index(point)] = True
-        flags = np.where(wanted & (self.flags == NOT_ASKED), np.int8(PENDING), self.flags)
-        self._write_flags(np.where(wanted | (flags == DONE), flags, np.int8(NOT_ASKED)))
+        flags = np.where(wanted & (self.flags == NOT_NEEDED), np.int8(PENDING), self.flags)
+        self._write_flags(np.where(wanted | (flags == DONE), flags, np.int8(NOT_NEEDED)))
 
     def leave_out_pending(self) -> None:
         """Mark pending points as not asked for, until `ask_for` asks for them."""
-        self._write_flags(np.where(self.flags == PENDING, np.int8(NOT_ASKED), self.flags))
+        self._write_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
 
     def ask_for(self, points: Iterable[Point]) -> None:
         """Mark points as asked for, too."""
         flags = self.flags.copy()
         for index in map(self.index, points):
-            flags[index] = PENDING if flags[index] == NOT_ASKED else flags[index]
+            flags[index] = PENDING if flags[index] == NOT_NEEDED else flags[index]
         self._write_flags(flags)
 
     def write(

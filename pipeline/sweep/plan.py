@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.case_table import CaseName, Row
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.stored_steps import Fields, StoredSteps, load_that_counts
+from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
@@ -45,7 +45,7 @@ NOT_KNOWN = -1.0
 """What is stored at the end of a point in place of NaN, such as the film of a ball."""
 _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
-_NO_SAMPLING = {"rise_sampling": _NO_QUANTILES}
+_NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 
 
@@ -209,7 +209,7 @@ def run_point(
         columns=columns,
         state=state,
         shape=scene.grid.shape,
-        least_load=load_that_counts(scene, load),
+        least_load=least_load_evaluated(scene, load),
         warnings=tuple(warnings(scene, state)),
         wall_time=time.perf_counter() - began,
         film=film,

@@ -18,7 +18,7 @@ SCENE_HASH = "scene_hash"
 """Column with the hash of the scene that each point is of."""
 
 
-class Slot(NamedTuple):
+class PointOfTest(NamedTuple):
     """A point of a test in a store: what is simulated there, and the test that asks for it."""
 
     scene_hash: str
@@ -27,24 +27,24 @@ class Slot(NamedTuple):
     test: int  # number of the test in the scene, from 0, or `NO_TEST`
 
 
-def wanted_slots(sweep: Sweep) -> list[Slot]:
+def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     """The points of a scene's tests, in their order."""
-    return [slot for slot in kept_slots(sweep) if slot.test != NO_TEST]
+    return [slot for slot in list_all_points_of_tests(sweep) if slot.test != NO_TEST]
 
 
-def kept_slots(sweep: Sweep) -> list[Slot]:
+def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     """The points of a scene's tests, in their order, then those of tests that it has no more."""
     numbers = [*range(len(sweep.tests)), *[NO_TEST] * len(sweep.former)]
     return [
-        Slot(sweep._hash_scene(one.case.scene), *place, number)
+        PointOfTest(sweep._hash_scene(one.case.scene), *place, number)
         for number, one in zip(numbers, (*sweep.tests, *sweep.former), strict=True)
         for place in one.places
     ]
 
 
 def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
-    """The sweep of the points of tests, a row for each of `kept_slots`."""
-    slots = kept_slots(sweep)
+    """The sweep of the points of tests, a row for each of `list_all_points_of_tests`."""
+    slots = list_all_points_of_tests(sweep)
     columns = (
         Column(TEST_POINT, meaning="number of the point of a test"),
         Column(TEST, "1", TEST_POINT, meaning="number of the test"),

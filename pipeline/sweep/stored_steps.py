@@ -59,7 +59,7 @@ class StoredSteps:
         ]
 
 
-def load_that_counts(scene: Scene, load: float) -> float:
+def least_load_evaluated(scene: Scene, load: float) -> float:
     """Load from which on steps can decide [N]: that of the point; of a specimen in stages any."""
     return 0.0 if isinstance(scene.loading, Stages) else load
 

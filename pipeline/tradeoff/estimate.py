@@ -15,7 +15,7 @@ from pipeline.machine import cores
 from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
+from pipeline.sweep.points_of_tests import list_points_of_tests, sweep_of_tests
 from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count
@@ -86,7 +86,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     work = _TaskTimes(scene, contact_time, heat_time, is_course)
     parallel = min(workers, len(every))
     wall = work.total(every) / parallel
-    slots, points = wanted_slots(sweep), len(every)
+    slots, points = list_points_of_tests(sweep), len(every)
     of_tests = sweep_of_tests(sweep, False) if slots else None
     own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
     if of_tests:  # each step takes as long as in the scene

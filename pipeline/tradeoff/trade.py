@@ -16,8 +16,8 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
+from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, curve_errors, exponents, patches_share, total
-from pipeline.answers.preset_error import presets_for, velocity_error
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.tables import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent

@@ -53,7 +53,7 @@ def _fill(folder):
 def _compute(scene, path):
     """Compute a scene into a store, in this process and without a cluster."""
     import pipeline
-    from pipeline.run.here import compute_here
+    from pipeline.run.serial import run_serial
     from pipeline.store.create import writing
     from pipeline.sweep.plan import points, tasks
     from tests.helpers.points import run_point
@@ -67,4 +67,4 @@ def _compute(scene, path):
             results = [run_point(sweep, task.point, ramp_cache)]
             records += [result.record(sweep.fields) for result in results]
         store.commit(records)
-        compute_here(store)
+        run_serial(store)

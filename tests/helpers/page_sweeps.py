@@ -51,7 +51,7 @@ def held():
     """Sweep with eight steps of hold, in which one part of the contact warms and another cools."""
     ds = one()
     ds = ds.assign_coords(step=ds["step"] - 8).reindex(step=np.arange(1 - ds.sizes["step"] - 8, 1))
-    quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
+    quantile = xr.DataArray(np.array(QUANTILES), dims="area_fraction_below")
     for k in range(8):
         here = ds["step"] == k - 7
         rise = ds["rise_quantile"].sel(step=-8)
@@ -66,7 +66,7 @@ def held():
 def along_boundary(seed=0):
     """Sweep with points only near the boundary, at other velocities for each load."""
     ds = one(status={}, rise=uneven(seed))
-    severe = ds["rise_quantile"].isel(cooler_share=22).max("step") > synthetic.limit()
+    severe = ds["rise_quantile"].isel(area_fraction_below=22).max("step") > synthetic.limit()
     chosen = [
         (float(load), float(velocity))
         for i, load in enumerate(ds["load"].values)

@@ -8,8 +8,8 @@ import xarray as xr
 import tribo
 from pipeline import Conditions
 from pipeline.answers.results import sweep_of
-from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, test_variable
-from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
+from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, variable_of_tests
+from pipeline.sweep.points_of_tests import TEST_POINT, list_points_of_tests
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
@@ -110,9 +110,9 @@ def sweep(
         name: (_STEP, values, {"units": known[name].units, "long_name": name})
         for name, values in scalars.items()
     }
-    data["rise_quantile"] = ((*_STEP, "cooler_share"), quantiles, {"units": "K"})
-    data["rise_sampling"] = (
-        ("load", "velocity", "cooler_share"),
+    data["rise_quantile"] = ((*_STEP, "area_fraction_below"), quantiles, {"units": "K"})
+    data["rise_realization_std"] = (
+        ("load", "velocity", "area_fraction_below"),
         np.zeros((*flags.shape, len(QUANTILES))),
     )
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
@@ -123,7 +123,7 @@ def sweep(
         "load": ("load", loads, {"units": "N"}),
         "velocity": ("velocity", velocities, {"units": "m/s"}),
         "step": ("step", np.arange(1 - n_step, 1)),
-        "cooler_share": ("cooler_share", np.array(QUANTILES)),
+        "area_fraction_below": ("area_fraction_below", np.array(QUANTILES)),
     }
     if fields:
         data |= _fields(flags, loads, velocities, rise, coords)
@@ -145,7 +145,7 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     of each simulated uncertain input, by path.
     """
     stored = sweep_of(ds)
-    slots = wanted_slots(stored)
+    slots = list_points_of_tests(stored)
     if not slots:
         return ds
     flags = np.broadcast_to(status, len(slots))
@@ -156,7 +156,7 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     messages = {FAILED: "out of memory"}
     named["message"] = np.array([messages.get(int(flag), "") for flag in flags], object)
     named["warning_flags"] = np.zeros(len(slots), np.int32)
-    found = {test_variable(k): (TEST_POINT, v) for k, v in named.items()}
+    found = {variable_of_tests(k): (TEST_POINT, v) for k, v in named.items()}
     found["test"] = TEST_POINT, np.array([slot.test for slot in slots])
     steps = {
         "normal_load": loads, "time": loads / RATE, "sliding_distance": velocities * loads / RATE,
@@ -165,14 +165,14 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     }  # fmt: skip
     for name, values in steps.items():
         values = np.where(is_done, values, np.nan)[:, None]
-        found[test_variable(name)] = (TEST_POINT, TEST_STEP), values
+        found[variable_of_tests(name)] = (TEST_POINT, TEST_STEP), values
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
     paths = [getattr(stored.tests[slot.test], "path", "") for slot in slots]
     hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
-    found[test_variable("rise_quantile")] = (TEST_POINT, TEST_STEP, "cooler_share"), hot
+    found[variable_of_tests("rise_quantile")] = (TEST_POINT, TEST_STEP, "area_fraction_below"), hot
     return ds.assign_coords(found)
 
 
@@ -211,7 +211,7 @@ def _columns(ramp, velocity):
         "contact_width": 9e-6 * ramp**0.5 * (1 + 0.2 * velocity),
         "max_pressure": np.full(len(ramp), 6.6e9),
         "mean_pressure": np.full(len(ramp), math.nan),  # carries the load, see `sweep`
-        "saturated_fraction": 0.02 + 1e-4 * ramp,
+        "plastic_fraction": 0.02 + 1e-4 * ramp,
         "wear_depth_max": 2e-9 * velocity * ramp**0.9,
         "wear_volume": 1.2e-15 * 0.5 * RATE * time**2 * velocity,
         "iterations": np.full(len(ramp), 10.0),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.cli import main, output
-from pipeline.run.here import compute_here
+from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
 from tests.helpers import tiny
@@ -20,7 +20,7 @@ def commit_all(path, sweep, skip=()):
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
         store.commit(run_point(sweep, point).record(sweep.fields) for point in wanted)
-        compute_here(store)
+        run_serial(store)
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
-from pipeline.store.schema import test_variable as variable_at_tests
+from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
 from tests.helpers.asked import asked, named
 from tests.helpers.entries import bare_test

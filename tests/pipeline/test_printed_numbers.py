@@ -124,7 +124,7 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     words = ("point", stores("plane").with_suffix(".toml"), *place_of(400, 4))
     said, (row,) = irg_both(*words)
     quantiles, highest = ds["rise_quantile"], 298.15 + 0.1 * ds["max_rise"].item()
-    temperature = 298.15 + 0.1 * quantiles.sel(cooler_share=0.9).item()
+    temperature = 298.15 + 0.1 * quantiles.sel(area_fraction_below=0.9).item()
     assert row["governing temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
     assert row["temperature margin [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
     assert f"governing temperature   {temperature - 273.15:.4g} °C, simulated at this point" in said
@@ -143,7 +143,7 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     }.items():
         assert row[words] == pytest.approx(value, rel=1e-9)
         assert re.search(rf"^{re.escape(words)} +{re.escape(f'{value:.4g}')}$", said, re.MULTILINE)
-    cooler = np.interp(1200.0, quantiles.values, quantiles["cooler_share"].values)
+    cooler = np.interp(1200.0, quantiles.values, quantiles["area_fraction_below"].values)
     assert row["failed area fraction [%]"] == pytest.approx(100 * (1 - cooler), abs=2)
 
 

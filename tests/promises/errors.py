@@ -17,8 +17,8 @@ import pandas as pd
 from scipy.stats import binom
 
 import pipeline
+from pipeline.answers.discretization_error import preset_bound
 from pipeline.answers.error import INTERPOLATION, rise_errors, total
-from pipeline.answers.preset_error import preset_bound
 from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.case_table import CaseTable

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.answers.preset_error import preset_of, velocity_error
+from pipeline.answers.discretization_error import preset_of, velocity_error
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import case_of, cases

@@ -25,9 +25,9 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import beta
 
+from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, total
-from pipeline.answers.preset_error import presets_for, velocity_error
-from pipeline.answers.specimen import Alone
+from pipeline.answers.specimen import JackknifeQuality
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_PATCHES, Goal, Place
 from pipeline.sweep.plan import choose_stored_steps, run_point
@@ -105,7 +105,10 @@ class Planes:
 
     def search(self, accuracy, preset):
         """A search that has ended."""
-        patches, alone = 1 if self.fixed else MOST_PATCHES, Alone.of(self._patches[preset][0])
+        patches, alone = (
+            1 if self.fixed else MOST_PATCHES,
+            JackknifeQuality.of(self._patches[preset][0]),
+        )
         goal = Goal(accuracy, patches, not self.fixed)
         plane = self.loads, self.velocities, self.conditions
         search = Told(*plane, self.promised[preset], goal, alone)

@@ -54,7 +54,7 @@ class ContactSolution:
         Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float
         Deepest overlap of the bodies where the material does not yield [m].
-    saturated_fraction : float
+    plastic_fraction : float
         Share of the contact's nodes whose pressure is the hardness.
 
     Examples
@@ -75,7 +75,7 @@ class ContactSolution:
     residual: float
     load_error: float = 0.0
     penetration: float = 0.0
-    saturated_fraction: float = 0.0
+    plastic_fraction: float = 0.0
 
 
 def solve_contact(
@@ -244,7 +244,7 @@ def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
         outcome.residual,
         load_error=outcome.load_error,
         penetration=max(0.0, -float(elastic.min(initial=0.0))),
-        saturated_fraction=yielding / touching if touching else 0.0,
+        plastic_fraction=yielding / touching if touching else 0.0,
     )
 
 

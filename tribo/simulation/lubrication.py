@@ -25,7 +25,7 @@ _LAY = 2.0  # correlation length along grooves over the one across, from which t
 
 
 @dataclass(frozen=True, slots=True)
-class SurfaceFacts:
+class SurfaceSummary:
     """Roughness parameters of the disk's surface on its pixels."""
 
     measured: bool
@@ -38,7 +38,7 @@ class SurfaceFacts:
     slope: float | None = None  # root mean square along x; None if no heights are made
 
 
-def surface_facts(scene: Scene) -> SurfaceFacts | None:
+def summarize_surface(scene: Scene) -> SurfaceSummary | None:
     """Roughness of the disk's surface; None if the surface is smooth or its heights are unknown.
 
     For a random surface of over 10⁶ pixels no heights are made: Rq is estimated from Ra.
@@ -48,7 +48,7 @@ def surface_facts(scene: Scene) -> SurfaceFacts | None:
 
 
 @functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
-def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
+def _facts(rough: Any, pixels: Grid) -> SurfaceSummary | None:
     if rough is None:
         return None
     lay, is_random = None, isinstance(rough, SelfAffineRoughness)
@@ -56,15 +56,15 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         along_x, along_y = rough.correlation_length
         lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
         if math.prod(pixels.shape) > _MOST_PIXELS:
-            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
+            return SurfaceSummary(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
     is_scan = isinstance(rough, MeasuredRoughness)
     heights: Array = rough.array if is_scan else rough.heights(pixels)
     slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none for a single row
     try:
         found = areal_roughness(heights, pixels.spacing, with_lay=not is_random)
     except InputError:  # no height differs from its plane
-        return SurfaceFacts(not is_random, 0.0, 0.0)
-    return SurfaceFacts(
+        return SurfaceSummary(not is_random, 0.0, 0.0)
+    return SurfaceSummary(
         measured=not is_random,
         ra=found.sa,
         rq=found.sq,
@@ -81,7 +81,7 @@ def find_lubrication(scene: Scene, oil: Oil | None) -> Lubrication | None:
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficient is None or not is_known:
         return None
-    facts = surface_facts(scene)
+    facts = summarize_surface(scene)
     return Lubrication(scene, oil, facts.rq) if facts and facts.rq else None
 
 

@@ -36,11 +36,11 @@ def relative_sampling(
     """Relative deviation of the rise from patch to patch, as each point states it (...).
 
     It is that of the contact at the end: the governing rise with each rise of the contact lifted by
-    its own deviation. `columns` has the rises at the steps and ``rise_sampling``; `shares` of
-    cooler area belong to the quantiles, if they are others than `tribo.QUANTILES`.
+    its own deviation. `columns` has the rises at the steps and ``rise_realization_std``; `shares`
+    of cooler area belong to the quantiles, if they are others than `tribo.QUANTILES`.
     """
     quantiles = columns["rise_quantile"][..., -1, :]
-    lifted = np.maximum.accumulate(quantiles * (1 + columns["rise_sampling"]), axis=-1)
+    lifted = np.maximum.accumulate(quantiles * (1 + columns["rise_realization_std"]), axis=-1)
     named = {} if shares is None else {"quantile": shares}
     rise, above = (
         conditions.governing_rise({"rise_quantile": one} | named) for one in (quantiles, lifted)

@@ -56,12 +56,12 @@ class Heat:
     def sampling(self) -> dict[str, Any]:
         """Relative standard deviations of the rises from patch to patch, by variable of a sweep.
 
-        They are estimated from this contact alone: ``rise_sampling``, one for each of
+        They are estimated from this contact alone: ``rise_realization_std``, one for each of
         `tribo.QUANTILES`. On a smooth disk they are 0.
         """
         if self.quantile_without is None:
-            return {"rise_sampling": np.zeros(len(self.rise_quantile))}
-        return {"rise_sampling": jackknife_error(self.quantile_without)}
+            return {"rise_realization_std": np.zeros(len(self.rise_quantile))}
+        return {"rise_realization_std": jackknife_error(self.quantile_without)}
 
     @property
     def columns(self) -> dict[str, Any]:

@@ -17,7 +17,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     dict
         ``time`` [s], ``normal_load`` [N], ``sliding_distance`` [m], ``contact_fraction`` (of the
         window), ``contact_width`` (between the outermost elements in contact along x) [m],
-        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction`` (of
+        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``plastic_fraction`` (of
         the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole pin)
         [m³], ``iterations`` and ``residual`` of the contact; ``max_rise`` and ``mean_rise`` (per
         unit friction coefficient) [K], and ``pin_heat_share``. The last three are NaN if the
@@ -72,7 +72,7 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
         "contact_width": width / len(pressure) * scene.grid.size[0],
         "max_pressure": float(pressure.max()),
         "mean_pressure": float(pressure.sum()) / max(nodes, 1),
-        "saturated_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+        "plastic_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
     }
 
 

@@ -16,7 +16,7 @@ from PIL import Image
 
 from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures.style import save_figure
-from pipeline.progress import staged
+from pipeline.progress import with_progress
 from pipeline.words import did_you_mean
 from tribo import InputError
 
@@ -133,7 +133,7 @@ def write_gallery(
         raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
     reports = [
         reproduce(name, folder, **choices)
-        for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}")
+        for name in with_progress(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}")
     ]
     for name, text in pages(reports).items():
         (folder / name).write_text(text, encoding="utf-8")

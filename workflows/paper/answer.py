@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from pipeline.cli.given import values_in
-from pipeline.cli.output import Result, tell
+from pipeline.cli.output import Result, print_note
 
 from .. import paper
 from .report import WORDS
@@ -22,8 +22,10 @@ def recompute(options: argparse.Namespace) -> Result:
         return Result(results | {"not_recomputed": others}, text)
     chosen = values_in(options, "preset", "surfaces", "workers")
     if options.name == "all":
-        reports = paper.write_gallery(options.output or Path("results"), progress=tell, **chosen)
+        reports = paper.write_gallery(
+            options.output or Path("results"), progress=print_note, **chosen
+        )
         text = [line for report in reports for line in (*report.lines(), "")]
         return Result({report.name: report.as_dict() for report in reports}, text)
-    report = paper.reproduce(options.name, options.output, progress=tell, **chosen)
+    report = paper.reproduce(options.name, options.output, progress=print_note, **chosen)
     return Result(report.as_dict(), report.lines())

@@ -11,7 +11,7 @@ import xarray as xr
 
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
-from pipeline.progress import Progress, Report, silent, staged
+from pipeline.progress import Progress, Report, silent, with_progress
 from pipeline.run.sweep import Outcome
 from pipeline.shipped import WORKFLOWS
 from tribo import Fidelity
@@ -82,8 +82,8 @@ class Study:
         name: Callable[[T], str] = str,
         weight: Callable[[T], float] = lambda item: 1.0,
     ) -> Iterator[T]:
-        """Yield `items` one after the other, and report each as a stage; see `staged`."""
-        return staged(items, self.progress, name, weight)
+        """Yield `items` one after the other, and report each as a stage; see `with_progress`."""
+        return with_progress(items, self.progress, name, weight)
 
     def sweep(
         self, sweep: Sweep, name: str, accuracy: float | None = None

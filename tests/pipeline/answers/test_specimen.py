@@ -9,8 +9,8 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.error import PARTS, patches_bound, patches_needed
-from pipeline.answers.specimen import Alone
+from pipeline.answers.error import PARTS, patches_needed, surface_sampling_bound
+from pipeline.answers.specimen import JackknifeQuality
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
@@ -18,7 +18,7 @@ from tests.helpers.asked import asked
 from tests.helpers.entries import bare_test
 from tribo import QUANTILES
 
-LOCAL, SWEPT = Alone(*ALONE_IN_LOCAL_WEAR), Alone()
+LOCAL, SWEPT = JackknifeQuality(*ALONE_IN_LOCAL_WEAR), JackknifeQuality()
 LIFTS = (1.0, 1.1, 0.9, 1.05, 0.97)
 LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
 HOTTEST_TENTH = QUANTILES.index(0.9)
@@ -37,8 +37,8 @@ def patches(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
             status=(states or {}).get(seed),
             **{"tests": ()} | told,
         )
-        deviations = np.full(one["rise_sampling"].shape, sampling)
-        one["rise_sampling"] = one["rise_sampling"].dims, deviations
+        deviations = np.full(one["rise_realization_std"].shape, sampling)
+        one["rise_realization_std"] = one["rise_realization_std"].dims, deviations
         sweeps.append(one)
     seeds = xr.Variable("realization", np.arange(len(lifts)))
     return xr.concat(sweeps, seeds, coords="minimal", compat="override", combine_attrs="override")
@@ -144,17 +144,22 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
 
 def test_with_local_wear_a_patch_alone_tells_little_and_several_tell_by_their_spread():
     degrees, factor = ALONE_IN_LOCAL_WEAR
-    one = patches_bound(1, 0.0, 0.02, alone=LOCAL)
+    one = surface_sampling_bound(1, 0.0, 0.02, alone=LOCAL)
     assert one == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
-    assert one > 5 * patches_bound(1, 0.0, 0.02)
+    assert one > 5 * surface_sampling_bound(1, 0.0, 0.02)
     squares = 15 * 0.06**2  # of patches that differ by 6 %
     deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
     expected = t(degrees + 15).ppf(0.975) * deviation / 4
-    assert patches_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(expected, rel=1e-12)
-    assert expected > 1.1 * patches_bound(16, squares, 0.005)
+    assert surface_sampling_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(
+        expected, rel=1e-12
+    )
+    assert expected > 1.1 * surface_sampling_bound(16, squares, 0.005)
     assert patches_needed(1, 9.0, 256, alone=LOCAL) == 4
     scene = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"}).scene
-    assert (Alone.of(scene), Alone.of(replace(scene, wear=None))) == (LOCAL, SWEPT)
+    assert (JackknifeQuality.of(scene), JackknifeQuality.of(replace(scene, wear=None))) == (
+        LOCAL,
+        SWEPT,
+    )
 
 
 def test_the_boundary_states_its_error_and_the_part_of_the_surface():
@@ -198,7 +203,7 @@ def test_the_specimen_of_patches_that_differ_a_lot_is_decided_by_more_patches():
 def test_points_at_far_velocities_leave_the_surface_part_of_an_error_as_it_is():
     ds = synthetic.sweep()
     rough = 0.02 + 0.06 * (ds["velocity"] > 2.5)  # which points there state of their own deviation
-    ds = ds.assign(rise_sampling=(ds["rise_sampling"] + rough).drop_attrs())
+    ds = ds.assign(rise_realization_std=(ds["rise_realization_std"] + rough).drop_attrs())
     few = ds.isel(velocity=ds["velocity"].values <= 2.0)
     parts = [asked(one, 425.0, 1.2).temperature_error_surface for one in (few, ds)]
     assert parts[0] == pytest.approx(parts[1], rel=1e-12)

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.store.schema import FAILED, NOT_ASKED, PENDING
+from pipeline.store.schema import FAILED, NOT_NEEDED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
@@ -93,8 +93,8 @@ def test_points_that_are_not_done_are_marked():
 def test_points_that_no_run_simulates_have_no_mark():
     """A goal simulates few points of further surfaces."""
     ds = surfaces(1.0, 1.01).copy(deep=True)
-    ds["status"].loc[{"realization": 2, "velocity": 1.0}] = NOT_ASKED
-    ds["status"].loc[{"velocity": 4.0}] = NOT_ASKED
+    ds["status"].loc[{"realization": 2, "velocity": 1.0}] = NOT_NEEDED
+    ds["status"].loc[{"velocity": 4.0}] = NOT_NEEDED
     axes, _, legend = drawn(ds)
     assert marks(axes, "lacking") == set()
     assert {velocity for velocity, _ in marks(axes, "simulated")} == {1.0, 1.5, 2.0, 3.0}

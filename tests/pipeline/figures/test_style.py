@@ -47,7 +47,7 @@ def calls(node):
 
 
 def test_a_user_can_take_the_style_by_its_name():
-    with plt.style.context("pipeline.figures.house"):
+    with plt.style.context("pipeline.figures.irg"):
         assert plt.rcParams["axes.prop_cycle"].by_key()["color"][0] == style.BLUE
         assert plt.rcParams["legend.frameon"] is False
 

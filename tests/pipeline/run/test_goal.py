@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.store.schema import DONE, NOT_ASKED
+from pipeline.store.schema import DONE, NOT_NEEDED
 from tribo import InputError
 
 # first_try on few elements, of which enough touch for the same search in a quarter of the time
@@ -60,7 +60,7 @@ def test_the_stated_error_is_below_the_goal(small):
     assert (found["velocity_error"] < 0.03).all()
     assert found.attrs["missing_points"] == 0
     ds = pipeline.open_sweep(small)
-    assert np.array_equal(ds["status"] == NOT_ASKED, ds["status"] != DONE)
+    assert np.array_equal(ds["status"] == NOT_NEEDED, ds["status"] != DONE)
 
 
 def test_further_patches_have_one_point_a_load_and_no_fields(small):
@@ -79,7 +79,7 @@ def test_a_goal_computes_ends_alone_and_says_so(small):
     ds = xr.open_zarr(small, chunks=None)
     assert ds.sizes["step"] == 1
     assert ds.attrs["stored_steps"] == "end"
-    assert set(np.unique(ds["status"])) <= {NOT_ASKED, DONE}
+    assert set(np.unique(ds["status"])) <= {NOT_NEEDED, DONE}
 
 
 def test_a_smaller_goal_goes_on_with_the_store_and_a_larger_one_computes_nothing(small, tmp_path):

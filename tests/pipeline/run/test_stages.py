@@ -73,7 +73,9 @@ def test_onset_and_end_of_each_stage_are_stored(store):
 def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     ds = pipeline.open_sweep(store[1])
     found = pipeline.margin(ds, [100.0, 120.0, 140.0], [2.0] * 3)["governing_temperature"].values
-    steps = pipeline.temperatures(ds)["temperature_quantile"].sel(cooler_share=0.9, velocity=2)
+    steps = pipeline.temperatures(ds)["temperature_quantile"].sel(
+        area_fraction_below=0.9, velocity=2
+    )
     own = steps.sel(load=140).values
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
     assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)

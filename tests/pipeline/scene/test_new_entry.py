@@ -23,7 +23,7 @@ import json, pipeline
 from pipeline.answers.scene_notes import warning_text
 from tests.helpers.stored import sweep_text, parse_sweep
 from tests.house.sections import all_keys
-from pipeline.store.resume import misfits
+from pipeline.store.resume import mismatches
 
 PATH = "disk.roughness.waviness"
 
@@ -44,7 +44,7 @@ print(json.dumps({
     "fault": fault(),
     "doubt": warning_text(load("20 um").warnings[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
-    "misfits": [*misfits(one, other)],
+    "mismatches": [*mismatches(one, other)],
     "rows": [over.case(name).scene.roughness.waviness for name in over.case_table.names],
 }))
 """
@@ -84,6 +84,6 @@ def test_it_is_read_told_doubted_kept_compared_and_varied(copy):
         "fault": f'first_try: {path}: 2 has no unit; give a length above 0, such as "1 um"',
         "doubt": f"{path}: 20 µm, where 0.1 to 9 µm are usual: check the number and unit",
         "is kept": True,
-        "misfits": [f"{path}: 2e-06 in the store, 3e-06 in the scene"],
+        "mismatches": [f"{path}: 2e-06 in the store, 3e-06 in the scene"],
         "rows": [2e-6, 3e-6],
     }

@@ -8,7 +8,7 @@ import pipeline
 import tribo
 from pipeline import to_si
 from tests.helpers.entries import changed
-from tests.pipeline.scene.test_facts import SMOOTH
+from tests.pipeline.scene.test_contact_estimate import SMOOTH
 from tests.pipeline.scene.test_scene_warnings import said_of, surface
 
 # Rotations

@@ -8,7 +8,7 @@ import numpy as np
 
 import tribo
 from pipeline import load_scene, new_scene, to_si
-from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.units import difference_in_si, in_si, require_count, share_of
 from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
@@ -227,7 +227,7 @@ ENTRIES = {
     "key": (entry("realisations", 3), 'realisations: unknown key (did you mean "sweep.real'),
     "seeds": (entry("sweep.realizations", [3, 3]), "sweep.realizations[1]: 3 equals entry [0]"),
     "without": (entry("without", "pin.lenght"), '"pin.lenght" is not an entry of'),
-    "load": (lambda: require_bearable_load(scene(), 1e6, "--load"),
+    "load": (lambda: require_admissible_load(scene(), 1e6, "--load"),
              "--load: 1e+06 N is more than the window of"),
     "points": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 5000},
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 5000}}),

@@ -11,12 +11,12 @@ import pytest
 import tribo
 from pipeline import load_scene
 from pipeline.answers.scene_notes import warning_text
-from pipeline.scene.facts import Span, facts_of
+from pipeline.scene.contact_estimate import Span, estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_case
 from pipeline.sweep.notes import SceneWarning
 from tests.helpers.entries import bare_test, changed
-from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
-from tribo.simulation.lubrication import SurfaceFacts
+from tests.pipeline.scene.test_contact_estimate import BALL, CROWNED, SMOOTH
+from tribo.simulation.lubrication import SurfaceSummary
 
 SOURCE = load_scene("first_try").source
 
@@ -28,12 +28,12 @@ def with_test(load):
 
 def said_of(sweep, **facts):
     named = replace(sweep, source=SOURCE)
-    found = warnings_of_case(named, replace(facts_of(sweep), **facts))
+    found = warnings_of_case(named, replace(estimate_contact(sweep), **facts))
     return [warning_text(one) for one in found]
 
 
 def surface(**changes):
-    return SurfaceFacts(**({"measured": True, "ra": 0.3e-6, "rq": 0.4e-6} | changes))
+    return SurfaceSummary(**({"measured": True, "ra": 0.3e-6, "rq": 0.4e-6} | changes))
 
 
 # The usual ranges, stated here independently of the code: wide enough for any real scene, narrow
@@ -66,7 +66,7 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
         scene = load_scene("first_try", overrides={**beside, path: entry})
         key = path.rpartition(".")[2]
-        found = *scene.warnings, *warnings_of_case(scene, facts_of(scene))
+        found = *scene.warnings, *warnings_of_case(scene, estimate_contact(scene))
         unusual = (one.place.split("[")[0] for one in found if one.code == "unusual")
         return any(place.endswith(key) for place in unusual)
 

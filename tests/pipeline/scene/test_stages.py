@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.store.resume import misfits
+from pipeline.store.resume import mismatches
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import parse_sweep, sweep_text
 from tribo import Stages
@@ -87,7 +87,7 @@ def test_stages_of_velocity_are_refused_beside_the_whole_history(load):
 
 def test_a_store_of_a_ramp_does_not_take_stages(load):
     stored = parse_sweep(sweep_text(load(RAMP)), {})
-    words = "; ".join(misfits(stored, load(EVEN)))
+    words = "; ".join(mismatches(stored, load(EVEN)))
     assert "loading: Ramp in the store, Stages in the scene" in words
     assert "loading.hold" not in words
-    assert list(misfits(parse_sweep(sweep_text(load(EVEN)), {}), load(EVEN))) == []
+    assert list(mismatches(parse_sweep(sweep_text(load(EVEN)), {}), load(EVEN))) == []

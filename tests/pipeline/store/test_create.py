@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 import pipeline
 import tribo
 from pipeline import Conditions, StoreError, StoreMismatchError, open_sweep, summary, verify_store
-from pipeline.store.create import take_points, writing
+from pipeline.store.create import copy_points, writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
@@ -60,7 +60,7 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     with xr.open_zarr(path, chunks=None) as ds:
         assert tuple(ds["load"].values) == sweep.loads
         assert tuple(ds["velocity"].values) == sweep.velocities
-        assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
+        assert ds["area_fraction_below"].values.tolist() == list(tribo.QUANTILES)
     texts = "Conventions", "title", "source", "history", "license", "scene", "stored_steps"
     assert ds.attrs.keys() == {*texts}
     assert opened(path).sweep == sweep
@@ -83,8 +83,9 @@ def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
         import warnings; warnings.simplefilter("error")
         import xarray as xr
         ds = xr.open_zarr({str(alone)!r})
-        assert ds["rise_quantile"].sel(load=600, velocity=1.5).dims == ("step", "cooler_share")
-        assert ds["status"].attrs["flag_meanings"] == "not_asked done failed pending"
+        quantiles = ds["rise_quantile"].sel(load=600, velocity=1.5)
+        assert quantiles.dims == ("step", "area_fraction_below")
+        assert ds["status"].attrs["flag_meanings"] == "not_needed done failed pending"
         ds.load()
         for name, variable in ds.variables.items():
             assert "long_name" in variable.attrs, name
@@ -210,7 +211,7 @@ def test_fields_are_linked_into_a_larger_store_and_into_a_new_one(path, tmp_path
     assert files_of_fields(path).keys() == before.keys()
     assert len(before) == 27
     with writing(tmp_path / "new.zarr", SWEEP) as store:
-        assert take_points(store, opened(path)) == 9
+        assert copy_points(store, opened(path)) == 9
     assert files_of_fields(tmp_path / "new.zarr").keys() == before.keys()
     for one in (path, tmp_path / "new.zarr"):
         assert_is_as_computed(one, points(SWEEP))
@@ -282,19 +283,19 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
         case_table=rows("pin", {"own": {}, "thick": {"pin.radius": 9e-3, "pin.length": 3e-3}})
     )
     with writing(tmp_path / "rows.zarr", other) as store:  # its first row is the scene of the store
-        assert take_points(store, opened(path)) == 9
+        assert copy_points(store, opened(path)) == 9
         assert {point.case for point in store.pending()} == {(("pin", "thick"),)}
     assert verify_store(tmp_path / "rows.zarr").is_clean
     with writing(path, SWEEP) as store:
         store.arrays["mean_rise"][store.index(POINT)] = np.nan
     before = contents(path)
     with writing(tmp_path / "sound.zarr", SWEEP) as store:
-        assert take_points(store, opened(path)) == 8
+        assert copy_points(store, opened(path)) == 8
         assert store.pending() == [POINT]
     assert contents(path) == before
     for unlike in ({"increments": 7}, {"steps": "end"}, {"roughness": None}):
         with writing(tmp_path / f"{', '.join(unlike)}.zarr", tiny.full(**unlike)) as store:
-            assert take_points(store, opened(path)) == 0
+            assert copy_points(store, opened(path)) == 0
 
 
 def several(**changes):

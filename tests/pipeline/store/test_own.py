@@ -13,7 +13,7 @@ import zarr
 import pipeline
 import tribo
 from pipeline.answers.results import cases_of
-from pipeline.run.here import compute_here
+from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
 from pipeline.sweep.case_table import surfaces
@@ -150,7 +150,7 @@ def test_plain_xarray_works_on_whole_and_half_done_sweeps(opened, name):
 def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
     place = {"load": 600.0, "velocity": 1.5}
     with writing(path, tiny.full(fields="steps")) as store:
-        compute_here(store, [Point(**place), Point(250.0, 1.5)])
+        run_serial(store, [Point(**place), Point(250.0, 1.5)])
     assert pipeline.verify_store(path).is_clean
     with pipeline.open_sweep(path) as ds, pipeline.open_sweep(alone) as ends:
         steps, end = ds.sel(place), ends.sel(place)

@@ -10,7 +10,7 @@ import s3fs
 from aiobotocore.endpoint import AioEndpoint
 
 from pipeline import StoreError, StoreMismatchError, open_sweep, run_sweep, summary, verify_store
-from pipeline.store.create import take_points, writing
+from pipeline.store.create import copy_points, writing
 from pipeline.store.place import Bucket
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
@@ -127,7 +127,7 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(
         commit(address, LATER, ())
     assert verify_store(address).is_clean
     with writing(tmp_path / "new.zarr", SWEEP) as store:
-        assert take_points(store, opened(address)) == 1
+        assert copy_points(store, opened(address)) == 1
 
 
 def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):

@@ -12,7 +12,7 @@ import pipeline
 import tribo
 from pipeline import StoreError
 from pipeline.store import arrays
-from pipeline.store.create import take_points, writing
+from pipeline.store.create import copy_points, writing
 from pipeline.store.schema import path_of
 from pipeline.store.store import opened
 from pipeline.sweep.case_table import surfaces
@@ -140,7 +140,7 @@ def test_files_that_were_exchanged_are_named_left_out_of_a_new_store_and_compute
         harmed = ALL
     assert reasons(copy) == dict.fromkeys(harmed, EXCHANGED)
     with writing(tmp_path / "new.zarr", SWEEP) as store:
-        assert take_points(store, opened(copy)) == 9 - len(harmed)
+        assert copy_points(store, opened(copy)) == 9 - len(harmed)
     assert resumed(copy, SWEEP)[0].computed == len(harmed)
     assert stored(copy) == before
 

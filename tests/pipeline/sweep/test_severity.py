@@ -93,5 +93,5 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
 
 def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the_end():
     known = columns(3 * EVEN, EVEN, loads=[300.0, 600.0])
-    known["rise_sampling"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
+    known["rise_realization_std"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
     assert relative_sampling(known, OWN) == pytest.approx(0.05, rel=1e-6)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.answers.preset_error import has_unknown_error, preset_bound, velocity_error
+from pipeline.answers.discretization_error import has_unknown_error, preset_bound, velocity_error
 from pipeline.sweep.sweep import Point
 from tests.helpers import synthetic
 from tribo import PRESETS

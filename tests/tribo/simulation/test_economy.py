@@ -61,7 +61,7 @@ def test_without_wear_a_point_is_one_step(wear):
     # plastic yield, in 8 steps.
     hardly = list(simulate(replace(scene, wear=Wear(1e-25)), 600.0, 1.25))
     assert len(hardly) == 8
-    assert measures(scene, states[0])["saturated_fraction"] > 0
+    assert measures(scene, states[0])["plastic_fraction"] > 0
     assert states[0].pressure == pytest.approx(hardly[-1].pressure, abs=1e-5 * 6.6e9)
     assert states[0].heat.rise == pytest.approx(hardly[-1].heat.rise, rel=1e-5)
 

@@ -141,7 +141,7 @@ def test_more_load_never_means_less_contact(drawn):
     load, scene = drawn
     states = list(simulate(scene, load, 1.0, requested=range(10_000)))
     nodes = [np.count_nonzero(state.pressure) for state in states]
-    saturated = [measures(scene, state)["saturated_fraction"] for state in states]
+    saturated = [measures(scene, state)["plastic_fraction"] for state in states]
     assert nodes == sorted(nodes)
     assert all(0 <= share <= 1 for share in saturated)
     for before, after in itertools.pairwise(states):

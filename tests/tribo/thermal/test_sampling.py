@@ -50,7 +50,7 @@ def errors_and_spread(scene, load, velocity, seeds):
         own = replace(scene, roughness=replace(scene.roughness, seed=seed))
         *_, state = simulate(own, load, velocity)
         found = heat(own, state, velocity, is_sampled=True)
-        errors.append(found.sampling["rise_sampling"][HOTTEST_TENTH])
+        errors.append(found.sampling["rise_realization_std"][HOTTEST_TENTH])
         rises.append(found.rise_quantile[HOTTEST_TENTH])
     return float(np.sqrt(np.mean(np.square(errors)))), float(np.std(np.log(rises), ddof=1))
 
@@ -71,4 +71,4 @@ def test_a_patch_tells_how_patches_differ_and_a_smooth_disk_has_no_error():
     assert spread / 2 < error < 2 * spread
     smooth = small_scene(roughness=False)
     *_, state = simulate(smooth, 400.0, 2.0)
-    assert not heat(smooth, state, 2.0, is_sampled=True).sampling["rise_sampling"].any()
+    assert not heat(smooth, state, 2.0, is_sampled=True).sampling["rise_realization_std"].any()

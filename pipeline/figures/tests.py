@@ -16,7 +16,7 @@ from pipeline.answers import words
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.figures import style
 from pipeline.figures.diagram import UNDECIDED_LABEL
-from pipeline.figures.markers import legend_of_tests, mark_test
+from pipeline.figures.markers import draw_test_marker, legend_of_tests
 from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
@@ -54,7 +54,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         ends = pair[np.isfinite(pair)]
         axes.plot(ends, [place] * len(ends), color=GREY)
         at = float(ends.mean()), place
-        mark_test(axes, str(known["test"].values[place]), outcomes[place], at)
+        draw_test_marker(axes, str(known["test"].values[place]), outcomes[place], at)
     legend |= legend_of_tests(outcomes)
     ends = np.array([min(low, np.nanmin(pairs)) / _BESIDE, max(high, np.nanmax(pairs)) * _BESIDE])
     axes.set(xscale="log", xlim=ends, ylim=(len(pairs) - 1 + _ROOM, -_ROOM))

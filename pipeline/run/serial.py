@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import xarray as xr
 
 from pipeline.progress import Report, silent
-from pipeline.store.create import take_points
+from pipeline.store.create import copy_points
 from pipeline.store.read import store_dataset
 from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
@@ -15,7 +15,7 @@ from pipeline.sweep.sweep import Point
 from tribo import TriboError
 
 
-def compute_here(
+def run_serial(
     store: Store, wanted: Sequence[Point] = (), source: str | None = None, report: Report = silent
 ) -> None:
     """Simulate the pending points of the tests in a store, then those `wanted`, in their order.
@@ -24,7 +24,7 @@ def compute_here(
     raised; another one becomes the message of its point.
     """
     if source is not None:
-        take_points(store, opened(source))
+        copy_points(store, opened(source))
     if store.tests:
         store.tests.commit(_simulated(store.tests, store.tests.pending(), (), report))
     store.commit(_simulated(store, wanted, wanted[:1], report))

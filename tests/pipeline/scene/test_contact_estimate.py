@@ -1,4 +1,4 @@
-"""Facts of a scene in closed form, against its simulation."""
+"""ContactEstimate of a scene in closed form, against its simulation."""
 
 from dataclasses import replace
 
@@ -8,12 +8,12 @@ import pytest
 import tribo
 from pipeline import load_scene, run_point
 from pipeline.answers.scene_notes import warning_text
-from pipeline.scene.facts import facts_of
+from pipeline.scene.contact_estimate import estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_case
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
-from tribo.simulation.lubrication import surface_facts
+from tribo.simulation.lubrication import summarize_surface
 
 SMOOTH = tiny.sweep(
     pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
@@ -43,7 +43,7 @@ CROWNED = changed(
 
 def test_width_and_depth_are_those_of_a_smooth_crowned_pin():
     sweep = changed(CROWNED, wear=tribo.Wear(1e-15, "local"))
-    facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
+    facts, columns = estimate_contact(sweep), run_point(sweep, 10.0, 1.0).columns
     assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.05)
     assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.15)
 
@@ -63,7 +63,7 @@ def waves(nx=64, ny=32, along=0):
 @pytest.mark.parametrize(("rate", "load", "velocity"), [(0.0, 600.0, 4.0), (1.2e-14, 200.0, 0.5)])
 def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     sweep = changed(SMOOTH, wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
-    facts, columns = facts_of(sweep), run_point(sweep, load, velocity).columns
+    facts, columns = estimate_contact(sweep), run_point(sweep, load, velocity).columns
     assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.03)
     if rate:
         assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
@@ -83,13 +83,13 @@ def test_roughness_widens_the_contact_as_in_the_simulation():
         velocities=(0.5,),
     )
     width = run_point(sweep, 200.0, 0.5).columns["contact_width"][-1]
-    facts = facts_of(sweep)
+    facts = estimate_contact(sweep)
     assert facts.contact_width.low == pytest.approx(width, rel=0.12)
     assert width > 1.25 * 2 * facts.hertz_half_width.low
 
 
 def test_spans_cover_all_loads_and_velocities():
-    facts = facts_of(changed(SMOOTH, loads=(200.0, 800.0), velocities=(0.0, 2.0)))
+    facts = estimate_contact(changed(SMOOTH, loads=(200.0, 800.0), velocities=(0.0, 2.0)))
     assert facts.hertz_pressure.high == pytest.approx(2 * facts.hertz_pressure.low, rel=1e-12)
     assert facts.duration == pytest.approx((200 / 150, 800 / 150), rel=1e-12)
     assert facts.sliding_distance == pytest.approx((0.0, 1600 / 150), rel=1e-12)
@@ -110,7 +110,7 @@ def test_a_tilted_surface_is_described_above_its_mean_plane():
     i, j = np.indices((64, 32))
     level = waves()
     tilted = level + 5e-6 + 2e-8 * i - 1e-7 * j
-    facts = surface_facts(rough(tilted).scene)
+    facts = summarize_surface(rough(tilted).scene)
     assert facts.mean_height == pytest.approx(tilted.mean(), rel=1e-12)
     # The waves, 8 periods of a sine, have a small slope of their own.
     assert facts.rise == pytest.approx((64 * 2e-8, -32 * 1e-7), rel=0.06)
@@ -120,14 +120,14 @@ def test_a_tilted_surface_is_described_above_its_mean_plane():
 
 @pytest.mark.parametrize(("along", "lay"), [(0, 90.0), (1, 0.0)])
 def test_grooves_lie_across_the_direction_in_which_heights_change(along, lay):
-    assert surface_facts(rough(waves(along=along)).scene).lay == pytest.approx(lay, abs=1e-6)
+    assert summarize_surface(rough(waves(along=along)).scene).lay == pytest.approx(lay, abs=1e-6)
 
 
 def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
     def lay(length, count):
         surface = tribo.SelfAffineRoughness(0.27e-6, 0.8, length, seed=3)
         grid = tribo.Grid((count, count), (1e-6, 1e-6))
-        return surface_facts(changed(SMOOTH, pixels=grid, roughness=surface).scene).lay
+        return summarize_surface(changed(SMOOTH, pixels=grid, roughness=surface).scene).lay
 
     assert lay((4e-6, 4e-6), 128) is None
     assert lay((4e-6, 40e-6), 128) == 90.0
@@ -143,14 +143,14 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):
     named = replace(sweep, source=load_scene("first_try").source)
-    found = warnings_of_case(named, facts_of(sweep))
+    found = warnings_of_case(named, estimate_contact(sweep))
     assert any(said in warning_text(one) for one in found)
 
 
 def test_of_two_moving_bodies_the_velocity_of_the_disk_counts():
     motion = tribo.Motion(slide_roll_ratio=0.5, track_length=0.1)
     sweep = changed(SMOOTH, motion=motion, loads=(300.0, 750.0), velocities=(1.0, 4.0))
-    facts, unmoved = facts_of(sweep), facts_of(changed(sweep, motion=None))
+    facts, unmoved = estimate_contact(sweep), estimate_contact(changed(sweep, motion=None))
     assert facts.peclet_number.high == pytest.approx(2.5 * unmoved.peclet_number.high)
     columns = run_point(sweep, 750.0, 4.0).columns
     assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)

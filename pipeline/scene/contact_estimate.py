@@ -13,7 +13,7 @@ from pipeline.quantities import display, display_sides
 from pipeline.sweep.case_table import PLACE_UNITS
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, Scene, contact_modulus
-from tribo.simulation.lubrication import SurfaceFacts, find_lubrication, surface_facts
+from tribo.simulation.lubrication import SurfaceSummary, find_lubrication, summarize_surface
 from tribo.types import Array
 from tribo.wear import wear_over
 
@@ -35,7 +35,7 @@ class Span(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class ContactEstimate:
     """Numbers that describe a scene. Each `Span` is over its loads and velocities."""
 
     hertz_pressure: Span  # highest pressure, smooth, elastic and unworn [Pa]
@@ -46,11 +46,11 @@ class Facts:
     sliding_distance: Span  # distance slid until then [m]
     wear_depth: Span | None = None  # expected on the pin at the end [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
-    surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
+    surface: SurfaceSummary | None  # surface of the disk; None if it is smooth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CaseFacts:
+class CaseEstimate:
     """Numbers of one case of a sweep, at its own load and velocity."""
 
     case: str  #: Its label, else its number.
@@ -81,14 +81,14 @@ def single_cases(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
     return found
 
 
-def case_facts(label: str, sweep: Sweep) -> CaseFacts:
+def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
     """Numbers of a case, by its label and the sweep of this case."""
     scene, (load,), (velocity,) = sweep.scene, sweep.loads, sweep.velocities
     hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
     pin, disk = scene.velocities_at(velocity)
     film, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
     bulk = sweep.conditions.bulk_temperature
-    return CaseFacts(
+    return CaseEstimate(
         case=label,
         load=load,
         half_width=hertz.half_width,
@@ -100,25 +100,25 @@ def case_facts(label: str, sweep: Sweep) -> CaseFacts:
     )
 
 
-def facts_of_all(cases: Sequence[tuple[str, Sweep]]) -> Facts:
+def estimate_contacts(cases: Sequence[tuple[str, Sweep]]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
-    first, *others = (facts_of(case) for _, case in cases)
+    first, *others = (estimate_contact(case) for _, case in cases)
     spans: dict[str, Any] = {
         name: Span.of([end for one in (first, *others) for end in getattr(one, name) or ()])
-        for name in (one.name for one in fields(Facts))
+        for name in (one.name for one in fields(ContactEstimate))
         if isinstance(getattr(first, name), Span)
     }
     return replace(first, **spans)
 
 
-def facts_of(sweep: Sweep) -> Facts:
+def estimate_contact(sweep: Sweep) -> ContactEstimate:
     """Calculate numbers that describe a scene, in closed form: contact, wear, Péclet number."""
-    scene, surface = sweep.scene, surface_facts(sweep.scene)
+    scene, surface = sweep.scene, summarize_surface(sweep.scene)
     velocities, diffusivity = sweep.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
     expected = expect_contacts(scene, sweep.loads, velocities, surface.rq if surface else 0.0)
     peclet = np.outer(expected["hertz_half_width"], np.abs(disk)) / (2 * diffusivity)
-    return Facts(
+    return ContactEstimate(
         **{name: Span.of(values) for name, values in expected.items()},
         window=scene.grid.size,
         peclet_number=Span.of(peclet),
@@ -126,7 +126,7 @@ def facts_of(sweep: Sweep) -> Facts:
     )
 
 
-def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
+def require_admissible_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise an `InputError` if `load` [N] is too high for the size of the simulated window.
 
     The mean pressure over the window must not exceed the hardness. The message names `key`, the
