@@ -151,25 +151,27 @@ def margin(
         return _rows(ds, points, conditions)
     if (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
-    places = {
-        name: in_array(name, value, functools.partial(in_si, name, like=like), "place").astype(
-            float
-        )
-        for name, value, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
-        if value is not None
-    }
+    places = {} if load is None else {
+        "load": in_array("load", load, functools.partial(in_si, "load", like="500 N"), "place"),
+        "velocity": in_array(
+            "velocity", velocity, functools.partial(in_si, "velocity", like="2 m/s"), "place"
+        ),
+    }  # fmt: skip
     given = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
-        asked = places or {name: xr.DataArray(_own_point(case, name)) for name in PLANE}
+        own = _of_case(given, case)
+        asked = _of_case(places, case) or {
+            name: xr.DataArray(_own_point(case, name)) for name in PLANE
+        }
         try:
-            arrays = xr.broadcast(*asked.values(), *given.values())
+            arrays = xr.broadcast(*asked.values(), *own.values())
         except ValueError as error:
             raise InputError(
                 f"load, velocity and conditions do not fit together: {error}"
             ) from None
         shape, flat = arrays[0], [one.values.ravel() for one in arrays]
-        each = _each_conditions(case.conditions, [*given], flat[2:], shape.size)
+        each = _each_conditions(case.conditions, [*own], flat[2:], shape.size)
         loads, velocities = (one.astype(float) for one in flat[:2])
         at = Operation(
             loads, velocities, *np.array([[c.friction, c.bulk_temperature] for c in each]).T
@@ -184,15 +186,25 @@ def margin(
                 part = np.array(numbers[begin : begin + _AT_ONCE])
                 for name, one in _answers_at(judge, at.take(part)).items():
                     whole.setdefault(name, np.empty(shape.size, one.dtype))[part] = one
-        found = {
-            name: shape.copy(data=one.reshape(shape.shape)).drop_attrs()
-            for name, one in whole.items()
-        }
-        described = _described(found, judge, {k: one for k, one in given.items() if one.ndim})
+        found = {name: (shape.dims, one.reshape(shape.shape)) for name, one in whole.items()}
+        varied = {k: one for k, one in own.items() if one.ndim}
+        described = _described(found, judge, varied, shape.drop_attrs().coords)
         several = len(set(map(id, each))) > 1
         return described.assign_attrs({"conditions": words.OWN_CONDITIONS} if several else {})
 
     return _side_by_side(ds, answer)
+
+
+def _of_case(given: Mapping[str, xr.DataArray], case: CaseResults) -> dict[str, xr.DataArray]:
+    """Arguments for a case: where they vary with the entries that cases do, at its labels."""
+    found = {**given}
+    for name, one in given.items():
+        labels = {dim: case.labels[str(dim)] for dim in one.dims if dim in case.labels}
+        try:
+            found[name] = one.sel(labels, drop=True) if labels else one
+        except (IndexError, KeyError, TypeError):
+            raise InputError(f"{name} has not all {min(map(str, labels))} of the sweep") from None
+    return found
 
 
 def _each_conditions(
@@ -291,12 +303,13 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
         if not {*PLANE} <= {*ds["status"].dims}:
             raise InputError("each case has its own load and velocity, so there is no boundary")
         judges = JudgedCase(case)
-        shape = xr.broadcast(*given.values())[0] if given else xr.DataArray(0)
-        arrays = [one.broadcast_like(shape) for one in given.values()]
+        own = _of_case(given, case)
+        shape = xr.broadcast(*own.values())[0] if own else xr.DataArray(0)
+        arrays = [one.broadcast_like(shape) for one in own.values()]
         rows = []
         for place in np.ndindex(shape.shape):
-            values = {name: one.values[place] for name, one in zip(given, arrays, strict=True)}
-            here = {name: xr.DataArray(one) for name, one in values.items() if given[name].ndim}
+            values = {name: one.values[place] for name, one in zip(own, arrays, strict=True)}
+            here = {name: xr.DataArray(one) for name, one in values.items() if own[name].ndim}
             rows.append(_boundary(judges.under(replaced(case.conditions, values)), here))
         return _joined(rows, [shape[dim] for dim in shape.dims])
 
@@ -326,23 +339,22 @@ def _boundary(judge: Judge, varied: dict[str, xr.DataArray]) -> xr.Dataset:
     for probability in DECIDED:
         name = f"critical_velocity_p{100 * probability:02.0f}"
         found[name] = ("load", judge.velocity_of_probability(at, probability))
-    return _described(found | {"load": loads, "velocity": velocities}, judge, varied)
+    return _described(found | {"load": loads, "velocity": velocities}, judge, varied, {})
 
 
 def _described(
-    variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArray]
-) -> xr.Dataset:
+    variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArray],
+    coordinates: Mapping[Any, Any],
+) -> xr.Dataset:  # fmt: skip
     """Dataset with units, long names and conditions; attributes say what holds for all of it."""
-    axes = {name: variables.pop(name) for name in PLANE}
+    axes = {**coordinates} | {name: variables.pop(name) for name in PLANE}
     own = {name: variables.pop(name, None) for name in ("friction", "bulk_temperature")}
-    found = xr.Dataset(variables, axes)
     for name, value in plain_values(judge.conditions).items():
-        if name not in varied and name != "corrections":
-            found = found.assign_coords({name: np.nan if value is None else value})
+        if name != "corrections":
+            axes[name] = np.nan if value is None else value
     for name, one in varied.items():
-        listed = one if name in one.dims or own.get(name) is None else own[name]
-        found = found.assign_coords({name: listed})
-    return _with_attributes(found).assign_attrs(words.about(judge))
+        axes[name] = one if name in one.dims or own.get(name) is None else own[name]
+    return _with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(judge))
 
 
 def _with_attributes(found: xr.Dataset) -> xr.Dataset:
@@ -358,7 +370,7 @@ def _with_attributes(found: xr.Dataset) -> xr.Dataset:
         if name == "warning_flags":
             about["flag_masks"] = np.array([*map(int, Flag)], np.int16)
             about["flag_meanings"] = " ".join(str(one.name).lower() for one in Flag)
-        found[name].attrs |= about
+        found.variables[name].attrs.update(about)
     return found
 
 

@@ -99,11 +99,10 @@ def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.
         raise InputError(f"{name} is a {type(value).__name__} and no array; give numbers") from None
     if not values.size:
         raise InputError(f"{name} is empty; give at least one value")
-    unit = about.get("units")
-    read_all = [
-        read(f"{one} {unit}" if unit and not isinstance(one, str) else one) for one in values.flat
-    ]
-    found = np.array(read_all, object).reshape(values.shape)
+    unit, found = about.get("units"), np.empty(values.shape, object)
+    for place, one in np.ndenumerate(values):
+        bare = not unit or isinstance(one, str) or (isinstance(one, float) and np.isnan(one))
+        found[place] = read(one if bare else f"{one} {unit}")
     if isinstance(value, xr.DataArray):
         return value.copy(data=found).drop_attrs()
     if found.ndim > 1:

@@ -214,7 +214,9 @@ class CaseResults:
             if name not in self.ds:
                 raise InputError(f"the dataset has no {name}; take all of its variables")
             _require_unit(self.ds[name])
-            values = self.ds[name].transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
+            held = self.ds[name]
+            held = held.broadcast_like(self.ds["status"]) if name in MADE else held
+            values = held.transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
             self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
         return self._arrays[name]
 
@@ -356,15 +358,13 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
         for key, one in ds.coords.items()
         if not one.ndim and key not in (*COORDINATES, "realization")
     }
-    status = ds["status"]
     ds = ds.reset_coords([key for key in MADE if key in ds.coords])
-    ds = ds.assign({key: ds[key].broadcast_like(status) for key in MADE if key in ds})
-    # A new dimension reads all values; fields are large, and no answer needs all of them.
-    fields = {key: ds[key].variable for key in FIELDS if key in ds}
-    lacking = [dim for dim in _SPECIMEN if dim not in status.dims]
-    ds = ds.drop_vars(fields).expand_dims(lacking).assign(fields)
+    if lacking := [dim for dim in _SPECIMEN if dim not in ds["status"].dims]:
+        # A new dimension reads all values; fields are large, and no answer needs all of them.
+        fields = {key: ds[key].variable for key in FIELDS if key in ds}
+        ds = ds.drop_vars(fields).expand_dims(lacking).assign(fields)
     moves = ds["velocity"] > 0
-    ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() else ds
+    ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() and not moves.all() else ds
     return CaseResults(case, labels, name, ds, tests, from_rest=not moves.all())
 
 

@@ -1,0 +1,348 @@
+"""One table of 200 points, and each type of argument, given to every door: one answer, or none."""
+
+import functools
+import html
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import pipeline
+import tribo
+from pipeline.page import report
+from pipeline.page.parts import Picture
+from tests.helpers import synthetic
+from tests.helpers.asked import named
+from tests.helpers.entries import bare_test
+from tests.helpers.entries import two_pins as two_rows
+from tests.pipeline.test_film import filmed
+from tribo import InputError
+
+LOADS, VELOCITIES = (200.0, 300.0, 400.0, 600.0, 750.0), (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
+SMALL = {"loads": LOADS, "velocities": VELOCITIES}
+NUMBERS = (
+    "probability", "probability_low", "probability_high", "governing_temperature",
+    "temperature_margin", "temperature_error", "critical_velocity", "critical_load",
+    "critical_velocity_p50",
+)  # fmt: skip
+VERDICTS = {"mild", "undecided", "severe", "outside the model", "unknown"}
+
+
+def cases():
+    """Two pins, the second less hot."""
+    parts = [
+        synthetic.sweep(
+            case_table=two_rows(), rise=lambda *at, k=k: k * synthetic.rise(*at), **SMALL
+        )
+        for k in (1.0, 0.8)
+    ]
+    radii = xr.DataArray([1e-3, 2e-3], dims="pin_radius", name="pin_radius", attrs={"units": "m"})
+    return xr.concat(parts, radii, combine_attrs="override")
+
+
+def pending():
+    """Sweep with a third of its points pending, and a mild test that has no result yet."""
+    late = {(F, V): 0 for k, F in enumerate(LOADS) for j, V in enumerate(VELOCITIES) if (k + j) % 3}
+    late = {place: 0 for number, place in enumerate(late) if number % 2}
+    tests = *synthetic.MEASURED[:3], bare_test(300.0, 2.0, outcome="mild")
+    ds = synthetic.sweep(status=late, tests=tests, **SMALL)
+    return synthetic.with_tests(ds, status=[1, 1, 1, 0])
+
+
+STORES = {
+    "cases": cases,
+    "film": lambda: filmed(**SMALL),
+    "stages": lambda: synthetic.sweep(loading=tribo.Stages(LOADS, (5.0,) * 5, 150.0), **SMALL),
+    "pending": pending,
+}
+
+
+@functools.cache
+def table(name):
+    """50 points in and around a plane, half of them with a friction and a bulk of their own."""
+    rng = np.random.default_rng([*STORES].index(name))
+    places = rng.uniform(190, 760, 50).round(2), rng.uniform(0.45, 4.1, 50).round(3)
+    own = rng.random(50) < 0.5
+    friction = np.where(own, rng.uniform(0.08, 0.13, 50).round(4), np.nan)
+    bulk = np.where(own, rng.uniform(15, 60, 50).round(2), np.nan)
+    heads = "load [N]", "velocity [m/s]", "friction", "bulk temperature [degC]"
+    return pd.DataFrame(dict(zip(heads, (*places, friction, bulk), strict=True)))
+
+
+@functools.cache
+def store(name):
+    """A store, and what `pipeline.margin` says of its table, given as arrays."""
+    ds, rows = STORES[name](), table(name)
+    load, velocity, friction, bulk = (one.to_numpy() for one in map(rows.get, rows))
+    told = {"friction": friction, "bulk_temperature": bulk + 273.15}
+    told = {
+        name: xr.DataArray([None if np.isnan(one) else one for one in values], dims="place")
+        for name, values in told.items()
+    }
+    return ds, pipeline.margin(ds, load, velocity, **told)
+
+
+@pytest.fixture(params=STORES)
+def asked(request, monkeypatch):
+    ds, found = store(request.param)
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
+    return request.param, ds, found
+
+
+def words(found):
+    codes = named(found["verdict"]).ravel().tolist()
+    return np.array([one.replace("outside_", "outside the ") for one in codes], object)
+
+
+def same(left, right, rtol=1e-12):
+    np.testing.assert_allclose(np.array(left, float), np.array(right, float), rtol, 1e-12)
+
+
+def columns(rows, *names):
+    """Values of rows of JSON or CSV, by the names of variables and in SI."""
+    heads = {head.partition(" [")[0]: head for head in rows[0]}
+    for name in names:
+        head = heads[
+            {"critical_velocity_p50": "with tests, 50 %"}.get(name, name.replace("_", " "))
+        ]
+        values = np.array([row[head] or np.nan for row in rows], float)
+        yield name, values + 273.15 * (name == "governing_temperature")
+
+
+def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg):
+    name, ds, found = asked
+    by_table = pipeline.margin(ds, table(name))
+    for one in (*NUMBERS, "verdict", "warning_flags", "outcome_along_velocity"):
+        same(by_table[one], found[one])
+    found = found.transpose("place", ...)  # the order of rows
+    assert (by_table["reason"] == found["reason"]).all()
+    seen = words(found).tolist()
+    assert len({*seen}) >= 3
+    table(name).to_csv(tmp_path / "t.csv", index=False)
+    command = "margin", "out.zarr", "--points", tmp_path / "t.csv", "-o", tmp_path / "out.csv"
+    rows = irg(*command, "--json")
+    assert [row["verdict"] for row in rows] == seen
+    for one, values in columns(rows, *NUMBERS):
+        same(values, found[one].values.ravel(), 1e-9)
+    written = pd.read_csv(tmp_path / "out.csv").replace({np.nan: None}).to_dict("records")
+    assert [row["verdict"] for row in written] == seen
+    for one, values in columns(written, "probability", "temperature_margin"):
+        np.testing.assert_allclose(values, found[one].values.ravel(), 1e-5, 1e-5)
+    counts = {verdict: seen.count(verdict) for verdict in {*seen}}
+    said = irg(*command[:4])
+    assert all(f"{count} {verdict}" in said for verdict, count in counts.items())
+
+
+def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg):
+    name, ds, found = asked
+    rows = table(name)
+    for k in (17,):
+        load, velocity, friction, bulk = rows.iloc[k].tolist()
+        own = {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
+        here, there = pipeline.margin(ds, load, f"{velocity} m/s", **own), found.isel(place=k)
+        for one in NUMBERS:
+            same(here[one], there[one])
+        assert words(here).tolist() == words(there).tolist()
+        told = [part for key, x in own.items() for part in (f"--{key.replace('_', '-')}", x)]
+        place = "margin", "out.zarr", "--load", f"{load} N", "--velocity", f"{velocity} m/s"
+        if "unknown" in words(there):
+            assert there["reason"].values.ravel()[0] in irg(*place, *told, code=2)
+            continue
+        printed = irg(*place, *told, "--json")
+        assert [row["verdict"] for row in printed] == words(there).tolist()
+        for one, values in columns(printed, *NUMBERS):
+            same(values, there[one].values.ravel(), 1e-9)
+        first = irg(*place, *told).replace("\n    ", " ")
+        assert words(there)[0].capitalize() in first
+
+
+def test_boundary_figure_and_margin_draw_one_line(asked, irg):
+    _, ds, _ = asked
+    found = pipeline.boundary(ds)
+    rows = irg("boundary", "out.zarr", "--json")
+    for one, values in columns(rows, "critical_velocity", "critical_velocity_p50"):
+        same(values, found[one].values.ravel(), 1e-9)
+    along = pipeline.margin(ds, found["load"], 1.2)
+    known = along["log_rise_ratio"].notnull()
+    for one in ("critical_velocity", "outcome_along_velocity"):
+        same(along[one].where(known), found[one].where(known).transpose(*along.dims))
+    for share in (0.05, 0.5, 0.95):
+        ends = found[f"critical_velocity_p{100 * share:02.0f}"]
+        here = pipeline.margin(ds, ends["load"], ends)["probability"]
+        assert here.values[np.isfinite(here.values)] == pytest.approx(share, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["film", "pending"])
+def test_the_figure_shades_a_point_as_it_is_judged(name):
+    ds, _ = store(name)
+    regions = {one.get_gid(): one.get_paths() for one in pipeline.plot(ds).axes[0].collections}
+    rng, seen = np.random.default_rng(1), set()
+    loads, velocities = rng.uniform(205, 745, 120), rng.uniform(0.55, 3.95, 120)
+    # The end of a region is known only to within a cell of the figure's grid.
+    around = [words(pipeline.margin(ds, k * loads, k * velocities)) for k in (0.99, 1.0, 1.01)]
+    for load, velocity, *verdicts in zip(loads, velocities, *around, strict=True):
+        if len({*verdicts}) == 1 and verdicts[0] not in ("unknown", "outside the model"):
+            painted = [
+                verdict
+                for verdict in ("mild", "undecided", "severe")  # each upon those before
+                for path in regions.get(f"{verdict} region", ())
+                if path.contains_point((velocity, load))
+            ]
+            assert painted[-1:] == verdicts[:1], (load, velocity)
+            seen |= {*painted[-1:]}
+    assert len(seen) >= 2
+
+
+@pytest.mark.parametrize("name", [name for name in STORES if name != "cases"])
+def test_the_report_has_the_verdicts_of_the_table(name, monkeypatch):
+    ds, found = store(name)
+    # Its pictures take seconds to draw.
+    monkeypatch.setattr(report, "picture_of", lambda draw, *texts: Picture("", "", *texts))
+    page = html.unescape(pipeline.report(ds, points=table(name)))
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", page)
+    assert [one for one in cells if one in VERDICTS][:50] == words(found).tolist()
+
+
+# Dominance
+
+
+@pytest.mark.parametrize("film", [None, 1e9, 1.0])
+def test_nothing_is_mild_that_is_no_easier_than_a_severe_test(film):
+    rng, against = np.random.default_rng(7), 0
+    for _ in range(2):
+        made = [
+            bare_test(
+                float(rng.uniform(250, 700)), float(rng.uniform(0.6, 3)), outcome=outcome,
+                bulk_temperature=float(rng.uniform(280, 330)),
+            )
+            for outcome in rng.choice(["mild", "severe"], 3)
+        ]  # fmt: skip
+        told = {"tests": made, "model_bias": 0.01, **SMALL}
+        ds = filmed(inlet=film, **told) if film else synthetic.sweep(**told)
+        if film == 1e9:  # tests alone had a film
+            ds = ds.assign(film_inlet=ds["film_inlet"] * 0 + 1e-9)
+        load, velocity = rng.uniform(210, 740, 60), rng.uniform(0.55, 3.9, 60)
+        bulk = rng.uniform(280, 330, 60)
+        at = load, velocity
+        own = {"bulk_temperature": xr.DataArray(bulk, dims="place")}
+        asked = pipeline.margin(ds, *at, **own)
+        free = pipeline.margin(ds.assign_attrs(without_tests="yes"), *at, **own)
+        for test in made:
+            ways = load - test.normal_load, velocity - test.velocity, bulk - test.bulk_temperature
+            kind, sign = ("mild", 1) if test.outcome == "severe" else ("severe", -1)
+            if kind == "severe" and film == 1e9:  # known to be too thick for a mild test to count
+                continue
+            no_easier = (sign * np.array(ways) >= 0).all(axis=0)
+            assert not (no_easier & (words(asked) == kind)).any(), (kind, test)
+            against += int((no_easier & (words(free) == kind)).sum())
+    assert against > 0
+
+
+# Arguments of every type
+
+N, M = "500 N", "2 m/s"
+SAME = {  # as load, or, in m/s, as velocity
+    "int": 400, "float": 400.0, "numpy": np.float32(400), "whole": np.int64(400),
+    "no dimension": np.array(400.0), "text": "400 N", "text of numpy": np.str_("400 N"),
+    "text of no dimension": np.array("400 N"), "kilo": "0.4 kN", "list": [400.0],
+    "tuple": (400,), "texts": ["400 N"], "mixed": ["0.4 kN", 400.0], "series": pd.Series([400.0]),
+    "texts of pandas": pd.Series(["400 N"]), "index": pd.Index([400.0]),
+    "array": xr.DataArray(400.0), "its unit": xr.DataArray([0.4], dims="a", attrs={"units": "kN"}),
+    "variable": xr.Variable("a", [0.4], {"units": "kN"}), "its text": xr.DataArray("400 N"),
+}  # fmt: skip
+REFUSED = {
+    "no unit": ("400", '"400" has no unit'), "a time": ("300 s", "cannot be converted to N"),
+    "unit of time": (xr.DataArray(3.0, attrs={"units": "s"}), "cannot be converted to N"),
+    "comma": ("0,4 kN", "write decimals with a point"), "word": ("much", "is not a number"),
+    "empty text": ("", "is not a number"), "true": (True, "True is no number"),
+    "flags": ([True, False], "True is no number"), "none within": ([None], "NoneType is no number"),
+    "empty": ([], "load is empty"), "empty array": (np.array([]), "load is empty"),
+    "complex": (4 + 0j, "complex is no number"), "huge": (10**400, "too large"),
+    "ragged": ([[1.0], [1.0, 2.0]], "list is no number"), "plane": ([[1.0]], "2 dimensions"),
+    "dataset": (xr.Dataset(), "load is a Dataset"), "object": (object(), "object is no number"),
+    "packed": (xr.DataArray(4, attrs={"scale_factor": 100.0}), "load is packed (scale_factor)"),
+    "masked": (np.ma.masked_array([4.0, 5.0], [True, False]), "load has masked values"),
+    "alone": (None, "load and velocity go together"),
+}  # fmt: skip
+UNKNOWN = {"nan": np.nan, "infinite": np.inf, "negative": -400.0, "zero": 0, "text": "-4 N"}
+
+
+@functools.cache
+def plane():
+    return synthetic.sweep(**SMALL)
+
+
+@functools.cache
+def usual():
+    """Probability at 400 N and 2 m/s, and critical velocities, as the scene is."""
+    found = pipeline.margin(plane(), 400.0, 2.0), pipeline.boundary(plane())
+    return found[0]["probability"].item(), found[1]["critical_velocity"].values
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_a_load_of_any_type_is_the_same_load(name):
+    found = pipeline.margin(plane(), SAME[name], "2 m/s")["probability"].values.ravel()
+    same(found, np.full(found.shape, usual()[0]))
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_load_is_refused_in_a_line(name):
+    value, said = REFUSED[name]
+    with pytest.raises(InputError, match=re.escape(said)) as error:
+        pipeline.margin(plane(), value, 2.0)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_a_load_that_no_contact_has_is_unknown_and_said(name):
+    found = pipeline.margin(plane(), [UNKNOWN[name], 400.0], 2.0)
+    assert words(found).tolist() == ["unknown", "undecided"]
+    assert "give a value inside it" in found["reason"].values[0]
+    assert np.isnan(found["probability"].values[0])
+
+
+OF_CONDITIONS = {
+    "share": ({"friction": "10 %"}, ""), "of numpy": ({"friction": np.float64(0.1)}, ""),
+    "percent": ({"friction": xr.DataArray(10.0, attrs={"units": "%"})}, ""),
+    "one": ({"friction": xr.DataArray(0.1, attrs={"units": "1"})}, ""),
+    "celsius": ({"bulk_temperature": "25 degC"}, ""), "kelvin": ({"bulk_temperature": 298.15}, ""),
+    "its unit": ({"bulk_temperature": xr.DataArray(25.0, attrs={"units": "degC"})}, ""),
+    "text of numpy": ({"bulk_temperature": np.array("25 °C")}, ""),
+    "none": ({"critical_temperature": None}, ""),
+    "newtons": ({"friction": "300 N"}, "friction is '300 N'"),
+    "flag": ({"friction": True}, "friction is True"),
+    "nan": ({"friction": np.nan}, "must be one finite number"),
+    "infinite": ({"critical_temperature": np.inf}, "must be one finite number"),
+    "negative": ({"friction": -0.1}, "must be finite and ≥ 0"),
+    "empty": ({"friction": []}, "friction is empty"),
+    "celsius as kelvin": ({"bulk_temperature": 25}, "at which no oil works"),
+    "no unit": ({"bulk_temperature": "25"}, "has no unit"),
+    "hot bulk": ({"bulk_temperature": "150 degC"}, "must be above the bulk temperature"),
+    "packed": ({"friction": xr.DataArray(1, attrs={"add_offset": 0.0})}, "friction is packed"),
+    "slip": ({"fricton": 0.1}, "fricton is no condition"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OF_CONDITIONS)
+def test_conditions_of_any_type_are_read_by_every_door_or_refused_in_a_line(name):
+    told, said = OF_CONDITIONS[name]
+    if not said:
+        same(pipeline.margin(plane(), 400.0, 2.0, **told)["probability"], usual()[0])
+        same(pipeline.boundary(plane(), **told)["critical_velocity"], usual()[1])
+        return
+    for door, place in (("margin", (400.0, 2.0)), ("boundary", ()), ("points", ()), ("warned", ())):
+        with pytest.raises(InputError, match=re.escape(said)) as error:
+            getattr(pipeline, door)(plane(), *place, **told)
+        assert "\n" not in str(error.value)
+
+
+def test_only_margin_and_boundary_take_several_values():
+    for door in ("points", "compare_tests", "warned", "infer", "temperatures"):
+        with pytest.raises(InputError, match="friction takes one value at a time here"):
+            getattr(pipeline, door)(plane(), friction=[0.1, 0.2])
+    for given in (None, 5, plane()["status"]):
+        for door in ("margin", "boundary", "points", "infer", "temperatures"):
+            with pytest.raises(InputError, match=f"a sweep cannot be a {type(given).__name__}"):
+                getattr(pipeline, door)(given)
