@@ -252,13 +252,13 @@ class CaseResults:
 
     @property
     def failed_realizations_note(self) -> str:
-        """Which patches failed and are left out, in words; empty if there are none."""
+        """Which realizations failed and are left out, in words; empty if there are none."""
         failed = (self.status == FAILED).any(axis=(1, 2))
         failed[self.counted] = False
         if len(failed) == 1 or not failed.any():
             return ""
         seeds = ", ".join(map(str, self.ds["realization"].values[failed].tolist()))
-        return f"left out as they failed at some point: the patches of seeds {seeds} (irg status)"
+        return f"left out as they failed at some point: realizations {seeds} (irg status)"
 
     def log_rises(self, conditions: Conditions) -> Array:
         """ln(rise) at the worst step of each point, NaN if it is not done.

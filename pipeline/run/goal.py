@@ -31,7 +31,7 @@ _ADVICE = {
     "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may take a finer preset",
     "warnings": "change what the warnings name: irg status",
-    "surface": "there are too few patches of the surface: ask for a larger error",
+    "surface": "there are too few surface realizations: ask for a larger error",
 }
 """What reduces the largest part of an error that is too large."""
 
@@ -156,7 +156,7 @@ class GoalRun:
             self.sweep = replace(self.sweep, velocities=velocities)
         first = [point for point, patch in found if not patch]
         if found and not first and self.is_on_first_patch:
-            self._report(Progress(f"first patch done; about {to_come} points to come"))
+            self._report(Progress(f"first realization done; about {to_come} points to come"))
         self.is_on_first_patch = bool(first)
         return first or [point for point, _ in found]
 

@@ -51,7 +51,7 @@ def small(tmp_path_factory):
     outcome = run(scene(), path, progress=lambda one: told.append(str(one)))
     assert outcome.computed == outcome.done < 30
     assert told[0] == "preset standard (up to 1.1 %)"
-    assert any("first patch done; about" in words for words in told)
+    assert any("first realization done; about" in words for words in told)
     return path
 
 
@@ -171,7 +171,7 @@ def test_a_goal_out_of_reach_ends_with_a_line_of_advice_and_exit_code_1(tmp_path
     arguments = *words(**{"sweep.loads": ["400 N"]}), "-o", tmp_path / "far.zarr"
     said = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
     assert "accuracy 0.58 % not reached" in said
-    assert "to reach it: there are too few patches of the surface" in said
+    assert "to reach it: there are too few surface realizations" in said
     assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further patches
 
 
