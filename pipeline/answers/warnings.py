@@ -29,7 +29,7 @@ from tribo.types import Array, Indices
 
 MELTS = 1700.0  # K, at which a steel with 1 % carbon begins to melt
 MOLTEN = (
-    f"the deciding temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
+    f"the governing temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
     "conditions are not possible"
 )
 

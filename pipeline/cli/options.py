@@ -52,7 +52,7 @@ def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
     """Option that may be repeated, with its values in a list; arguments are as for `value`."""
-    return value(words, f"{use}; may be repeated", read, action="append", default=[])
+    return value(words, f"{use}; can be repeated", read, action="append", default=[])
 
 
 def flag(name: str, use: str, *short: str) -> Option:
@@ -82,7 +82,7 @@ def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -
 
 OF_ALL = (
     flag("--json", "print one JSON document"),
-    flag("--quiet", "show no progress and no notes, only errors", "-q"),
+    flag("--quiet", "suppress progress and notes; show errors only", "-q"),
 )
 LIST = flag("--list", "list them")
 _TABLES = ".csv, .md or .json"
@@ -94,12 +94,14 @@ FIGURE_OR_TABLE = output(
 
 SCENE = value("scene SCENE.toml", "scene file, or name of a shipped scene", user_path)
 PRESET = value(
-    "--preset NAME", "preset of the numerical choices, in place of the scene's table [fidelity]: "
-    "standard, fine or reference",
+    "--preset NAME", (
+        "numerical preset, replacing the table [fidelity] of the scene: standard, fine or "
+        "reference"
+    ),
 )  # fmt: skip
 SET = several(
     "--set KEY=VALUE",
-    "change a numerical choice, such as increments=50, or an entry of the scene, such as "
+    "change a numerical setting, such as increments=50, or a scene entry, such as "
     "wear.pattern=local or without=motion", values.setting,
 )  # fmt: skip
 OF_SCENE = (SCENE, PRESET, SET)
@@ -108,12 +110,10 @@ ACCURACY = value(
     "such as 2%%: it chooses preset, points and surface realizations", values.share,
 )  # fmt: skip
 
-STORE = value(
-    "store OUT.zarr", "store that irg run has made, or the name of its scene", values.stored
-)
+STORE = value("store OUT.zarr", "results store, or name of its scene", values.stored)
 STORE_OR_FOLDER = STORE.but(
     nargs="?", default=Path("results"),
-    help="store that irg run has made, or a folder of stores; default: results",
+    help="results store, or folder of stores; default: results",
 )  # fmt: skip
 
 TOPIC = value("topic TOPIC", "name of a page or of a command", nargs="?")
@@ -129,7 +129,7 @@ WORKERS = value("-j --workers N", "number of processes; default: one for each co
 KEPT = (
     value(
         "--store OUT.zarr",
-        "store for the points, resumed if it exists; by default no point is kept",
+        "store for the simulated points, resumed if it exists; by default they are not kept",
         values.store, dest="store_path",
     ),
     WORKERS,
@@ -143,14 +143,16 @@ OF_RUN = (
     OptionGroup("", (
         WORKERS,
         value("--scheduler ADDRESS", "address of a running Dask scheduler"),
-        value("--scheduler-file FILE", "file that a running Dask scheduler has written", user_path),
+        value("--scheduler-file FILE", "file written by a running Dask scheduler", user_path),
     )),
     value(
-        "--from OLD.zarr", "another store, whose points of the same scene are taken over",
+        "--from OLD.zarr", "copy matching points from another store",
         values.store, dest="source",
     ),
-    flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
-    flag("--retry-failed", "compute the points again that failed in an earlier run"),
+    flag("--dashboard", (
+        "print the address of Dask's dashboard, which every user of this machine can open"
+    )),
+    flag("--retry-failed", "simulate points again that failed in an earlier run"),
     flag("--dry-run", "print what irg check prints, and compute nothing", "-n"),
     ACCURACY,
 )  # fmt: skip
@@ -161,10 +163,10 @@ PLACE = (
 )
 PLACES = tuple(option.but(action="append", default=[]) for option in PLACE)
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
-WITHOUT_TESTS = flag("--without-tests", "leave the tests of the scene out")
+WITHOUT_TESTS = flag("--without-tests", "ignore the tests of the scene")
 POINTS = (
     value(
-        "--points DUTY.csv",
+        "--points POINTS.csv",
         'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
         ".csv, .txt or .xlsx; columns of words are passed on as labels", user_path,
     ),
@@ -177,8 +179,8 @@ REALIZATION = value(
 )  # fmt: skip
 AT = several(
     "--at KEY=VALUE",
-    'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", '
-    'or of a condition, like "temperature.critical=150 degC" or "model.rise=+6 %%"',
+    'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
+    'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"',
     partial(values.pair, like='"pin.radius=2 mm"'),
 )  # fmt: skip
 
@@ -186,7 +188,7 @@ FRICTION = several("--friction MU", "coefficient of friction, at least 0", value
 BULK = several(
     "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"', str
 )
-CONDITIONS = OptionGroup("conditions, instead of the scene's", (
+CONDITIONS = OptionGroup("conditions that replace those of the scene", (
     FRICTION,
     BULK,
     several(
@@ -194,8 +196,10 @@ CONDITIONS = OptionGroup("conditions, instead of the scene's", (
         str,
     ),
     several(
-        "--critical-area-fraction F", "share of the contact above the critical temperature beyond "
-        "which wear is severe, such as 10%%; 0 for the highest temperature", str,
+        "--critical-area-fraction F", (
+            "critical area fraction: wear is severe if more of the contact is above the "
+            "critical temperature, such as 10%%; 0 for the highest temperature"
+        ), str,
     ),
 ))  # fmt: skip
 
@@ -205,11 +209,11 @@ OF_INFER = (
     *OF_SCENE, *KEPT,
     quantity(
         "--contact-width", "W", "348 um",
-        "width measured at --load and --velocity, to find the specific wear rate instead",
+        "contact width measured at --load and --velocity; prints the specific wear rate instead",
     ),
     quantity(
         "--duration", "T", "8 s",
-        "time of sliding until the width was measured, ramp included; default: the scene's",
+        "sliding time before the width was measured, ramp included; default: from the scene",
     ),
     BULK, TABLE, *PLACE, REALIZATION,
 )  # fmt: skip
@@ -217,8 +221,10 @@ ALL = flag("--all", "print all rows and notes")
 OF_BOUNDARY = (
     Option(
         "--by", default="load", choices=("load", "velocity", "test"),
-        help="rows of the table: critical velocities by load, critical loads by velocity, or the "
-        "tests beside what is computed for them; default: load",
+        help=(
+            "rows of the table: critical velocity at each load, critical load at each velocity, "
+            "or tests compared with the computation; default: load"
+        ),
     ),
     ALL,
 )  # fmt: skip
@@ -228,13 +234,15 @@ OF_PLOT = (
         help="default: diagram, or rows if each has its own load and velocity; temperature is "
         "drawn over the velocity",
     ),
-    output("FILE.png", "file of the figure; default: beside the store"),
-    quantity("--width", "W", "8.5 cm", "width of the figure, whose words shrink less than it does"),
+    output("FILE.png", "figure file; default: next to the store"),
+    quantity("--width", "W", "8.5 cm", (
+        "width of the figure; text shrinks less than the figure does"
+    )),
     value("--title TITLE", "title of the figure; default: that of the scene"),
-    flag("--plain", "draw no title and no caption"),
+    flag("--plain", "omit title and caption"),
     value("--dpi DPI", "resolution in dots per inch; default: 150", values.count),
-    flag("--log", "logarithmic axes of the diagram"),
-    value("--show NAME", "variable that a ramp shows, such as wear_volume"),
+    flag("--log", "draw the diagram on logarithmic axes"),
+    value("--show NAME", "variable to draw in a ramp figure, such as wear_volume"),
     value("--step N", "step of fields, counted back from the end of a point: 0, -1, ...", int),
 )  # fmt: skip
 OF_REPORT = (

@@ -33,42 +33,43 @@ COMMANDS = (
         "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
+        "check", "check:check", "describe a scene and estimate the cost of its sweep",
         "scene.toml", (*o.OF_SCENE, o.WORKERS, o.TABLE),
     ),
     Command(
         "status", "stores:status",
-        "count the points done, failed and pending; or list the stores of a folder",
+        "count done, failed and pending points of a store, or list the stores in a folder",
         "results", (o.STORE_OR_FOLDER,),
     ),
     Command(
-        "verify", "stores:verify", "read a whole store and name each damaged point",
+        "verify", "stores:verify", "read a whole store and list damaged points",
         "results/scene.zarr", (o.STORE,),
     ),
     Command(
         "boundary", "verdicts:boundary",
-        "find the transition from mild to severe wear, without a new simulation",
+        "print the boundary between mild and severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.JUDGED),
     ),
     Command(
         "margin", "verdicts:margin",
-        "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
+        "print verdict, probability and errors for one operating point, a table of them, or the "
+        "cases of the sweep",
         f"results/scene.zarr {_AT}",
         (o.STORE, *o.PLACE, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
     ),
     Command(
-        "point", "points:point", "simulate one point and the tests of its scene",
+        "point", "points:point", "simulate one point (and the tests of the scene)",
         f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.WITHOUT_TESTS, o.REALIZATION, o.CONDITIONS, o.TABLE),
     ),
     Command(
-        "trade", "studies:trade", "measure speed against accuracy",
+        "trade", "studies:trade", "measure computing time against accuracy",
         "scene.toml -o trade.png", (*o.OF_SCENE, *o.OF_TRADE),
     ),
     Command(
         "infer", "infer:infer",
-        "find the critical temperature from tests, or a wear rate from a contact width",
+        "find the critical temperature from tests, or the wear rate from a contact width",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
     ),
     Command(
@@ -88,7 +89,7 @@ COMMANDS = (
         (o.STORE, *o.PLACE, *o.POINTS, *o.OF_REPORT, *o.JUDGED),
     ),
     Command(
-        "help", "begin:help_", "print a page of the documentation, or list them",
+        "help", "begin:help_", "print a page of the documentation, or list all pages",
         "first-hour", (o.TOPIC,),
     ),
 )  # fmt: skip
@@ -194,7 +195,7 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
     """Parser of all commands, with the options of command `name` only; of all if None."""
     parser = _Parser(
         prog="irg",
-        description="Predict where a lubricated sliding contact goes from mild to severe wear.",
+        description="Predict when a lubricated sliding contact changes from mild to severe wear.",
         epilog=_BEGIN,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
@@ -246,7 +247,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     for out in (Path(value) for name, value in paths.items() if name in o.WRITTEN):
         with suppress(OSError):  # such as a name that is too long, which the command reports
             if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
-                options.parser.error(f"{out} is read by this command; name another file to write")
+                options.parser.error(
+                    f"{out} is an input of this command; choose another output file"
+                )
     return options
 
 

@@ -41,7 +41,7 @@ from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 SLOW = (
     "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
-    "velocity errs two to three times as much as the preset promises; ask for an accuracy"
+    "velocity errs two to three times as much as the preset states; ask for an accuracy"
 )
 # Fewest stages in all steps of a ramp, with which the rise under heavy wear is right to about 10 %.
 _FEWEST_STEPS = 3
@@ -279,7 +279,7 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     if smallest or is_worn:
         smaller = "smaller pixels" if smallest else "pixels_per_element = 1"
         text += (
-            "the deciding temperature is that of the hottest of these, and differs by several "
+            "the governing temperature is that of the hottest of these, and differs by several "
             "percent from surface to surface and with smaller elements: compute several surfaces, "
             f"or give a larger window or {smaller}"
         )

@@ -62,7 +62,7 @@ REFUSALS = {
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
     # files that are read and would be written
     "over points": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "duty.csv"),
-                    "duty.csv is read by this command; name another file to write"),
+                    "duty.csv is an input of this command; choose another output file"),
     "over a link": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "link.csv"),
                     "link.csv is read by"),
     # options that do not go together

@@ -77,7 +77,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     (copy / "fields" / "pressure" / "c.2.1.0.0").write_bytes(b"1")
     messages = Heard()
     outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
-    assert messages == [f"{copy} had 2 damaged points or files, which are made anew"]
+    assert messages == [f"{copy} had 2 damaged points or files, which are computed again"]
     assert (outcome.computed, outcome.done) == (3, 9)
     assert content(copy) == content(alone)
     outcome = run_sweep(tiny.full(loads=(250.0, 800.0), velocities=(1.5,)), copy)

@@ -167,7 +167,7 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(long, tmp_pa
     outcome, messages = resumed(path, LONG)
     assert outcome.computed >= len(found.damaged)
     count = len(found.damaged) + len(found.shared)
-    expected = [f"{path} had {count} damaged points or files, which are made anew"]
+    expected = [f"{path} had {count} damaged points or files, which are computed again"]
     assert messages == (expected if count else [])
     assert stored(path) == before
     assert pipeline.verify_store(path).is_clean
