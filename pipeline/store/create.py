@@ -128,7 +128,9 @@ def _opened(
     if before and _have_the_same_points(before, root):
         store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
-            progress(Progress(f"{place} had {count} damaged points or files, which are computed again"))
+            progress(
+                Progress(f"{place} had {count} damaged points or files, which are computed again")
+            )
         with io_errors(place, "written"):
             _update(place, root)
     elif isinstance(place, Folder):
@@ -236,7 +238,9 @@ def _moved_in(
             if lost:
                 raise _no_room(place, f"{lost} of its points, which are done, would be lost")
             if unsound:
-                progress(Progress(f"{place} had {unsound} damaged points, which are computed again"))
+                progress(
+                    Progress(f"{place} had {unsound} damaged points, which are computed again")
+                )
     with io_errors(place, "written"):
         if place.path.exists():
             place.path.rename(old.path)
