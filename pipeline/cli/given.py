@@ -13,7 +13,6 @@ import numpy as np
 import pipeline
 from pipeline.answers.discretization_error import KEPT_FIELDS
 from pipeline.answers.units import value_words
-from pipeline.answers.words import extending
 from pipeline.cli.output import print_note
 from pipeline.cli.values import setting
 from pipeline.operating_points import OperatingPoints
@@ -159,6 +158,8 @@ def select_entry(ds: xr.Dataset, path: str, value: Any) -> xr.Dataset:
     )
     if not close.any():
         known = ", ".join(value_words(ds[dim], one) for one in values.tolist())
+        from pipeline.answers.words import extending  # only where it is printed: xarray is slow
+
         entry = "sweep.realizations" if dim == "realization" else f"sweep.over.{path}"
         new = {entry: [setting(f"{path}={value}")[1]]}
         advice = "" if dim == CASE else f"; {extending(ds, new)}"  # rows are those of a table
