@@ -64,7 +64,7 @@ REFUSALS = {
     "over points": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "duty.csv"),
                     "duty.csv is an input of this command; choose another output file"),
     "over a link": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "link.csv"),
-                    "link.csv is read by"),
+                    "link.csv is an input of"),
     # options that do not go together
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            'critical_temperature: "150" has no unit'),
