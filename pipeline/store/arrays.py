@@ -37,18 +37,16 @@ Document = dict[str, Any]
 _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # a changed byte is noticed on reading
 _MOST_OF_DOCUMENT = 2**28  # bytes of a JSON document, which has the sweep
 _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
-KEYS = "default", "v2"
-"""Encodings of the keys of chunks, such as c.0.2 and 0.2: a store and one in its place differ."""
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
 def array_document(
-    variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], keys: str
+    variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], growths: int = 0
 ) -> Document:
     """Zarr metadata of a variable, as Zarr writes them.
 
     `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each,
-    and `keys` is one of `KEYS`.
+    and `growths` tells how often its chunks were written anew, with other points in them.
     """
     is_text, dims = variable.dtype == "str", variable.dims
     if is_text:
@@ -56,6 +54,7 @@ def array_document(
     else:
         is_byte = np.dtype(variable.dtype).itemsize == 1
         first = {"name": "bytes"} | ({} if is_byte else {"configuration": {"endian": "little"}})
+    checksums = [{"name": "crc32c"}] * growths
     return {
         "shape": [sizes[dim] for dim in dims],
         "data_type": "string" if is_text else variable.dtype,
@@ -63,9 +62,11 @@ def array_document(
             "name": "regular",
             "configuration": {"chunk_shape": [block.get(dim, sizes[dim]) for dim in dims]},
         },
-        "chunk_key_encoding": {"name": keys, "configuration": {"separator": "."}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": _FILLS.get(variable.dtype, 0),
-        "codecs": [first, {"name": "zstd", "configuration": _ZSTD}],
+        # A checksum more for each growth: a dataset that was opened before cannot decode the chunks
+        # of now, which have other points at the same keys.
+        "codecs": [first, {"name": "zstd", "configuration": _ZSTD}, *checksums],
         "attributes": attributes_of(variable),
         "dimension_names": [*dims],
         "zarr_format": 3,
@@ -150,7 +151,8 @@ def open_arrays(
     settings: Any = {"write_empty_chunks": True}
     arrays = {}
     for name, document in documents.items():
-        metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**_ZSTD)]}
+        first, _, *checksums = document["codecs"]
+        metadata: Any = {**document, "codecs": [first, _BoundedZstd(**_ZSTD), *checksums]}
         path = StorePath(store, prefix + path_of(name))
         array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
         if isinstance(store, FolderStore):

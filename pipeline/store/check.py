@@ -78,15 +78,14 @@ def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
     array, own = store.arrays[name], store.group.have_fields(where)
     found: list[Any] = [None] * len(where)
     files = store.field_files(name, where) if isinstance(store.place, Folder) else ()
-    for number, chunk in enumerate(store.group.field_places(where).tolist()):
+    for number, chunk in enumerate(store.group.field_numbers[tuple(where.T)].tolist()):
         if own[number] and files:
-            with store.noted(name, chunk), read_errors(store.place, name):
+            with store.noted(name, [chunk]), read_errors(store.place, name):
                 found[number] = read_chunk(array, files[number])
         elif own[number]:
-            block = tuple(slice(i, i + 1) for i in chunk)
-            found[number] = store.try_read(name, block)
+            found[number] = store.try_read(name, (slice(chunk, chunk + 1),))
         if found[number] is not None:
-            found[number] = found[number].reshape(array.shape[len(chunk) :])
+            found[number] = found[number][0]
     store.require_same()
     return found
 
@@ -108,8 +107,8 @@ def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str
         if name in FIELDS:
             ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
             is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
-            chunks = store.group.field_places(where).tolist()
-            keys = [store.key(name, chunk) for chunk in chunks]
+            chunks = store.group.field_numbers[tuple(where.T)].tolist()
+            keys = [store.key(name, [chunk]) for chunk in chunks]
             known = store.damage.files if store.damage else {}
             unread = np.array([key in known for key in keys])
             note(is_lost & done & unread, f"{name} cannot be read")

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.arrays import KEYS, open_arrays, read_document, write_arrays, write_documents
+from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
 from pipeline.store.check import Checked, Damage, checked_points, mend
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.lock import Lock, locked
@@ -55,7 +55,7 @@ from pipeline.sweep.sweep import Point, Sweep
 from tribo.types import Indices
 
 _SPARE = 2**22  # bytes of a disk that stay free when a store takes the place of another
-_CHUNK = re.compile(r"c(\.\d+)*|\d+(\.\d+)*")
+_CHUNK = re.compile(r"c(\.\d+)*")
 
 
 @contextmanager
@@ -123,8 +123,8 @@ def _opened(
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []
-    keys = before.plane.keys if before else KEYS[0]
-    root = Root.of(join(before.sweep if before else None, sweep), lines, keys)
+    growths, order = (before.plane.growths, before.plane.order) if before else (0, ())
+    root = Root.of(join(before.sweep if before else None, sweep), lines, growths, order)
     if before and _have_the_same_points(before, root):
         store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
@@ -135,7 +135,8 @@ def _opened(
             _update(place, root)
     elif isinstance(place, Folder):
         if before:  # a dataset that is open must not read the numbers of other points
-            root = Root.of(root.sweep, lines, KEYS[KEYS[0] == keys])
+            new = Root.of(root.sweep, lines, growths + 1)
+            root = Root.of(root.sweep, lines, growths + 1, new.plane.order_after(before.plane))
         store = _moved_in(place, before, root, lock, progress, held)
     elif before:
         raise _no_room(place, "on an object store a plane is fixed")

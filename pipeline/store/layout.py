@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.store.arrays import KEYS, Document, array_document
+from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
+    AT_ENDS,
     DIM,
+    FIELD_POINT,
     FIELDS,
     INPUTS,
     PLANE,
@@ -48,13 +50,15 @@ class Group:
     """A group of points, of a plane or of tests: all else follows from the sweep.
 
     `prefix` is the path of the group in the store, with a slash; empty for the plane. `inputs` has
-    the arrays that were read from the scene's files, by SHA-256.
+    the arrays that were read from the scene's files, by SHA-256. `order` has the number in the
+    group ``fields`` of each point with fields; in a new store they are counted as they come.
     """
 
     sweep: Sweep
     inputs: Mapping[str, Array] = field(default_factory=dict)  # read from the scene's files
     prefix: str = ""
-    keys: str = KEYS[0]  # encoding of the keys of chunks
+    growths: int = 0  # how often the store took the place of a smaller one
+    order: Sequence[int] = ()
 
     @property
     def step(self) -> str:
@@ -108,17 +112,16 @@ class Group:
     def sizes(self) -> dict[str, int]:
         """Lengths of the dimensions."""
         lengths = {name: len(values) for name, values in self.axes.items()}
-        return lengths | {DIM: sum(sizes_of(self.inputs).values())}
+        lengths[DIM] = sum(sizes_of(self.inputs).values())
+        if self.sweep.fields:
+            on_it = (lengths[dim] for dim in self.dims if dim not in self.seeds)
+            lengths[FIELD_POINT] = math.prod(on_it)
+        return lengths
 
     @property
     def dims(self) -> tuple[str, ...]:
         """Dimensions of the points."""
         return self.variables["status"].dims
-
-    @cached_property
-    def _seeds(self) -> list[int]:
-        """Places in `dims` of the seeds of random surfaces."""
-        return [place for place, dim in enumerate(self.dims) if dim in self.seeds]
 
     @cached_property
     def seeds(self) -> frozenset[str]:
@@ -132,35 +135,55 @@ class Group:
         places = (self.axes[dim].index(kept) for dim in self.seeds if kept is not None)
         return max(places, default=0)
 
-    def have_fields(self, where: Indices) -> Mask:
-        """True for points with fields: those on one surface of each case.
+    @cached_property
+    def field_numbers(self) -> Indices:
+        """Number in the group ``fields`` of each point; -1 for points without fields.
 
-        `where` has an index along each of `dims` for each point, shape (n, n_dim).
+        Points with fields are those on one surface of each case. The shape is that of the points.
         """
-        on_it: Mask = (where[:, self._seeds] == self.field_index).all(axis=1)
-        return on_it & bool(self.sweep.fields)
+        numbers = np.full([self.sizes[dim] for dim in self.dims], -1)
+        if self.sweep.fields:
+            own, every = self.field_index, slice(None)
+            on_it = tuple(own if dim in self.seeds else every for dim in self.dims)
+            order = self.order or range(self.sizes[FIELD_POINT])
+            numbers[on_it] = np.reshape(order, numbers[on_it].shape)
+        return numbers
 
-    def field_places(self, where: Indices) -> Indices:
-        """Indices of points along the dimensions of fields, which lack those of surfaces."""
-        return np.delete(where, self._seeds, axis=1)
+    def have_fields(self, where: Indices) -> Mask:
+        """True for points with fields; `where` has an index along `dims` for each, (n, n_dim)."""
+        has: Mask = self.field_numbers[tuple(where.T)] >= 0
+        return has
+
+    def order_after(self, before: Group) -> list[int]:
+        """`order` by which points keep the numbers that they have in the smaller group `before`.
+
+        So a file of a field is of the same point however a store grows, and a dataset that was
+        opened before reads the right one.
+        """
+        mine, theirs = self._points_with_fields, before._points_with_fields
+        kept = dict(zip(theirs, before.order or range(len(theirs)), strict=True))
+        new = itertools.count(len(kept))
+        return [kept[point] if point in kept else next(new) for point in mine]
+
+    @property
+    def _points_with_fields(self) -> list[Point]:
+        """Points with fields in the order of the plane, without their surfaces."""
+        return [
+            point._replace(case=tuple(one for one in point.case if one[0] not in self.seeds))
+            for point in self.points_at(np.nonzero(self.field_numbers >= 0))
+        ]
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
-        one_each, block = dict.fromkeys(self.dims, 1), self._block()
-        return {
-            name: array_document(
-                one,
-                self.sizes,
-                {}
-                if is_coordinate(name) or name == "status"
-                else one_each
-                if name in FIELDS
-                else block,
-                self.keys,
-            )
-            for name, one in self.variables.items()
-        }
+        block, made = self._block(), dict[str, Document]()
+        for name, one in self.variables.items():
+            if name in FIELDS:  # their files are linked by a store that takes the place of this one
+                made[name] = array_document(one, self.sizes, {FIELD_POINT: 1})
+            else:
+                own = {} if is_coordinate(name) or name == "status" else block
+                made[name] = array_document(one, self.sizes, own, self.growths)
+        return made
 
     def _block(self) -> dict[str, int]:
         """Number of points in a chunk along each dimension; a field is a chunk of its own."""
@@ -179,6 +202,13 @@ class Group:
     def coordinates(self) -> dict[str, Any]:
         """Values of coordinates, and of the arrays from the scene's files, by name."""
         values: dict[str, Any] = self.axes | _made_coordinates(self)
+        if self.sweep.fields:
+            numbers = self.field_numbers
+            where = np.argwhere(numbers >= 0)[np.argsort(numbers[numbers >= 0])]
+            for name in [*self.axes, *PLANE]:
+                if f"{AT_ENDS}/{name}" in self.variables:
+                    along = where[:, self.dims.index(self.variables[name].dims[0])]
+                    values[f"{AT_ENDS}/{name}"] = [self.axes[name][i] for i in along.tolist()]
         if self.inputs:
             values[INPUTS] = np.concatenate([array.ravel() for array in self.inputs.values()])
         return values

@@ -74,10 +74,10 @@ def _dataset_of(store: Store) -> xr.Dataset:
     if store.sweep.fields and read_document(store.place, f"{AT_ENDS}/{ROOT}") is None:
         lacks = {*FIELDS, "x", "y"}  # a copy may lack the fields, which are most of a store
     present: dict[str, Any] = {**group.coordinates, "status": store.flags}
-    coords = {*group.coordinates} - {INPUTS, *lacks}
+    coords = {*group.coordinates} - {INPUTS}
     variables = {}
     for name, variable in group.variables.items():
-        if name in lacks or name == "checksum":
+        if name in lacks or name == "checksum" or name.startswith(f"{AT_ENDS}/"):
             continue
         values = present.get(name)
         if values is None:
@@ -92,7 +92,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
     variables["status"].encoding["store"] = str(store.place)
     # Answers are made by the sweep, which a dataset takes with it wherever it goes.
     attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
-    return xr.Dataset(variables, attrs=attributes).set_coords(coords)
+    return xr.Dataset(variables, attrs=attributes).set_coords(coords & {*variables})
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
@@ -116,12 +116,9 @@ class _Masked(BackendArray):
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
         self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
-        # Only one surface has fields: the others have NaN, of which nothing is stored.
-        self._lacks = [store.dims.index(dim) for dim in store.group.seeds if name in FIELDS]
-        for axis in self._lacks:
-            others = np.arange(self._mask.shape[axis]) != store.group.field_index
-            np.moveaxis(self._mask, axis, 0)[others] = False
-        self.shape = self._mask.shape + array.shape[self._mask.ndim - len(self._lacks) :]
+        if name in FIELDS:  # of points on one surface; the others are NaN
+            self._mask &= store.group.field_numbers >= 0
+        self.shape = self._mask.shape + array.shape[1 if name in FIELDS else self._mask.ndim :]
         self.dtype = array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
@@ -136,12 +133,16 @@ class _Masked(BackendArray):
         count = self._mask.ndim
         at = [np.arange(n)[one] for n, one in zip(self._mask.shape, key, strict=False)]
         mask = self._mask[np.ix_(*map(np.atleast_1d, at))]
-        own = tuple(one for axis, one in enumerate(key) if axis not in self._lacks)
-        values = np.asarray(self._store.read(self._name, own), self.dtype)
-        inner = values.shape[sum(at[axis].ndim for axis in {*range(count)} - {*self._lacks}) :]
-        shape = (1 if axis in self._lacks else n for axis, n in enumerate(mask.shape))
-        values = values.reshape(*shape, *inner)
-        values = np.broadcast_to(values, mask.shape + inner).copy()
+        if self._name in FIELDS:
+            numbers = self._store.group.field_numbers[np.ix_(*map(np.atleast_1d, at))]
+            found = self._store.read(self._name, (numbers[mask], *key[count:]))
+            inner = found.shape[1:]
+            values = np.full(mask.shape + inner, np.nan, self.dtype)
+            values[mask] = found
+        else:
+            values = np.asarray(self._store.read(self._name, key), self.dtype)
+            inner = values.shape[sum(one.ndim for one in at) :]
+            values = values.reshape(mask.shape + inner)
         if self._name in DATA:
             self._require_written(values, mask, at, key[count:])
         values[~mask] = self._array.fill_value

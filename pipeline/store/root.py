@@ -13,7 +13,7 @@ from pathlib import PurePath
 from typing import Any
 
 from pipeline.paths import path_hint
-from pipeline.store.arrays import KEYS, Document, array_document, open_arrays, read_document
+from pipeline.store.arrays import Document, array_document, open_arrays, read_document
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
@@ -31,6 +31,7 @@ from pipeline.store.schema import (
     ABOUT,
     AT_ENDS,
     DIM,
+    FIELD_POINT,
     FORMAT,
     INPUTS,
     OF_TESTS,
@@ -51,6 +52,7 @@ FACTS = f"{ABOUT}/{ROOT}"
 """Key of the document that says what a store is; it is written last."""
 _COPY = "consolidated_metadata"
 _SOURCE = "simulated by irg-transition"
+_MOST_GROWTHS = 2**12  # each adds four bytes to a chunk; more are no data of this program
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
@@ -65,17 +67,23 @@ class Root:
 
     @classmethod
     def of(
-        cls, sweep: Sweep, history: Sequence[str], keys: str = KEYS[0], stored: Any = None
+        cls,
+        sweep: Sweep,
+        history: Sequence[str],
+        growths: int = 0,
+        order: Sequence[int] = (),
+        stored: Any = None,
     ) -> Root:
-        """The root of the store of a sweep, whose chunks have `keys`.
+        """The root of the store of a sweep; `growths` and `order` are those of its groups.
 
         `stored` has the sweep's plain data and arrays, if these were read from a store.
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former:
             own = sweep_of_tests(sweep, judges_holds(sweep))
-            tests = Group(own, prefix=f"{OF_TESTS}/", keys=keys)
-        return cls(Group(sweep, arrays, keys=keys), tests, tuple(dict.fromkeys(history)), plain)
+            tests = Group(own, prefix=f"{OF_TESTS}/", growths=growths)
+        plane = Group(sweep, arrays, growths=growths, order=order)
+        return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
     @property
     def sweep(self) -> Sweep:
@@ -111,7 +119,8 @@ class Root:
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
-            "keys": self.plane.keys,
+            "growths": self.plane.growths,
+            "order": [*self.plane.order],
             "inputs": sizes_of(self.plane.inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
@@ -136,7 +145,7 @@ def _group(attributes: Document) -> Document:
 
 def _digest(facts: Mapping[str, Any]) -> str:
     """SHA-256 of the facts without their own digest."""
-    said = [facts[name] for name in ("format", "history", "inputs", "keys", "sweep")]
+    said = [facts[name] for name in ("format", "history", "inputs", "growths", "order", "sweep")]
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
@@ -194,9 +203,11 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         facts = json.loads(content)["attributes"]
         version, by = facts["format"], [str(line) for line in facts["history"]]
         plain, sizes, text = facts["sweep"], dict(facts["inputs"]), str(facts["scene"])
-        keys = facts["keys"]
-        is_whole = version == FORMAT and keys in KEYS and facts["digest"] == _digest(facts)
+        growths, order = facts["growths"], [*facts["order"]]
+        is_whole = version == FORMAT and facts["digest"] == _digest(facts)
         is_whole &= all(type(size) is int and 0 < size < 2**40 for size in sizes.values())
+        is_whole &= type(growths) is int and 0 <= growths < _MOST_GROWTHS
+        is_whole &= all(type(number) is int for number in order)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
@@ -209,9 +220,11 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     if not is_whole:
         raise is_damaged("it is not what was written")
     try:  # anybody can write such a document; other errors are faults of this program
-        arrays = _read_inputs(place, sizes, keys)
+        arrays = _read_inputs(place, sizes, growths)
         sweep = replace(sweep_of_plain(plain, arrays), text=text)
-        root = Root.of(sweep, by, keys, (plain, arrays))
+        root = Root.of(sweep, by, growths, order, (plain, arrays))
+        if order and sorted(order) != [*range(root.plane.sizes.get(FIELD_POINT, 0))]:
+            raise ValueError("the order of its fields")
         for group in root.groups:
             _ = group.arrays, group.coordinates, group.field_index
     except StoreError:
@@ -221,12 +234,12 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     return root
 
 
-def _read_inputs(place: StorePlace, sizes: dict[str, int], keys: str) -> dict[str, Array]:
+def _read_inputs(place: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:
     """Contents of the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
     (one,) = inputs_variable(sizes).values()
-    document = array_document(one, {DIM: sum(sizes.values())}, {}, keys)
+    document = array_document(one, {DIM: sum(sizes.values())}, {}, growths)
     array = open_arrays(place.zarr, {INPUTS: document})[INPUTS]
     with read_errors(place, INPUTS):
         return split_arrays(array[:], one.attributes)

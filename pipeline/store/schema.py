@@ -16,7 +16,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 29
+FORMAT = 30
 """Version of the layout of stores."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -117,6 +117,8 @@ INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
 """Zarr groups: facts of the store, fields on one surface of each case, points of tests."""
+FIELD_POINT = "point"
+"""Dimension of the group ``fields``: points in the order in which the store got room for them."""
 VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
 DATA = COLUMNS | SAMPLING | FILM | FIELDS
@@ -192,7 +194,6 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         for one in sweep.case_table.columns
     }
     front = tuple(sweep.case_table.axes)
-    chosen = tuple(one.name for one in sweep.case_table.chosen)  # one surface has fields
     absent = {*ROWS}  # the table of cases adds its own
     placed = frozenset(table)
     if not sweep.fields:
@@ -200,12 +201,19 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue
-        has_steps = name in FIELDS and sweep.fields == "steps"
-        dims = (*PLANE, "step", "x", "y") if has_steps else variable.dims
+        dims, outer = variable.dims, _case_dims(name, sweep) if name in MADE else front
+        if name in FIELDS:
+            steps = ("step",) if sweep.fields == "steps" else ()
+            dims, outer = (FIELD_POINT, *steps, "x", "y"), ()
         inner = tuple(dim for dim in dims if dim not in placed)
-        outer = chosen if name in FIELDS else front
-        outer = _case_dims(name, sweep) if name in MADE else outer
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
+    if sweep.fields:
+        seeds = {one.name for one in sweep.case_table.columns if one.is_seed}
+        own = sorted({*PLANE, *placed} - seeds)
+        for name in own:
+            table[f"{AT_ENDS}/{name}"] = table[name]._replace(dims=(FIELD_POINT,))
+        for name in FIELDS:
+            table[name] = table[name]._replace(attributes={"coordinates": " ".join(own)})
     columns = [name for name in placed if table[name].dims != (name,)]
     along = [*sorted(columns), *MADE]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import KEYS, open_arrays, write_arrays
+from pipeline.store.arrays import open_arrays, write_arrays
 from pipeline.store.check import Damage, Index, checksums
 from pipeline.store.layout import Group, Slices
 from pipeline.store.lock import Lock
@@ -132,8 +132,7 @@ class Store:
 
     def file_name(self, chunk: Sequence[int], within: Sequence[int]) -> str:
         """Name of the file of a chunk in the folder of its variable."""
-        head = ["c"] if self.group.keys == KEYS[0] else []
-        return ".".join(map(str, (*head, *chunk, *within)))
+        return ".".join(map(str, ("c", *chunk, *within)))
 
     # Reading
 
@@ -157,11 +156,11 @@ class Store:
     def field_files(self, name: str, where: Indices) -> list[str]:
         """Files of a field at points, in a folder."""
         assert isinstance(self.place, Folder)
-        array, chunks = self.arrays[name], self.group.field_places(where)
-        within = [0] * (array.ndim - chunks.shape[1])
+        array, numbers = self.arrays[name], self.group.field_numbers[tuple(where.T)].tolist()
+        within = [0] * (array.ndim - 1)
         with io_errors(self.place):
             folder = self.place.folder_of(array.path)
-        return [f"{folder}/{self.file_name(chunk, within)}" for chunk in chunks.tolist()]
+        return [f"{folder}/{self.file_name([number], within)}" for number in numbers]
 
     def try_read(self, name: str, block: Slices) -> Any:
         """Values of a variable at `block`; None, and a note of its chunk, if it is damaged."""
@@ -266,7 +265,7 @@ class Store:
         own, chunks = self.group.have_fields(where), list[tuple[str, Index, Indices]]()
         for name in values.keys() - {*linked}:
             is_field = name in FIELDS
-            at = self.group.field_places(where) if is_field else where
+            at = self.group.field_numbers[tuple(where.T)][:, None] if is_field else where
             rows: dict[Index, list[int]] = {}
             for row, chunk in enumerate((at // self.block_of(name)).tolist()):
                 if own[row] or not is_field:

@@ -27,7 +27,7 @@ from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
 from pipeline.store.root import FACTS
-from pipeline.store.schema import FORMAT
+from pipeline.store.schema import FIELDS, FORMAT
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -200,7 +200,7 @@ def files_of_fields(path):
     return {
         file.stat().st_ino: file
         for file in (path / "fields").glob("*/*")
-        if file.name != "zarr.json" and file.parent.name not in ("x", "y")
+        if file.name != "zarr.json" and file.parent.name in FIELDS
     }
 
 
@@ -216,6 +216,33 @@ def test_fields_are_linked_into_a_larger_store_and_into_a_new_one(path, tmp_path
     for one in (path, tmp_path / "new.zarr"):
         assert_is_as_computed(one, points(SWEEP))
         assert verify_store(one).is_clean
+
+
+def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_store_grows(path):
+    def opened_plainly():
+        groups = [xr.open_zarr(path, group=group) for group in (None, "fields", "about")]
+        return [one.drop_vars("wall_time", errors="ignore") for one in groups]
+
+    commit(path, SWEEP)
+    kept = [opened_plainly()]
+    for load in (200.0, 100.0, 170.0, 2000.0):  # indices of points change, and change back
+        commit(path, tiny.full(loads=(load,)))
+        now = [one.load() for one in opened_plainly()]
+        for plane, fields, about in kept:
+            for old in {**plane.data_vars, **about.data_vars}.values():
+                with pytest.raises((RuntimeError, ValueError), match=r"checksum|decompression"):
+                    old.compute()
+            for name in FIELDS:
+                last = fields[name].sizes["point"]
+                np.testing.assert_array_equal(fields[name], now[1][name][:last])
+        at = now[1][["load", "velocity", "rise"]].set_xindex(["load", "velocity"])
+        for point in points(SWEEP):
+            rise = record(point).data["rise"]
+            np.testing.assert_array_equal(
+                at["rise"].sel(load=point.load, velocity=point.velocity), rise
+            )
+        kept.append(opened_plainly())
+    assert verify_store(path).is_clean
 
 
 def test_where_a_disk_has_no_links_fields_are_copied(path, monkeypatch):
@@ -244,7 +271,7 @@ def test_only_the_first_surface_of_a_case_has_fields(path):
     sweep = tiny.full(case_table=surfaces((1, 2)), loads=(150.0,), velocities=(0.5,))
     with writing(path, sweep) as store:
         store.commit(run_point(sweep, point).record(with_fields=True) for point in points(sweep))
-    assert xr.open_zarr(path, group="fields")["rise"].dims == ("load", "velocity", "x", "y")
+    assert xr.open_zarr(path, group="fields")["rise"].dims == ("point", "x", "y")
     assert len(files_of_fields(path)) == 3
     ds = open_sweep(path)
     assert ds["rise"].dims == ("realization", "load", "velocity", "x", "y")

@@ -175,4 +175,5 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
 def test_fields_lie_in_a_group_of_their_own(copy):
     fields = xr.open_zarr(copy, group="fields")
     rise = record(Point(600.0, 1.5)).data["rise"]
-    np.testing.assert_array_equal(fields["rise"][-1, -1], rise)
+    np.testing.assert_array_equal(fields["rise"][-1], rise)
+    assert (fields["load"][-1], fields["velocity"][-1]) == (600.0, 1.5)

@@ -90,7 +90,7 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
         requests.clear()
         store.commit([record(OTHER)])
         assert len(requests) <= 60
-    put(f"{address}/fields/pressure/c.0.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
+    put(f"{address}/fields/pressure/c.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
     put(f"{address}/load/c.0", b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
     said = irg("verify", address, code=1)
