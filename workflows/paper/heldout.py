@@ -274,12 +274,13 @@ def _draw(rows: Sequence[Any], errors: Mapping[str, Sequence[float]]) -> Figure:
     figure = Figure(figsize=(10.4, 4.8))
     axes = figure.subplots()
     places = np.arange(len(rows))
-    for (name, its), marker in zip(errors.items(), "os^D", strict=True):
+    markers = ("o", "●"), ("s", "■"), ("^", "▲"), ("D", "◆")
+    for (name, its), (marker, sign) in zip(errors.items(), markers, strict=True):
         for part in (slice(0, 4), slice(4, 8)):
             axes.plot(
                 places[part], 100 * np.expm1(its[part]), color=_LOOKS[name], marker=marker,
                 lw=2.4 if name == "model" else 1.1, ls="-" if name == "model" else "--",
-                label=_LAWS[name] if part.start else None,
+                label=f"{sign} {_LAWS[name]}" if part.start else None,
             )  # fmt: skip
     axes.axhline(0, color=BLACK, lw=0.8)
     ticks = [

@@ -113,7 +113,7 @@ def test_a_patch_that_failed_is_left_out_of_the_whole_plane_and_named_if_four_st
     failed = {3: {(600.0, 4.0): FAILED}}
     here = asked(patches(states=failed), 400.0, 2.0)
     assert here.patches == 4
-    assert any("seeds 3" in line for line in here.notes)
+    assert any("realizations 3" in line for line in here.notes)
     rest = [lift for seed, lift in enumerate(LIFTS) if seed != 3]
     np.testing.assert_allclose(
         factor(patches(states=failed)), math.exp(np.log(rest).mean()), rtol=1e-12

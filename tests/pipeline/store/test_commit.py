@@ -1,7 +1,6 @@
 """Points in a store: data first and status last, also beside readers, and with little room."""
 
 import pytest
-import xarray as xr
 
 import tribo
 from pipeline import StoreError, open_sweep, summary, verify_store
@@ -102,12 +101,6 @@ def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(
             ds.load()
     with open_sweep(copy) as ds:
         assert ds["mean_rise"].notnull().any("step").sum() == 10
-
-
-def test_a_plain_dataset_that_was_opened_before_reads_nothing_and_no_other_points(copy):
-    with xr.open_zarr(copy, chunks=None) as ds:
-        commit(copy, tiny.full(loads=(50.0, *tiny.LOADS)), ())
-        assert ds["mean_rise"].isnull().all()
 
 
 def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):

@@ -147,6 +147,8 @@ REFUSALS = {
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "radius is -1"),
     "axes": (changed(forged(lambda sweep, _: sweep.update(loads=[2.0, 1.0]))), "that ascend"),
+    "order": (changed(forged(lambda _, facts: facts.update(order=[0, 0]))),
+              "the order of its fields"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
     "copy": (by_xarray, "it is of another program, or has lost its about/zarr.json"),
     # files
