@@ -280,10 +280,8 @@ class CaseResults:
 
     def sampling(self, conditions: Conditions) -> Array:
         """Standard deviation of ln(rise) between surface realizations, as each point states it."""
-        parts, shares = (
-            self._parts(("rise_quantile", *SAMPLING)),
-            self.ds["area_fraction_below"].values,
-        )
+        parts = self._parts(("rise_quantile", *SAMPLING))
+        shares = self.ds["area_fraction_below"].values
         found = [relative_sampling(one, conditions, shares) for one in parts]
         return np.where(self.done, np.concatenate(found), np.nan)
 

@@ -85,10 +85,8 @@ def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Sp
             else:
                 velocities = _means(velocities, starts)
     factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
-    is_highest, alone = (
-        conditions.critical_area_fraction == 0,
-        JackknifeQuality.of(case.sweep.scene),
-    )
+    is_highest = conditions.critical_area_fraction == 0
+    alone = JackknifeQuality.of(case.sweep.scene)
     return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, alone)
 
 

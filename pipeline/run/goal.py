@@ -199,10 +199,8 @@ class Reached(NamedTuple):
         if np.isfinite(self.load):
             counted = {k: x for k, x in self.parts.items() if x and (k != "surface" or not surface)}
             largest = max(counted, key=lambda name: np.nan_to_num(counted[name], nan=np.inf))
-            is_below, parts = (
-                self.is_below(accuracy),
-                ", ".join(f"{name} {percent(part)}" for name, part in counted.items()),
-            )
+            is_below = self.is_below(accuracy)
+            parts = ", ".join(f"{name} {percent(part)}" for name, part in counted.items())
             yield (
                 f"{case}accuracy {percent(accuracy)} {'' if is_below else 'not '}reached: at most "
                 f"± {percent(self.total)}, at {self.load:g} N ({parts})"
