@@ -15,14 +15,16 @@ _NOISE = 1.0  # [N]: the paper's load cell is good to 2 N, taken as two standard
 
 
 def synthetic_record() -> str:
-    r"""Load record of a ramp as CSV, rounded at both ends and with the noise of a load cell.
+    r"""Load record of a ramp, rounded at both ends and with the noise of a load cell.
+
+    It is CSV as a data logger saves it where decimals have commas, with a number in each row.
 
     Examples
     --------
     >>> print(*synthetic_record().splitlines()[4:7], sep="\n")
-    time [s],normal load [N]
-    0.00,0.1
-    0.02,-0.1
+    sample;time [s];normal load [N]
+    0;0,00;0,1
+    1;0,02;-0,1
     """
     t = np.arange(0.0, 6.0, 0.02)
 
@@ -39,5 +41,6 @@ def synthetic_record() -> str:
         f"{_ONSET:g} s on,\n# rounded off by a lag of {_ROUNDING:g} s, with a noise of "
         f"{_NOISE:g} N (standard deviation).\n#\n"
     )
-    rows = "\n".join(f"{time:.2f},{value:.1f}" for time, value in zip(t, F, strict=True))
-    return f"{head}time [s],normal load [N]\n{rows}\n"
+    rows = (f"{n};{time:.2f};{value:.1f}" for n, (time, value) in enumerate(zip(t, F, strict=True)))
+    table = "\n".join(rows).replace(".", ",")
+    return f"{head}sample;time [s];normal load [N]\n{table}\n"
