@@ -1,4 +1,4 @@
-"""Warnings on a scene as text, from their codes and values; and what is said of its film."""
+"""Warnings on a scene as text, from their codes and values."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import unusual
 
-UNKNOWN_FILM = "the share of the load carried by the oil film is unknown here (irg help physics)"
-"""Note for smooth bodies, balls and crowned pins in oil."""
 _MOST_NAMED = 6  # cases of one warning
 _IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers say in their places
 

@@ -18,7 +18,7 @@ from pipeline.answers.condition_words import added_rise_words, verdict_condition
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.results import sweep_of
-from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_lines
+from pipeline.answers.scene_notes import warning_lines
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import waiting_text
 from pipeline.answers.units import value_words
@@ -75,6 +75,7 @@ def not_included(judge: Judge) -> str:
     if cold_tracks(sweep):
         warmer = _with_earlier_turns(judge)
         parts.append("heat from earlier revolutions" + f" (severe {warmer})" * bool(warmer))
+    parts += ["an oil film that carries load (unknown here)"] * judge.lacks_film
     parts.append("uncertain inputs")
     if not judge.evidence.specimens:
         bias = 100 * judge.evidence.prior.bias
@@ -87,7 +88,7 @@ def _notes(judge: Judge) -> Iterator[str]:
     case, sweep = judge.case, judge.case.sweep
     lines = [
         case.failed_realizations_note, sweep.caveat, *warning_lines(sweep, answered=True),
-        added_rise_words(judge.conditions), UNKNOWN_FILM if judge.lacks_film else None,
+        added_rise_words(judge.conditions),
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip
     yield from filter(None, lines)

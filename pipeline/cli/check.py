@@ -13,7 +13,7 @@ import pandas as pd
 import pipeline
 from pipeline.answers.condition_words import added_rise_words
 from pipeline.answers.discretization_error import has_unknown_error
-from pipeline.answers.scene_notes import UNKNOWN_FILM, warning_text
+from pipeline.answers.scene_notes import warning_text
 from pipeline.answers.tables import frame_of, records
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
@@ -44,7 +44,7 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    cases, along = single_cases(sweep, _MOST_CASES), sweep.case_table.column("load") is not None
+    cases, along = single_cases(sweep, _MOST_ROWS), sweep.case_table.column("load") is not None
     for _, case in cases:
         key = "sweep.along" if along else "sweep.loads"
         require_admissible_load(case, max(case.loads), key)
@@ -82,14 +82,14 @@ def check(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "subject", "meaning"
-_MOST_CASES = 200  # of a sweep along a table, that are described
+_MOST_ROWS = 200  # of a sweep along a table, that are described
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
+def _case_frame(rows: Sequence[CaseEstimate]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
     heads = (
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
@@ -102,13 +102,13 @@ def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
                 one.slide_roll_ratio, one.film_parameter,
             )),
         )
-        for one in cases
+        for one in rows
     ]  # fmt: skip
     return frame_of(heads, found)
 
 
 def _meaning_rows(
-    sweep: Sweep, facts: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
+    sweep: Sweep, facts: ContactEstimate, rows: Sequence[CaseEstimate], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
@@ -127,7 +127,7 @@ def _meaning_rows(
     yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
-    yield from _film_rows(sweep, [one.film_parameter for one in cases])
+    yield from _film_rows(sweep, [one.film_parameter for one in rows])
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
     u = "of the disk u" if sweep.scene.motion else "V"
@@ -157,7 +157,7 @@ def _pixels(scene: Scene) -> int:
 def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
     """Yield rows on the oil film, or on the entry that is missing to compute it.
 
-    `parameters` are the film parameters of the sweep's cases, if each has its own place.
+    `parameters` are the film parameters of the sweep's rows, if each has its own place.
     """
     if sweep.lubricant is None:
         return
@@ -175,7 +175,7 @@ def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
     regime = " to ".join(regimes).replace(" lubrication to", " to")
     yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"
     if sweep.scene.pin.length is None and span.high >= _FILM_CARRIES:
-        yield "", UNKNOWN_FILM
+        yield "", "the fraction of the load that the oil film carries is unknown (irg help physics)"
 
 
 def _text(span: Span, unit: str = "") -> str:
@@ -191,9 +191,9 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counted(len(sweep.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
-    names = {"realization": "surfaces", CASE: "cases"}
+    names = {"realization": "surfaces", CASE: "rows"}
     if sweep.case_table.column("load"):
-        counts, names[CASE] = [], "cases, each at its own load and velocity"
+        counts, names[CASE] = [], "rows, each at its own load and velocity"
     for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
     steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"

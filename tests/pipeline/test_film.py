@@ -166,4 +166,7 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(inlet, irg, m
     at = "--load", "400 N", "--velocity", "1 m/s"
     for words in (("margin", "out.zarr", *at), ("boundary", "out.zarr")):
         said = " ".join(irg(*words).split())
-        assert "the share of the load carried by the oil film is unknown here" in said
+        assert "an oil film that carries load (unknown here), uncertain inputs" in said
+    for place in ({}, {"load": 400.0, "velocity": 1.0}):
+        verdict, _, _ = pipeline.report(ds, **place).partition("</section>")
+        assert "an oil film that carries load (unknown here), uncertain inputs" in verdict
