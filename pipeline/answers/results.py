@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.answers.units import value_words
 from pipeline.paths import found_store
 from pipeline.store.place import PathLike
 from pipeline.store.read import completed, open_store
@@ -326,6 +327,16 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
 def case_dims(ds: xr.Dataset) -> list[str]:
     """Names of the dimensions of varied entries, and of rows of a table."""
     return [str(dim) for dim in ds["status"].dims if dim not in _SPECIMEN]
+
+
+def refuse_cases(ds: xr.Dataset) -> None:
+    """Refuse a dataset of several cases, for an answer on one."""
+    if several := case_dims(ds):
+        first = value_words(ds[several[0]], ds[several[0]].values[0].item())
+        raise InputError(
+            f"the sweep has several cases; select one by {', '.join(several)}, such as --at "
+            f'"{several[0]}={first}"'
+        )
 
 
 def sweeps_of(ds: xr.Dataset) -> Iterator[tuple[Sweep, xr.Dataset]]:

@@ -17,6 +17,7 @@ import xarray as xr
 
 from pipeline.answers.conditions import ConditionValues, judged
 from pipeline.answers.results import CaseResults, cases_of
+from pipeline.answers.units import named_value
 from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.quantities import display
 from pipeline.store.place import PathLike
@@ -78,8 +79,8 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
             texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
             flag = flags[patch, i, j]
             said = [texts.get(kind, kind.label) for kind in WarningKind if flag & kind]
-            own = "".join(f", {name} {value}" for name, value in case.labels.items())
-            place = f"{case.loads[i]:g} N, {case.velocities[j]:g} m/s{own}"
+            own = [named_value(case.ds[name]) for name in case.labels]
+            place = ", ".join([f"{case.loads[i]:g} N", f"{case.velocities[j]:g} m/s", *own])
             example = f"{place}: {'; '.join(said)}"
     return Warned(points, kinds, example)
 

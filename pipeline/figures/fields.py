@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pipeline.answers.condition_words import heating_words
 from pipeline.answers.conditions import in_array
 from pipeline.answers.critical_temperature import conditions_of
-from pipeline.answers.results import CaseResults, case_dims, cases_of, sweep_of
+from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
 from pipeline.answers.words import extending, outside
 from pipeline.figures import style
 from pipeline.quantities import shown_in
@@ -64,8 +64,7 @@ class Shown(NamedTuple):
 
 def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
     """The surface realization of a sweep that a figure shows: by default the one with fields."""
-    if several := case_dims(ds):
-        raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
+    refuse_cases(ds)
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:

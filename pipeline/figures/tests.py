@@ -13,7 +13,7 @@ from matplotlib.legend_handler import HandlerTuple
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.results import case_dims, sweep_of
+from pipeline.answers.results import refuse_cases, sweep_of
 from pipeline.figures import style
 from pipeline.figures.diagram import UNDECIDED_LABEL
 from pipeline.figures.markers import draw_test_marker, legend_of_tests
@@ -32,8 +32,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     A bar joins the mild and the severe end of a transition with a step. The caption counts tests
     without a result.
     """
-    if several := case_dims(ds):
-        raise InputError(f"the sweep has several cases; select one by {', '.join(several)}")
+    refuse_cases(ds)
     found = pipeline.compare_tests(ds, **conditions)
     if not found.sizes["test"]:
         raise InputError("the scene has no tests to draw; add [[tests]] to it")
