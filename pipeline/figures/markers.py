@@ -19,6 +19,7 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 _REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
 _SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
 _OF_WORDS = 0.3  # of the width of a figure, for the numbers of an operating point
+_OF_EDGE = 0.08  # of the height of a figure, where numbers would lie over an edge
 _FEW = 6  # operating points up to which each has its numbers beside
 
 
@@ -85,9 +86,10 @@ def mark_places(axes: Axes, places: Sequence[Place]) -> None:
         across, up = axes.transAxes.inverted().transform(axes.transData.transform((velocity, load)))
         is_low = across + up < 1  # boundaries fall from the upper left to the lower right
         to_left = across > _OF_WORDS if is_low else across > 1 - _OF_WORDS
+        is_below = up > 1 - _OF_EDGE or (is_low and up > _OF_EDGE)
         axes.annotate(
             f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
-            (-8 if to_left else 8, -6 if is_low else 6), textcoords="offset points",
-            color=OPERATING, ha="right" if to_left else "left", va="top" if is_low else "bottom",
+            (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",
+            color=OPERATING, ha="right" if to_left else "left", va="top" if is_below else "bottom",
             fontweight="bold", path_effects=style.HALO, zorder=5,
         )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,7 +25,9 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
     OUTSIDE: ("outside the model", {"marker": "X", "mfc": "white", "mec": GREY}),
 }
 """Label and mark of a row by its verdict."""
-_HIGHEST = 0.32  # height of a row in a figure of few rows [in]
+_WIDTH = 8.0  # usual width [in]
+_LETTERS = 6  # letters of a row's label, for each inch of width
+_HIGHEST = 0.32  # height of a line of a label in a figure of few rows [in]
 _MOST_NAMED = 40  # rows up to which each has its label
 
 
@@ -48,8 +51,11 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
     names = [style.as_text(one) for one in words.row_labels(found, *map(str, found.sizes))]
+    labels = [textwrap.fill(one, int(_LETTERS * style.wanted_width(_WIDTH))) for one in names]
+    lines_of_row = 1 + max(one.count("\n") for one in labels)
     places = np.arange(len(names))
-    figure, axes = style.canvas((8.0, 1.6 + _HIGHEST * min(len(names), _MOST_NAMED)))
+    height = 1.6 + _HIGHEST * min(len(names), _MOST_NAMED) * lines_of_row
+    figure, axes = style.canvas((_WIDTH, height))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
     low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
     room = 0.08 * (high - low)
@@ -69,7 +75,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     )  # fmt: skip
     ticks = places if len(names) <= _MOST_NAMED else places[:: -(-len(names) // _MOST_NAMED)]
     ticks = np.union1d(ticks, [decides])
-    shown = axes.set_yticks(ticks, [names[k] for k in ticks])
+    shown = axes.set_yticks(ticks, [labels[k] for k in ticks])
     for side in ticks:
         likely = found["probability"].values[side]
         told = "" if np.isnan(likely) else words.percent(likely)

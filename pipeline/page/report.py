@@ -23,7 +23,7 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
-from pipeline.answers.results import case_dims, dataset_of, sweep_of
+from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
@@ -209,8 +209,8 @@ def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answe
 def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answer:
     """The verdicts on a table of operating points, or on the rows of the sweep."""
     if len(found.sizes) > 1:
-        several = ", ".join(map(str, found.sizes))
-        raise InputError(f"a report has rows along one dimension, not along {several}; select one")
+        refuse_cases(ds)
+        raise InputError(f"a report has rows along one dimension, not along {[*found.sizes]}")
     (row,) = found.sizes
     decides, names = deciding_row(found), words.row_labels(found, str(row))
     codes, verdicts = found["verdict"].values.tolist(), words.code_text(found["verdict"]).tolist()

@@ -1,7 +1,8 @@
 """The report: what stands in it is what the answers say, escaped, without scripts."""
 
+import json
 import re
-from base64 import b64decode
+from base64 import b64decode, b64encode
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -12,6 +13,7 @@ from pipeline.answers.frames import boundary_frame
 from pipeline.answers.tables import cells_of
 from pipeline.answers.words import percent, verdict_text
 from pipeline.figures.rows import deciding_row
+from pipeline.page import report as parts
 from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
@@ -128,14 +130,25 @@ def test_nothing_of_a_user_is_read_as_html(page):
     assert "https:" not in page
 
 
-def test_names_of_rows_are_text(sweep):
+def test_titles_authors_labels_and_paths_are_text(monkeypatch):
+    drawn = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"  # other tests draw
+    monkeypatch.setattr(
+        parts, "picture_of", lambda _, caption, alt: parts.Picture(drawn, drawn, alt, caption)
+    )
+    hostile = " ".join(PAYLOADS)
+    tests = [bare_test(250.0, 1.5, outcome="mild", number=one) for one in PAYLOADS]
+    inputs = "\n".join(f"{json.dumps(one)} = 1" for one in PAYLOADS)  # names of entries
+    ds = synthetic.sweep(tests=tests, title=hostile, caveat=hostile)
     points = {
         "case": PAYLOADS,
         "load [N]": [300.0] * len(PAYLOADS),
         "velocity [m/s]": [1.0 + 0.05 * k for k in range(len(PAYLOADS))],
     }
-    found = checked(pipeline.report(sweep, points=points, title=" ".join(PAYLOADS)))
-    assert [one for one in PAYLOADS if found.words.count(one) < 3] == []  # titles and table
+    ds = ds.assign_attrs(scene=f"[materials]\n{inputs}")
+    told = {"title": hostile, "author": hostile, "command": f"irg report '{hostile}.zarr'"}
+    found = checked(pipeline.report(ds, points=points, **told))
+    # Titles of window and page, the scene's, its caveat, author, command, row, test and input.
+    assert [one for one in PAYLOADS if found.words.count(one) < 9] == []
 
 
 def test_a_screen_reader_finds_headings_captions_and_words_for_pictures(page):
@@ -165,6 +178,17 @@ def half_done():
         (half_done, {"load": 300.0, "velocity": 1.0}, "×: 10 points that are pending or failed"),
         (two_pins, {"load": 300.0, "velocity": 4.0}, "most critical operating point: pin radius 1"),
         (two_pins, {}, "Critical velocity as computed"),
+        (
+            plane,
+            {
+                "points": {
+                    "case": ["wear specific wear rate 1.2e-06 mm³/(N m)"],
+                    "load [N]": [300.0],
+                    "velocity [m/s]": [2.0],
+                }
+            },
+            "critical operating point: wear specific",
+        ),
     ],
 )
 def test_a_report_of_any_sweep_is_sound_and_says_what_matters(make, asked, said):
