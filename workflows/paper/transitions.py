@@ -42,7 +42,7 @@ _LOOKS = {
     "swept": (BLUE, "o"),
     "local": (VERMILION, "s"),
     "unworn": (GREEN, "^"),
-    "swept, bulk 25 °C": (GREEN, "o"),
+    "swept, bulk 25 °C": (GREEN, "^"),
 }
 
 SPREAD = "computed: mean and standard deviation over the surfaces"
