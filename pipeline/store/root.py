@@ -226,7 +226,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         if order and sorted(order) != [*range(root.plane.sizes.get(FIELD_POINT, 0))]:
             raise ValueError("the order of its fields")
         for group in root.groups:
-            _ = group.arrays, group.coordinates, group.field_index
+            _ = group.axes, group.arrays, group.coordinates, group.field_index
     except StoreError:
         raise
     except (TriboError, ValueError, ArithmeticError) as error:

@@ -78,7 +78,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
             name: [test | {"case": changed(base, test["case"])} for test in plain[name]]
             for name in ("tests", "former")
         }
-        whole = _without_lost_surfaces({**plain, "cases": cases, **tests}, arrays)
+        whole = {**plain, "cases": cases, **tests}
     except (CodecError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
     try:
@@ -90,14 +90,3 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
     except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
         raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
     return sweep
-
-
-def _without_lost_surfaces(plain: Any, arrays: Mapping[str, Array]) -> Any:
-    """The data with a `MissingSurface` in place of surfaces whose heights are not in `arrays`."""
-    if isinstance(plain, list):
-        return [_without_lost_surfaces(one, arrays) for one in plain]
-    if not isinstance(plain, dict):
-        return plain
-    if plain.get("is") == "MeasuredRoughness" and plain["array"]["digest"] not in arrays:
-        return plain["array"] | {"is": "MissingSurface"}
-    return {key: _without_lost_surfaces(one, arrays) for key, one in plain.items()}
