@@ -17,6 +17,7 @@ import xarray as xr
 
 from pipeline.answers import words
 from pipeline.answers.conditions import (
+    NAMES,
     ConditionValues,
     Operation,
     in_array,
@@ -34,7 +35,7 @@ from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
-from pipeline.sweep.conditions import Conditions, plain_values
+from pipeline.sweep.conditions import Conditions
 from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
@@ -349,9 +350,7 @@ def _described(
     """Dataset with units, long names and conditions; attributes say what holds for all of it."""
     axes = {**coordinates} | {name: variables.pop(name) for name in PLANE}
     own = {name: variables.pop(name, None) for name in ("friction", "bulk_temperature")}
-    for name, value in plain_values(judge.conditions).items():
-        if name != "corrections":
-            axes[name] = np.nan if value is None else value
+    axes |= {name: getattr(judge.conditions, name) for name in NAMES}
     for name, one in varied.items():
         axes[name] = one if name in one.dims or own.get(name) is None else own[name]
     return _with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(judge))

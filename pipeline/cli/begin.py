@@ -6,12 +6,14 @@ import argparse
 import pydoc
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pipeline
 from pipeline.cli.output import Result, counted
 from pipeline.cli.parser import commands, parse
-from pipeline.scene.library import library_page
+from pipeline.scene.library import library
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from pipeline.words import did_you_mean
 from tribo import InputError
@@ -62,7 +64,46 @@ def help_(options: argparse.Namespace) -> Result:
 def _pages() -> dict[str, str]:
     """Text of each page by name, with that of the library, which is made."""
     texts = {name: path.read_text(encoding="utf-8") for name, path in shipped_pages().items()}
-    return texts | {"library": library_page()}
+    return texts | {"library": _library_page()}
+
+
+def _library_page() -> str:
+    """The library as Markdown: tables of materials and oils, and the sources of their numbers."""
+    known, numbers = library(), {key: k for k, key in enumerate(library()["sources"], 1)}
+    parts = ["# Materials and oils of the library", "", _LIBRARY]
+    for kind in ("materials", "oils"):
+        named = dict[int, list[str]]()
+        for name, table in known[kind].items():
+            named.setdefault(id(table), []).append(name)
+        tables = {id(table): table for table in known[kind].values()}
+        heads = list(dict.fromkeys(key for table in tables.values() for key in table))
+        lines = _line(["name", *heads]), _line(["---"] * (1 + len(heads)))
+        parts += ["", f"## {kind.capitalize()}", "", *lines]
+        parts += [
+            _line([", ".join(names), *(_cell(tables[key].get(head), numbers) for head in heads)])
+            for key, names in named.items()
+        ]
+    sources = (f"{k}. {known['sources'][key]}" for key, k in numbers.items())
+    parts += ["", "## Sources", "", *sources]
+    return "\n".join(parts).replace("_", " ") + "\n"
+
+
+_LIBRARY = (
+    "Scenes take these values by name, material or oil. Numbers in brackets are sources,\n"
+    "below. Hardness belongs to a heat treatment: give your own where it is known."
+)
+
+
+def _line(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _cell(entry: Any, numbers: dict[str, int]) -> str:
+    if entry is None:
+        return "–"
+    value, source = entry
+    text = ", ".join(value) if isinstance(value, list) else str(value)
+    return f"{text} [{numbers[source]}]"
 
 
 def _search(topic: str, pages: dict[str, str]) -> Result:

@@ -30,14 +30,14 @@ from pipeline.scene.contact_estimate import (
     require_admissible_load,
     single_cases,
 )
-from pipeline.scene.scene_warnings import notes_on_scene
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
+from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CASE
-from pipeline.sweep.notes import library_tables
+from pipeline.sweep.notes import SceneNote, library_tables
 from pipeline.sweep.sweep import Sweep
 from pipeline.tradeoff.estimate import Estimate, worker_bytes
-from tribo import InputError, Scene, lubrication_regime
+from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 
 
@@ -85,6 +85,8 @@ _HEADS = "subject", "meaning"
 _MOST_ROWS = 200  # of a sweep along a table, that are described
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
+_MOST_NAMED = 3  # tests
+_Loading = Ramp | Stages | MeasuredLoad
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -229,3 +231,42 @@ def _surface_words(facts: SurfaceSummary) -> str:
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
         f"{y:.3g} µm along y over the window"
     )
+
+
+def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
+    """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
+    plane, found = sweep.scene.loading, dict[str, list[SpecimenTest]]()
+    for test in sweep.tests:  # each is simulated with its own past
+        if words := _difference(test.case.scene.loading, plane):
+            found.setdefault(words, []).append(test)
+    of_tests = (SceneNote("", f"{_named(some)}: {words}") for words, some in found.items())
+    return *sweep.notes, *of_tests
+
+
+def _difference(own: _Loading, plane: _Loading) -> str:
+    """How one past differs from another, and what follows; empty if they are alike."""
+    if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
+        return "" if own == plane else "another record of the load than the plane's"
+    if isinstance(own, Stages) and isinstance(plane, Stages):
+        is_begun_alike = own.shares_stages(plane)
+        return (
+            "" if is_begun_alike else "other stages than the plane's: longer ones wear and cool it"
+        )
+    if isinstance(own, Stages):
+        return "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"
+    if isinstance(plane, Stages):
+        return "by a ramp, and the plane in stages: a fresh specimen is hotter than the plane"
+    if not math.isclose(own.rate, plane.rate):
+        way = "slower, worn more, and cooler" if own.rate < plane.rate else "faster, and hotter"
+        return f"its load grows {way} than the plane"
+    if own.hold != plane.hold:
+        way = "longer" if own.hold > plane.hold else "less long"
+        return f"held {way} than the plane, which counts where a body keeps heat of earlier turns"
+    return ""
+
+
+def _named(tests: Sequence[SpecimenTest]) -> str:
+    """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
+    names = [*dict.fromkeys(str(test.number) for test in tests)]
+    more = f" and {len(names) - _MOST_NAMED} more" * (len(names) > _MOST_NAMED)
+    return f"test{'s' * (len(names) > 1)} {', '.join(names[:_MOST_NAMED])}{more}"

@@ -105,4 +105,4 @@ def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep._with_hold(duration - ramp)
+    return replace(sweep._single_case(), base=sweep.base.held(duration - ramp), tests=())

@@ -16,11 +16,10 @@ from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_notes import warning_lines
 from pipeline.answers.words import next_run_line
 from pipeline.cli import output
-from pipeline.cli.check import check
+from pipeline.cli.check import check, notes_on_scene
 from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, print_note
 from pipeline.scene.contact_estimate import require_admissible_load
-from pipeline.scene.scene_warnings import notes_on_scene
 from pipeline.store.schema import PLANE
 from tribo import InputError
 

@@ -233,7 +233,7 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
             axes.contourf(x, y, beside, [low, 0.0], colors=[_ERROR["color"]]).set_gid("error")
         band = [Stroke(linewidth=9, foreground=_ERROR["color"]), Normal()]
         legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
-    frictions = case.sweep.friction_band or (0.0, 0.0)
+    frictions = case.sweep.base.friction_band or (0.0, 0.0)
     look = {"color": GREY, "lw": style.THIN, "ls": "--"}
     critical = plane["critical_friction"].where(inside).values
     ends = frictions if frictions[0] < frictions[1] else ()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import tomllib
-from collections.abc import Iterable
 from importlib import resources
 from typing import Any
 
@@ -33,45 +32,6 @@ def library() -> dict[str, Any]:
     materials = tables["materials"]
     materials |= {name: materials[usual] for name, usual in tables.pop("names").items()}
     return tables
-
-
-def library_page() -> str:
-    """The library as Markdown: tables of materials and oils, and the sources of their numbers."""
-    known, numbers = library(), {key: k for k, key in enumerate(library()["sources"], 1)}
-    parts = ["# Materials and oils of the library", "", _ABOUT]
-    for kind in ("materials", "oils"):
-        named = dict[int, list[str]]()
-        for name, table in known[kind].items():
-            named.setdefault(id(table), []).append(name)
-        tables = {id(table): table for table in known[kind].values()}
-        heads = list(dict.fromkeys(key for table in tables.values() for key in table))
-        lines = _row(["name", *heads]), _row(["---"] * (1 + len(heads)))
-        parts += ["", f"## {kind.capitalize()}", "", *lines]
-        parts += [
-            _row([", ".join(names), *(_cell(tables[key].get(head), numbers) for head in heads)])
-            for key, names in named.items()
-        ]
-    sources = (f"{k}. {known['sources'][key]}" for key, k in numbers.items())
-    parts += ["", "## Sources", "", *sources]
-    return "\n".join(parts).replace("_", " ") + "\n"
-
-
-_ABOUT = (
-    "Scenes take these values by name, material or oil. Numbers in brackets are sources,\n"
-    "below. Hardness belongs to a heat treatment: give your own where it is known."
-)
-
-
-def _row(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(cells)} |"
-
-
-def _cell(entry: Any, numbers: dict[str, int]) -> str:
-    if entry is None:
-        return "–"
-    value, source = entry
-    text = ", ".join(value) if isinstance(value, list) else str(value)
-    return f"{text} [{numbers[source]}]"
 
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:

@@ -1,9 +1,9 @@
-"""Probable mistakes in a scene, other pasts of tests, and what the model leaves out of it."""
+"""Probable mistakes in a scene, and what the model leaves out of it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 from pipeline.scene.contact_estimate import (
     USUAL_HARDNESS,
@@ -16,17 +16,16 @@ from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import number_at
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
-from pipeline.sweep.notes import SceneNote, SceneWarning, unusual_warning
+from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep
 from pipeline.words import key_path
-from tribo import MeasuredLoad, Ramp, SelfAffineRoughness, Stages
+from tribo import Ramp, SelfAffineRoughness
 
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
 _REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 _MOST_CASES = 12  # cases that are looked at, each in some 0.1 s
 Warnings = Iterator[SceneWarning]
-Loading = Ramp | Stages | MeasuredLoad
 _MANY = 3  # numbers of tests that are named
 
 
@@ -152,38 +151,6 @@ def _cold_tracks(sweep: Sweep) -> Warnings:
         yield SceneWarning("cold_tracks", "", (length, " ".join(bodies)))
 
 
-def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
-    """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
-    plane, found = sweep.scene.loading, dict[str, list[SpecimenTest]]()
-    for test in sweep.tests:  # each is simulated with its own past
-        if words := _difference(test.case.scene.loading, plane):
-            found.setdefault(words, []).append(test)
-    of_tests = (SceneNote("", f"{_named(some)}: {words}") for words, some in found.items())
-    return *sweep.notes, *of_tests
-
-
-def _difference(own: Loading, plane: Loading) -> str:
-    """How one past differs from another, and what follows; empty if they are alike."""
-    if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
-        return "" if own == plane else "another record of the load than the plane's"
-    if isinstance(own, Stages) and isinstance(plane, Stages):
-        is_begun_alike = own.shares_stages(plane)
-        return (
-            "" if is_begun_alike else "other stages than the plane's: longer ones wear and cool it"
-        )
-    if isinstance(own, Stages):
-        return "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"
-    if isinstance(plane, Stages):
-        return "by a ramp, and the plane in stages: a fresh specimen is hotter than the plane"
-    if not math.isclose(own.rate, plane.rate):
-        way = "slower, worn more, and cooler" if own.rate < plane.rate else "faster, and hotter"
-        return f"its load grows {way} than the plane"
-    if own.hold != plane.hold:
-        way = "longer" if own.hold > plane.hold else "less long"
-        return f"held {way} than the plane, which counts where a body keeps heat of earlier turns"
-    return ""
-
-
 def _fresh_specimens(sweep: Sweep) -> Warnings:
     """Warning of runs by stages that are simulated as fresh specimens.
 
@@ -196,10 +163,3 @@ def _fresh_specimens(sweep: Sweep) -> Warnings:
     if names := [name for name, tests in runs.items() if len(tests) > 1]:
         more = float(max(0, len(names) - _MANY))
         yield SceneWarning("fresh_specimens", "", (", ".join(names[:_MANY]), more))
-
-
-def _named(tests: Sequence[SpecimenTest]) -> str:
-    """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
-    names = [*dict.fromkeys(str(test.number) for test in tests)]
-    more = f" and {len(names) - _MANY} more" * (len(names) > _MANY)
-    return f"test{'s' * (len(names) > 1)} {', '.join(names[:_MANY])}{more}"

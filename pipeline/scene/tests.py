@@ -24,11 +24,8 @@ from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
 
-_OWN = {
-    "friction": ("friction",),
-    "bulk_temperature": ("temperature.bulk",),
-}
-"""Entries of the scene that entries of a test replace, by name of the entry of the test."""
+_OWN = {"friction": "friction", "bulk_temperature": "temperature.bulk"}
+"""Entry of the scene that an entry of a test replaces, by the name of the latter."""
 _OF_ALL = (
     "extends", "without", "title", "caveat", "sweep", "tests", "oil", "model",
     "temperature.critical", "temperature.critical_area_fraction",
@@ -171,8 +168,8 @@ def _misplaced(entry: Any, changes: Mapping[str, Any]) -> Iterator[str]:
     for path in changes:
         if any(_is_in(path, other) for other in _OF_ALL):
             yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
-        for name, others in _OWN.items():
-            if getattr(entry, name) is not None and any(_is_in(path, one) for one in others):
+        for name, other in _OWN.items():
+            if getattr(entry, name) is not None and _is_in(path, other):
                 yield f"{quoted(path)} is set by the {name} of this test; give one of them"
 
 

@@ -288,10 +288,8 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
             (mechanics(sweep.case(name).scene), row.get("velocity"))
             for name, row in sweep.case_table.by_name.items()
         ]
-        wears, are_distinct = (
-            any(scene.wears for scene in scenes),
-            len({*contacts}) == len(contacts),
-        )
+        wears = any(scene.wears for scene in scenes)
+        are_distinct = len({*contacts}) == len(contacts)
         steps = "course" if are_ramps and wears and are_distinct else "end"
     # A disc or a track that keeps heat gets warmer while the load is held.
     loading, kept = sweep.scene.loading, [case.conditions.corrections for case in cases]

@@ -134,11 +134,6 @@ class Sweep:
         return self.base.conditions
 
     @property
-    def friction_band(self) -> tuple[float, float] | None:
-        """Lowest and highest friction that the diagram shows; None without `friction.band`."""
-        return self.base.friction_band
-
-    @property
     def lubricant(self) -> Oil | None:
         """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
         return self.base.lubricant
@@ -252,10 +247,6 @@ class Sweep:
         )
         judged = {**self.judged, **changes}
         return replace(self, base=base, cases=tuple(cases), judged=judged)
-
-    def _with_hold(self, duration: float) -> Self:
-        """The scene alone with another `duration` at the full load after the ramp [s]."""
-        return replace(self._single_case(), base=self.base.held(duration), tests=())
 
     def _take_surface(self, seed: int | None) -> Self:
         """The sweep of the scene itself on the random surface of a seed; itself for None."""

@@ -76,7 +76,7 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
 def test_entries_may_be_left_out(write):
     keys = '"wear", "friction.band", "tests", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
-    assert sweep.scene.wear is sweep.friction_band is None
+    assert sweep.scene.wear is sweep.base.friction_band is None
     assert sweep.tests == ()
     assert sweep.scene.hardness == np.inf
     assert sweep.scene.disk.elastic_modulus == 210e9

@@ -97,7 +97,7 @@ def test_what_may_be_left_out_takes_its_default(read):
     )
     assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
-    assert sweep.scene.roughness is sweep.scene.wear is sweep.friction_band is None
+    assert sweep.scene.roughness is sweep.scene.wear is sweep.base.friction_band is None
     assert sweep.conditions.critical_area_fraction == 0.1
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.fields
