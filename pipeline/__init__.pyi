@@ -9,7 +9,9 @@ from .answers.temperatures import temperatures as temperatures
 from .answers.warnings import warned as warned
 from .figures.plot import plot as plot
 from .page.report import report as report
+from .run.estimate import estimate as estimate
 from .run.sweep import run_sweep as run_sweep
+from .run.trade import trade as trade
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.new import new_scene as new_scene
@@ -22,6 +24,4 @@ from .store.status import verify_store as verify_store
 from .surface.statistics import surface_statistics as surface_statistics
 from .sweep.conditions import Conditions as Conditions
 from .sweep.sweep import Sweep as Sweep
-from .tradeoff.estimate import estimate as estimate
-from .tradeoff.trade import trade as trade
 from .units import to_si as to_si

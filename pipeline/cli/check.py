@@ -20,6 +20,7 @@ from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
+from pipeline.run.estimate import Estimate, worker_bytes
 from pipeline.scene.contact_estimate import (
     CaseEstimate,
     ContactEstimate,
@@ -36,7 +37,6 @@ from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CASE
 from pipeline.sweep.notes import SceneNote, library_tables
 from pipeline.sweep.sweep import Sweep
-from pipeline.tradeoff.estimate import Estimate, worker_bytes
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 

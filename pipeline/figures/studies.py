@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
-from pipeline.tradeoff.trade import Trade
+from pipeline.run.trade import Trade
 
 
 @style.house_style

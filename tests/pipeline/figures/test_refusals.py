@@ -4,9 +4,9 @@ from functools import cache
 
 import pipeline
 from pipeline.figures.rows import draw_rows
+from pipeline.run.trade import Trade
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import bare_test, placed_rows
 from tests.helpers.refusals import refusal_tests

@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.tradeoff.trade import Measured, Trade
+from pipeline.run.trade import Measured, Trade
 from tribo import InputError
 
 SMALL = {

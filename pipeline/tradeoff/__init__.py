@@ -1,1 +1,0 @@
-"""Studies of a scene: speed against accuracy, and how far each input moves the boundary."""
