@@ -151,7 +151,7 @@ def margin(
         points = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
         return _rows(ds, points, conditions)
     if (load is None) != (velocity is None):
-        raise InputError("load and velocity go together; give both")
+        raise InputError("give both a load and a velocity")
     places = {} if load is None else {
         "load": in_array("load", load, functools.partial(in_si, "load", like="500 N"), "place"),
         "velocity": in_array(

@@ -64,7 +64,7 @@ def added_rise_words(conditions: Conditions) -> str:
     if not conditions.added_rise_fraction:
         return ""
     added = signed_percent(conditions.added_rise_fraction)
-    return f"{added} of the rise is added for what acts beside the model (irg help physics)"
+    return f"{added} is added to the rise for effects outside the model (irg help physics)"
 
 
 def signed_percent(share: float) -> str:

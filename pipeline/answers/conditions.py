@@ -57,7 +57,7 @@ def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:
     """Conditions of a case, with those `given` by name, single values, in place of its own."""
     arrays = in_arrays(given)
     if several := [name for name, one in arrays.items() if one.size > 1]:
-        raise InputError(f"{several[0]} takes one value at a time here; give one")
+        raise InputError(f"{several[0]} takes a single value here")
     return replaced(own, {name: one.item() for name, one in arrays.items()})
 
 

@@ -83,9 +83,9 @@ def error_in_words(sweep: Sweep) -> str:
     """Describe the error of a sweep's critical velocity, and how the error is known."""
     error = velocity_error(sweep)
     if error is None:
-        return "own numerical choices: how far boundary velocities err is not known"
+        return "custom numerical settings: the error of critical velocities is unknown"
     by = f"{100 * error:g} % (irg help choosing)"
-    return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
+    return f"preset {_preset(sweep)}: discretization error of critical velocities at most {by}"
 
 
 def _preset(sweep: Sweep) -> str | None:

@@ -31,7 +31,7 @@ def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[s
         if not (answered and one.code in _IN_ANSWERS)
     ]
     if (more := len(lines) - most) > 0:
-        lines[most:] = [f"and {more} more: irg check {typed_name(sweep.name)}"]
+        lines[most:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
     return lines
 
 
@@ -50,28 +50,29 @@ def _words(warning: SceneWarning) -> str:
             return f"{words}; give more pixels"
         case "lay_along_sliding":
             return (
-                'the grooves lie along sliding; where the same ones pass the pin again, "swept" '
-                'makes the rise about 50 % too high: give pattern = "local"'
+                "the grooves run along the sliding direction; if the same grooves pass the pin "
+                'again, pattern = "swept" makes the rise about 50 % too high: use pattern = '
+                '"local"'
             )
         case "long_correlation":
             axis, length = values
             return (
-                f"that along {axis}, {display(length, 'µm', 3)}, is above a third of the window, "
-                "so that temperatures differ much from surface to surface: give more "
-                "window.pixels, or several surfaces (sweep.realizations)"
+                f"along {axis} it is {display(length, 'µm', 3)}, more than a third of the "
+                "window, so that temperatures vary strongly between surface realizations: "
+                "increase window.pixels, or simulate several (sweep.realizations)"
             )
         case "no_wear":
-            return "not given: an unworn contact stays narrow, and gets hotter"
+            return "none is given; an unworn contact stays narrow and gets hotter"
         case "far_test":
             load, velocity = values
             place = f"{load:g} N at {velocity:g} m/s"
-            return f"the test of {place} lies far outside the sweep: check its units"
+            return f"the test at {place} lies far outside the sweep: check its units"
         case "fresh_specimens":
             names, more = values
             tests = f"test{'s' * (', ' in names)} {names}" + f" and {more:g} more" * (more > 0)
             return (
-                f"{tests}: one specimen at several places, each simulated fresh, so too hot: give "
-                "its stages"
+                f"{tests}: one specimen at several points, but each is simulated as a fresh "
+                "specimen and thus too hot: give its load stages"
             )
         case "cold_tracks":
             length, bodies = values

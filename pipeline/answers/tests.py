@@ -158,7 +158,7 @@ class Evidence:
             place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
             at = f"friction {own.friction_at(test.velocity):.3g}"
             bulk = display(own.bulk_temperature, "°C", 3)
-            yield f"{test.outcome}, {place} at {at} and bulk {bulk}"
+            yield f"{test.outcome} at {place}, {at}, bulk temperature {bulk}"
 
 
 def _probits(y: Array, posterior: Posterior, here: Any) -> Array:
@@ -199,7 +199,7 @@ def _compared(
             return EvaluatedTest(test, own, reason=reason)
         rises = np.array([one.rise(own) for one in points])
     except InputError as error:
-        return EvaluatedTest(test, None, reason=f"cannot be compared: {error}")
+        return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
     if len(specimen.apart) > 1:  # they were computed on the first patch alone
         rises = rises * np.exp([specimen.offset_at(*place) for place in test.places])
     with np.errstate(divide="ignore"):

@@ -109,7 +109,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     if options.quiet:
         output.QUIET.set()
     # Only irg run keeps results before its end.
-    safe = "; finished points are safe" if getattr(options, "command", "") == "sweeps:run" else ""
+    safe = "; finished points are saved" if getattr(options, "command", "") == "sweeps:run" else ""
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.print_note(
@@ -138,15 +138,19 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             # Zarr raises a RuntimeError for a damaged chunk.
             if not isinstance(error, OSError) and "decompress" not in str(error):
                 raise
-            reason = error if _has_folder() else "the working folder was deleted; go to another"
-            output.print_error(f"cannot go on: {reason}{safe}")
+            reason = (
+                error
+                if _has_folder()
+                else "the working directory was deleted; change to another one"
+            )
+            output.print_error(f"cannot continue: {reason}{safe}")
             with suppress(OSError, ValueError, AttributeError):
                 # Keep Python from flushing stdout again at exit.
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return output.WRONG_USE
         output.print_error(
-            "out of memory, or of the threads and processes that this user may start (ulimit -a)"
-            f"{safe}: take fewer workers or a coarser grid"
+            "out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+            f"{safe}: use fewer workers or a coarser grid"
         )
         return output.WRONG_USE
     except (ValueError, KeyError, TypeError) as error:

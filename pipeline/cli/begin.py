@@ -25,12 +25,12 @@ def new(options: argparse.Namespace) -> Result:
         titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.file is None:
-        raise InputError("no file is named; give a file to write, such as: irg new scene.toml")
+        raise InputError("give the name of the file to write, such as: irg new scene.toml")
     scene, *copies = pipeline.new_scene(options.file, options.template)
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
-        f"its meaning and cost: irg check {scene}",
-        f"its points: irg run {scene}",
+        f"to describe it and estimate its cost: irg check {scene}",
+        f"to simulate its points: irg run {scene}",
     ]
     return Result({"file": str(scene), "copies": [str(copy) for copy in copies]}, text)
 
@@ -125,7 +125,7 @@ def _search(topic: str, pages: dict[str, str]) -> Result:
     if not found:
         names = [command.name for command in commands()]
         meant = did_you_mean(topic, [*pages, *names])
-        raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
+        raise InputError(f'there is no page or command "{topic}"{meant}; irg help lists all')
     found.sort(key=lambda one: -one[0])
     lines = [f"{command}: {where}" for _, command, where in found]
     return Result({command: where for _, command, where in found}, lines)

@@ -44,7 +44,7 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    cases, along = single_cases(sweep, _MOST_ROWS), sweep.case_table.column("load") is not None
+    cases, along = single_cases(sweep, _MOST_CASES), sweep.case_table.column("load") is not None
     for _, case in cases:
         key = "sweep.along" if along else "sweep.loads"
         require_admissible_load(case, max(case.loads), key)
@@ -52,11 +52,11 @@ def check(options: argparse.Namespace) -> Result:
     facts = estimate_contacts(cases) if along else estimate_contact(sweep)
     listed = [estimate_case(*one) for one in cases] if along else []
     memory, machine = worker_bytes(sweep), machine_memory()
-    needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
+    needed = f"about {display(memory, 'MB', '.0f')} of memory per worker"
     if memory > machine:
         raise InputError(
-            f"the scene needs {needed}, and this machine has {display(machine, 'GB', '.0f')}; give "
-            "fewer window.pixels, or a coarser fidelity"
+            f"the scene needs {needed}, but this machine has {display(machine, 'GB', '.0f')}; "
+            "reduce window.pixels, or choose coarser settings in [fidelity]"
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
     rows = [
@@ -68,7 +68,7 @@ def check(options: argparse.Namespace) -> Result:
     ]
     frame = frame_of(_HEADS, rows)
     shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
-    on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
+    on_sources = ["for library values with their sources: -o TABLE.md"] * bool(sweep.sources)
     table = [_case_frame(listed), ""] if along else []
     document = {
         "title": sweep.title,
@@ -82,7 +82,7 @@ def check(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "subject", "meaning"
-_MOST_ROWS = 200  # of a sweep along a table, that are described
+_MOST_CASES = 200  # of a sweep along a table, that are described
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _MOST_NAMED = 3  # tests
@@ -91,7 +91,7 @@ _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _case_frame(rows: Sequence[CaseEstimate]) -> pd.DataFrame:
+def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
     heads = (
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
@@ -104,41 +104,57 @@ def _case_frame(rows: Sequence[CaseEstimate]) -> pd.DataFrame:
                 one.slide_roll_ratio, one.film_parameter,
             )),
         )
-        for one in rows
+        for one in cases
     ]  # fmt: skip
     return frame_of(heads, found)
 
 
 def _meaning_rows(
-    sweep: Sweep, facts: ContactEstimate, rows: Sequence[CaseEstimate], memory: str
+    sweep: Sweep, facts: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
         "contact",
-        f"Hertz: {_text(facts.hertz_pressure, 'GPa')}, half-width "
-        f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
-        f"{_text(facts.contact_width, 'µm')} wide",
+        f"Hertz: maximum pressure {_text(facts.hertz_pressure, 'GPa')}, half-width "
+        f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: width "
+        f"{_text(facts.contact_width, 'µm')}",
     )
     nx, ny = sweep.scene.grid.shape
     yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
     given = sweep.source.entries["window"]["pixels"]
     if wider := _wider(given, sweep.scene):
-        yield "", f"widened from {given[0]} pixels for the wear of the stages; {wider}"
+        yield "", f"widened from {given[0]} pixels because of wear in the load stages; {wider}"
     yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
-    motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
+    motion = (
+        f"duration {_text(facts.duration, 's')}, sliding distance "
+        f"{_text(facts.sliding_distance, 'm')}"
+    )
     yield "motion", motion
-    yield from _film_rows(sweep, [one.film_parameter for one in rows])
-    depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
+    yield from _film_rows(sweep, [one.film_parameter for one in cases])
+    depth = (
+        f"{_text(facts.wear_depth, 'µm')} deep at the end of the test"
+        if facts.wear_depth
+        else "none"
+    )
     yield "wear", depth
     u = "of the disk u" if sweep.scene.motion else "V"
-    peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
-    yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
+    peclet = (
+        f"Péclet number {_text(facts.peclet_number)}, defined as {u} a/(2 κ) with the Hertzian "
+        "half-width a"
+    )
+    yield "heat", peclet if sweep.scene.friction_heat else "none, because friction is zero"
     if added := added_rise_words(sweep.conditions):
         yield "", added
     elif sweep.scene.friction_heat and not sweep.tests:
-        yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
+        yield (
+            "",
+            (
+                "heating through pin holder and surface films is not modelled; model.rise adds it "
+                "(irg help physics)"
+            ),
+        )
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text
 
@@ -149,7 +165,7 @@ def _wider(given: tuple[int, ...], scene: Scene) -> str:
     if share <= 1:
         return ""
     nx, ny = scene.pixels.shape
-    return f"{nx} × {ny} pixels, a step costs {share:.2g} times as much"
+    return f"{nx} × {ny} pixels; each step costs {share:.2g} times as much"
 
 
 def _pixels(scene: Scene) -> int:
@@ -159,7 +175,7 @@ def _pixels(scene: Scene) -> int:
 def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
     """Yield rows on the oil film, or on the entry that is missing to compute it.
 
-    `parameters` are the film parameters of the sweep's rows, if each has its own place.
+    `parameters` are the film parameters of the sweep's cases, if each has its own place.
     """
     if sweep.lubricant is None:
         return
@@ -169,7 +185,7 @@ def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
     if lubrication is None:
         has_pressure_coefficient = sweep.lubricant.pressure_coefficient is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
-        yield "oil", f"{viscosity}; its film is not known without {missing}"
+        yield "oil", f"{viscosity}; film thickness unknown without {missing}"
         return
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
     span = Span.of(parameters or lubrication.film_parameter(loads[:, None], velocities, bulk))
@@ -193,21 +209,27 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counted(len(sweep.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
-    names = {"realization": "surfaces", CASE: "rows"}
+    names = {"realization": "surfaces", CASE: "cases"}
     if sweep.case_table.column("load"):
-        counts, names[CASE] = [], "rows, each at its own load and velocity"
+        counts, names[CASE] = [], "cases, each at its own load and velocity"
     for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"
+    steps = (
+        f"{cost.steps} contact solutions and {cost.temperatures} temperature solutions in "
+        f"{cost.tasks} tasks"
+    )
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     if cost.tests:
-        yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
+        yield "tests", f"{counted(cost.tests, 'point', 'points')} for tests, simulated first"
         widest = max((test.case.scene for test in sweep.tests), key=_pixels)
         if wider := _wider(sweep.scene.pixels.shape, widest):
-            yield "", f"stages of tests have wider windows, up to {wider}"
+            yield "", f"tests with load stages need wider windows, up to {wider}"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
-    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"
+    yield (
+        "time",
+        f"about {duration(cost.seconds)} on {workers} of an idle machine; {disk} of disk space",
+    )
     if has_unknown_error(sweep):
         yield (
             "error",
@@ -217,7 +239,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
 
 def _surface_words(facts: SurfaceSummary) -> str:
     """Roughness, slope, lay, curvature and tilt in words."""
-    lay = "no lay" if facts.lay is None else f"grooves at {facts.lay:.0f}° to sliding"
+    lay = "no lay" if facts.lay is None else f"grooves at {facts.lay:.0f}° to the sliding direction"
     slope = "" if facts.slope is None else f"rms slope {facts.slope:.2g}, "
     heights = f"Ra {display(facts.ra, 'µm', 3)}, Rq {display(facts.rq, 'µm', 3)}, {slope}{lay}"
     if not facts.measured:
@@ -246,22 +268,40 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
 def _difference(own: _Loading, plane: _Loading) -> str:
     """How one past differs from another, and what follows; empty if they are alike."""
     if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
-        return "" if own == plane else "another record of the load than the plane's"
+        return "" if own == plane else "the load record differs from the sweep's"
     if isinstance(own, Stages) and isinstance(plane, Stages):
         is_begun_alike = own.shares_stages(plane)
         return (
-            "" if is_begun_alike else "other stages than the plane's: longer ones wear and cool it"
+            ""
+            if is_begun_alike
+            else (
+                "the load stages differ from the sweep's; longer stages wear the contact more "
+                "and cool it"
+            )
         )
     if isinstance(own, Stages):
-        return "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"
+        return (
+            "loaded in stages, while the sweep uses a ramp: worn earlier, it is cooler than the "
+            "sweep's specimens"
+        )
     if isinstance(plane, Stages):
-        return "by a ramp, and the plane in stages: a fresh specimen is hotter than the plane"
+        return (
+            "loaded by a ramp, while the sweep uses stages: a fresh specimen gets hotter than "
+            "the sweep's"
+        )
     if not math.isclose(own.rate, plane.rate):
-        way = "slower, worn more, and cooler" if own.rate < plane.rate else "faster, and hotter"
-        return f"its load grows {way} than the plane"
+        way = (
+            "more slowly (more wear, lower temperature)"
+            if own.rate < plane.rate
+            else "faster (higher temperature)"
+        )
+        return f"the load grows {way} than in the sweep"
     if own.hold != plane.hold:
-        way = "longer" if own.hold > plane.hold else "less long"
-        return f"held {way} than the plane, which counts where a body keeps heat of earlier turns"
+        way = "longer" if own.hold > plane.hold else "for a shorter time"
+        return (
+            f"held {way} than in the sweep, which matters where a body retains heat from "
+            "earlier revolutions"
+        )
     return ""
 
 

@@ -103,7 +103,7 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, list)]:
-        raise InputError(f"{several[0]} takes one value at a time here; give one")
+        raise InputError(f"{several[0]} takes a single value here")
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
     if getattr(options, "accuracy", None) is not None:
         named = ["--preset"] if options.preset else []

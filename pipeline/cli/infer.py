@@ -71,21 +71,21 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         raise InputError("--contact-width also needs --load and --velocity")
     sweep = _hold_for(sweep, options.load, options.duration)
     *_, end = sweep.scene.all_load_steps(options.load)
-    with working("seeking the wear rate, one simulation after the other"):
+    with working("searching for the wear rate, one simulation at a time"):
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity
         )
     value, lowest, highest = (shown_in(end, "mm³/(N m)") for end in astuple(rate))
     longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
     basis = (
-        f"for {end.time:.3g} s of sliding until the width was measured; each further second at "
+        f"for {end.time:.3g} s of sliding before the width was measured; each further second at "
         f"full load lowers the rate by about {100 * longer:.2g} %"
     )
     if options.duration is None:
-        basis += ": give --duration, if the test went on"
+        basis += "; use --duration if the test ran longer"
     text = [
-        f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
-        "an element of the width",
+        f"specific wear rate {value:.3g} mm³/(N m); {lowest:.3g} to {highest:.3g} if the width "
+        "is off by half an element",
         basis,
     ]
     document = asdict(rate) | {"duration": end.time}
@@ -98,11 +98,11 @@ def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
     if duration is None:
         return sweep
     if not isinstance(sweep.scene.loading, Ramp):
-        raise InputError("--duration holds a ramp; a recorded load ends where the record does")
+        raise InputError("--duration applies to load ramps; a recorded load has its own duration")
     ramp = load / sweep.scene.loading.rate
     if duration < ramp:
         raise InputError(
-            f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
-            f"{load:g} N"
+            f"--duration is {duration:g} s, shorter than the ramp to {load:g} N, which takes "
+            f"{ramp:g} s"
         )
     return replace(sweep._single_case(), base=sweep.base.held(duration - ramp), tests=())

@@ -24,7 +24,9 @@ def status(options: argparse.Namespace) -> Result:
         rows = [_listed(below, str(below.relative_to(path))) for below in _stores_below(path)]
         frame = frame_of(_HEADS, rows)
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
-        return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
+        return Result(
+            text=[short(brief) if rows else f"{path} contains no results store"], frames=[frame]
+        )
     state, sweep = states(path)
     text = [state.title, f"{state.total} points: {_counts(state)}"]
     text += counted_tests(state.tests)
@@ -35,7 +37,7 @@ def status(options: argparse.Namespace) -> Result:
     try:
         warned = pipeline.warned(path)
     except StoreError as error:  # points are counted nevertheless
-        text.append(f"warnings are not counted: {error}")
+        text.append(f"points with warnings could not be counted: {error}")
     frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
     code = SOME_FAILED if failed else DONE
     return Result(text=text, warned=warned, frames=[frame], code=code)
@@ -85,7 +87,7 @@ def verify(options: argparse.Namespace) -> Result:
     text, rows = list[str](), list[tuple[object, ...]]()
     for kind, one in kinds.items():
         if one:
-            text.append(f"{kind}: {one.done} done and intact, {len(one.damaged)} damaged")
+            text.append(f"{kind}: {one.done} done and undamaged, {len(one.damaged)} damaged")
             text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
             rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)

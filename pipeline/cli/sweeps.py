@@ -51,8 +51,8 @@ def run(options: argparse.Namespace) -> Result:
     stored, tests = sweep_of(ds), outcome.tests
     failed = *outcome.failed, *(tests.failed if tests else ())
     text = [
-        f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
-        f"in {outcome.wall_time:.1f} s",
+        f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them in "
+        f"this run, in {outcome.wall_time:.1f} s",
         *output.counted_tests(outcome.tests),
         *(f"failed: {point}" for point in failed),
     ]
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> Result:
     elif has_unknown_error(stored):
         text.append(error_in_words(stored))
     if failed:
-        text.append("to compute them again: the same command and --retry-failed")
+        text.append("to simulate failed points again, add --retry-failed to the command")
     elif outcome.done:
         text += _ending(ds, shlex.quote(str(out)))
     document = {

@@ -34,7 +34,7 @@ def margin(options: argparse.Namespace) -> Result:
     if points is not None and options.points is None:
         is_one = True
         place = dict(zip(PLANE, points.places[0], strict=True))
-    with working("judging operating points"):
+    with working("evaluating operating points"):
         found = pipeline.margin(ds, **place, **conditions)
     if is_one and (found["verdict"] == UNKNOWN).all():
         raise InputError(str(found["reason"].values.flat[0]))

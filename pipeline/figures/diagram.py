@@ -115,7 +115,7 @@ def diagram(
         caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
     _set_axes(axes, case, marked, log)
     mark_places(axes, places)
-    surface = f", surface {realization}" * (realization is not None)
+    surface = f", of which surface sampling {realization}" * (realization is not None)
     style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     legend |= entry
     notes = [*words.not_included_lines(found)][:1] + split_notes(words.told(found, "notes"))[:1]
@@ -205,7 +205,7 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
         look: dict[str, Any] = {"colors": ["white"], "hatches": ["///"], "zorder": 0.5}
         hatched = axes.contourf(x, y, outside, [0.5, 1.5], **look)
         hatched.set(gid="outside", edgecolor=GREY, linewidth=[0.0])
-        legend["outside the model: oil film"] = Patch(fc="none", ec=GREY, hatch="///")
+        legend["outside the model (oil film)"] = Patch(fc="none", ec=GREY, hatch="///")
     if (verdict == UNDECIDED).any():
         legend[UNDECIDED_LABEL] = Patch(**style.BAND)
     return legend
@@ -327,7 +327,7 @@ def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequenc
         name = ", ".join(_name(plane[dim], one[dim].item()) for dim in dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
         if not zero_line(axes, x, y, one.values, f"boundary {name}", **look):
-            name, look = f"{name}: no transition computed", {"ls": "none"}
+            name, look = f"{name}: no boundary in the sweep", {"ls": "none"}
         legend[name] = Line2D([], [], **look)
     return legend
 

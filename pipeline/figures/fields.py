@@ -111,7 +111,9 @@ def require_done_at(load: float, is_done: Mask) -> None:
     `is_done` has a value for each velocity.
     """
     if not is_done.any():
-        raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
+        raise InputError(
+            f"no point at {load:g} N is done; choose another load, or continue with irg run"
+        )
 
 
 def wanted_values(axis: str, values: Any) -> list[float]:
@@ -167,8 +169,8 @@ def fields(
     require_single("fields", load=load, velocity=velocity)
     if "pressure" not in ds:
         raise InputError(
-            "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
-            "into another store"
+            "the store has no fields; set 'fields = true' under [sweep], and run the scene into "
+            "another store"
         )
     here = shown_of(ds, conditions, realization)
     point = chosen_points(here, load, velocity)[0]
@@ -198,7 +200,7 @@ def fields(
         limit = shown_in(critical, "°C")
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
-            grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
+            grid[1].child_axes[0].set_xlabel(f"{labels[1]}; outline at {limit:g}")
     at = f", step {step} at {here.values('normal_load')[point][step - 1]:g} N" if step else ""
     where = f"{here.words(point)}{at}, {heating_words(here.conditions)}"
     style.write_title(figure, here.title(where))

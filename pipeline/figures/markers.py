@@ -71,7 +71,9 @@ def mark_tests(
         places.append(place)
         others |= faint
     caption = ["faint: tests at another bulk temperature"] * others
-    caption += [f"outside the figure: test{'s' * (len(far) > 1)} {', '.join(far)}"] * bool(far)
+    caption += [
+        f"not shown (outside the axes): test{'s' * (len(far) > 1)} {', '.join(far)}"
+    ] * bool(far)
     return places, legend_of_tests(kinds), caption
 
 

@@ -38,8 +38,11 @@ from tribo.types import Array
 _NODES = 400  # velocities of a curve of temperature
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
-_CONTACT = ("contact width [µm]", "contact_width"), ("in contact [% of window]", "contact_fraction")
-_WEAR = ("greatest wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", "wear_volume")
+_CONTACT = (
+    ("contact width [µm]", "contact_width"),
+    ("real contact area [% of window]", "contact_fraction"),
+)
+_WEAR = ("maximum wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", "wear_volume")
 
 
 @style.house_style
@@ -98,7 +101,7 @@ def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
     stepped = {*COLUMNS, *MADE} & {*columns}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
-        raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
+        raise InputError(f"unknown variable {name!r}; stored at each step: {', '.join(names)}")
     return f"{name} [{VARIABLES[name].units}]", name
 
 
@@ -142,7 +145,9 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
     if conditions.critical_temperature is None:
         return []
     critical = shown_in(conditions.critical_temperature, "°C")
-    return [axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")]
+    return [
+        axes.axhline(critical, color=GREY, ls=":", label=(f"critical temperature, {critical:g} °C"))
+    ]
 
 
 def _load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> None:
@@ -189,7 +194,7 @@ def temperature(
         line = np.array([load_here]), np.array([math.log(limit)])
         turns = _field(shown, own).along_velocity(*line).places
         for turn in turns[np.isfinite(turns)]:
-            axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
+            axes.axvline(turn, color=VERMILION, label=f"critical velocity, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     style.write_title(axes, shown.title(f"{load_here:g} N"))
     said = [heating_words(own), *warning_lines(case.sweep, most=1, answered=True)]

@@ -38,7 +38,7 @@ _ADVICE = {
 
 def percent(share: float) -> str:
     """A share as text, such as "1.5 %"."""
-    return "not known" if np.isnan(share) else f"{100 * share:.3g} %"
+    return "unknown" if np.isnan(share) else f"{100 * share:.3g} %"
 
 
 def require_boundary(sweep: Sweep) -> None:

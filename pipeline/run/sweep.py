@@ -176,7 +176,7 @@ def run_points(
             group.forget(group.points_where(group.flags == FAILED))
         if other:
             taken = copy_points(store, other)
-            report(Progress(f"{taken} points are taken from {source}"))
+            report(Progress(f"{taken} points are copied from {source}"))
         if goal:
             store.leave_out_pending()
         run = _Run(store, sweep, goal, Tally(store, shown_progress(progress)), report, held)
@@ -252,8 +252,8 @@ def _require_cluster(client: Client | None) -> None:
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:
         raise InputError(
-            f"client is {client!r}; give a distributed.Client that is connected and not "
-            "asynchronous, such as Client(cluster)"
+            f"client is {client!r}; pass a connected, synchronous distributed.Client, such as "
+            "Client(cluster)"
         )
 
 
@@ -261,9 +261,12 @@ def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:
     """Notes for the user if conditions or program versions are not those of the sweep `before`."""
     if changed := [*changes_in_words(before.conditions, store.sweep.conditions)]:
         yield (
-            f"the conditions of {store.place} are now those of the scene, and every command judges "
-            f"by them: {'; '.join(changed)}"
+            f"the conditions stored in {store.place} now follow the scene, for all commands: "
+            f"{'; '.join(changed)}"
         )
     now = versions()
     if not (began := store.root.history[0]).endswith(now):
-        yield f"{store.place} was {began}: new points by {now} may differ in the last digits"
+        yield (
+            f"{store.place} was {began}; points computed from now on by {now} may differ in the "
+            "last digits"
+        )

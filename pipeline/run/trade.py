@@ -32,7 +32,7 @@ from tribo.simulation import RampCache
 
 ACCURACIES = 0.05, 0.03, 0.02
 """Errors that `irg trade` asks for, one after another."""
-_HEADS = "run", "preset", "points", "CPU time [s]", "error [%]"
+_HEADS = "run", "preset", "points", "CPU time [s]", "numerical error [%]"
 
 
 @dataclass(frozen=True, slots=True)

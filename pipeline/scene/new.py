@@ -64,7 +64,7 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     files = [path, *(copy for _, copy in copies)]
     for file in files:
         if file.exists() or file.is_symlink():
-            raise InputError(f"{file} exists already; give another name, or remove it")
+            raise InputError(f"{file} already exists; choose another name, or delete it")
     try:
         path.write_text(text, encoding="utf-8")
         for original, copy in copies:

@@ -16,7 +16,7 @@ from tests.pipeline.conftest import commit_all
 from tribo import Corrections, Friction
 
 RISE, ADDED = {"added_rise_fraction": "+6 %"}, 1.06
-LINE = "+6 % of the rise is added for what acts beside the model (irg help physics)"
+LINE = "+6 % is added to the rise for effects outside the model (irg help physics)"
 FEW = {
     "fidelity.preset": "standard",
     "sweep.loads": ["400 N", "600 N"],
@@ -78,8 +78,8 @@ def test_each_answer_names_it_where_it_is_not_zero(irg, store, tmp_path):
     for command in (("boundary", store), ("margin", store, *place)):
         text = irg(*command, *at)
         assert text.count(LINE) == 1
-        assert "beside the model" not in irg(*command)
-        assert "beside the model" not in irg(*command, "--at", "model.rise=0")
+        assert "outside the model" not in irg(*command)
+        assert "outside the model" not in irg(*command, "--at", "model.rise=0")
     assert "25 °C, rise +6 %" in irg("boundary", store, *at)
     assert "rise −5 %" in irg("boundary", store, "--at", "model.rise=-5 %")
     (tmp_path / "own.toml").write_text('extends = "first_try"\n[model]\nrise = "+6 %"\n')
@@ -113,7 +113,7 @@ def test_a_critical_temperature_from_tests_contains_it(irg, tmp_path):
 
 
 def test_check_says_what_is_not_counted_unless_transitions_or_the_entry_count_it(irg, tmp_path):
-    said = "holder and films are not counted; model.rise adds them"
+    said = "heating through pin holder and surface films is not modelled; model.rise adds it"
     assert said not in irg("check", "first_try")
     assert LINE in irg("check", "first_try", "--set", "model.rise=+6 %")
     (tmp_path / "own.toml").write_text('extends = "first_try"\nwithout = ["tests"]\n')

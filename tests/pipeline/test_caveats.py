@@ -53,7 +53,7 @@ def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
 
 def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
     said = {
-        preset: any("numerical choices" in one for one in asked(ds, 400.0, 2.0).notes)
+        preset: any("numerical settings" in one for one in asked(ds, 400.0, 2.0).notes)
         for preset in ("standard", None)
         for ds in [synthetic.sweep(preset=preset)]
     }

@@ -52,7 +52,7 @@ def test_at_most_three_doubts_are_said_the_gravest_first(odd, irg):
     lines = " ".join(said.split())
     assert lines.count("are usual: check the number and unit") == 3
     assert "friction.coefficient: 1.2, where" in lines
-    assert re.search(r"and \d more: irg check odd.toml", lines)
+    assert re.search(r"\d more warnings: irg check odd.toml", lines)
 
 
 def test_values_of_all_cases_are_doubted(odd, irg):

@@ -119,7 +119,7 @@ def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg,
     assert named(found["outcome_along_load"].sel(velocity=fastest)) == "outside_model"
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
-    assert "outside the model: oil film" in drawn
+    assert "outside the model (oil film)" in drawn
     assert 'id="outside"' in drawn
 
 

@@ -120,7 +120,7 @@ def test_an_answer_that_finds_no_room_is_an_error_in_a_line():
         streams = {"stdout": full, "stderr": subprocess.PIPE, "capture_output": False}
         done = python("-m", "pipeline", "help", **streams)
     assert done.returncode == 2
-    assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
+    assert done.stderr.startswith("irg: cannot continue: [Errno 28] No space left")
     assert done.stderr.count("\n") == 1
 
 

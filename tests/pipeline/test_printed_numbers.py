@@ -101,7 +101,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(irg, stores, kind):
     line = "{} points: {} done, {} failed, {} pending"
     assert line.format(ds["status"].size, counts[DONE], counts[FAILED], counts[PENDING]) in said
     assert said.count(": out of memory\n") == said.count("failed: ") == counts[FAILED]
-    assert f"may be off by up to {100 * ERROR:g} %" in said
+    assert f"of critical velocities at most {100 * ERROR:g} %" in said
     flags = ds["warning_flags"].where(ds["status"] == DONE, 0).values.astype(int)
     if count := np.count_nonzero(flags):
         by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
@@ -112,7 +112,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(irg, stores, kind):
     checked = irg("verify", stores(kind), "--json")
     assert checked["points"] == {"done": counts[DONE], "damaged": 0}
     assert (checked["damaged"], checked["shared"]) == ([], [])
-    assert f"points: {counts[DONE]} done and intact, 0 damaged" in irg("verify", stores(kind))
+    assert f"points: {counts[DONE]} done and undamaged, 0 damaged" in irg("verify", stores(kind))
 
 
 def place_of(load, velocity):

@@ -116,8 +116,9 @@ def stages_of(
     found = [state for state in noted if state is not None]
     if edges := touched_edges(scene, states[-1]):
         raise InputError(
-            f"the stage at {normal_load:g} N and {velocity:g} m/s touches the window's "
-            f"{' and '.join(edges)}, beyond which it would carry load, too; give more window.pixels"
+            f"the stage at {normal_load:g} N and {velocity:g} m/s reaches the "
+            f"{' and '.join(edges)} of the window, beyond which it would carry load as well; "
+            "increase window.pixels"
         )
     return found
 

@@ -40,8 +40,8 @@ from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 SLOW = (
-    "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
-    "velocity errs two to three times as much as the preset states; ask for an accuracy"
+    "the rise grows more slowly than velocity^0.3, so the critical velocity errs two to three "
+    "times as much as the preset states; use --accuracy"
 )
 # Fewest stages in all steps of a ramp, with which the rise under heavy wear is right to about 10 %.
 _FEWEST_STEPS = 3
@@ -155,8 +155,8 @@ def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
     if touched := touched_edges(scene, state):
         yield (
             WarningKind.CONTACT_AT_EDGE,
-            f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
-            "a wider window would carry load there too",
+            f"the contact reaches the {' and '.join(touched)} of the window at "
+            f"{state.normal_load:g} N; a wider window would carry load there as well",
         )
 
 
@@ -178,8 +178,8 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
         smaller = "pixels" if elements_are_pixels(scene, state) else "elements"
         yield (
             WarningKind.COARSE_PIXELS,
-            f"the contact is {across} elements across at {state.normal_load:g} N; with fewer than "
-            f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give "
+            f"the contact is only {across} elements wide at {state.normal_load:g} N; with fewer "
+            f"than {fewest} the rise is usually 5 to 70 % too low, whatever the preset: use "
             f"smaller {smaller}",
         )
     block = scene.pixels.shape[0] // len(state.pressure)
@@ -187,8 +187,8 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     if block > 1 and wide < LEAST_SUMMIT and not scene.sweeps_over:
         yield (
             WarningKind.COARSE_PIXELS,
-            f"touching summits are {wide:.2g} elements wide; below {LEAST_SUMMIT:g} the rise is "
-            f"too low by up to 16 %: take pixels_per_element = 1, or a preset",
+            f"contacting summits are {wide:.2g} elements wide; below {LEAST_SUMMIT:g} the rise "
+            "is up to 16 % too low: set pixels_per_element = 1, or use a preset",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
@@ -200,8 +200,8 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
         if short:
             yield (
                 WarningKind.COARSE_PIXELS,
-                f"the roughness has a correlation length of {' and '.join(short)}; below "
-                f"{FEWEST_PIXELS:g} its slopes depend on the pixels: give smaller "
+                f"the correlation length of the roughness is {' and '.join(short)}; below "
+                f"{FEWEST_PIXELS:g} pixels the slopes depend on the pixel size: use smaller "
                 "pixels or a longer correlation length",
             )
 
@@ -218,9 +218,9 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
         return
     yield (
         WarningKind.BEYOND_SHAPE,
-        f"{size} at {state.normal_load:g} N, with a pin radius of {1e3 * radius:.3g} mm; the model "
-        f"assumes at most {2 * WIDEST:g} radii of width and {WIDEST**2 / 2:.2g} radii of depth: "
-        "check specific_wear_rate and the load, or shorten the test",
+        f"{size} at {state.normal_load:g} N, with a pin radius of {1e3 * radius:.3g} mm; the "
+        f"model allows a width of {2 * WIDEST:g} radii and a depth of {WIDEST**2 / 2:.2g} radii "
+        "at most: check specific_wear_rate and the load, or shorten the test",
     )
 
 
@@ -279,14 +279,14 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     if smallest or is_worn:
         smaller = "smaller pixels" if smallest else "pixels_per_element = 1"
         text += (
-            "the governing temperature is that of the hottest of these, and differs by several "
-            "percent from surface to surface and with smaller elements: compute several surfaces, "
-            f"or give a larger window or {smaller}"
+            "the governing temperature is that of the hottest few and varies by several percent "
+            "between surface realizations and with element size: simulate several realizations, "
+            f"or use a larger window or {smaller}"
         )
     else:
         text += (
-            "with so few, boundaries of random scenes were 0.4 to 100 % off, in the median 10 %; "
-            "take a preset, or pixels_per_element = 1"
+            "with so few, critical velocities of random scenes were off by 0.4 to 100 % (median "
+            "10 %); use a preset, or pixels_per_element = 1"
         )
     yield WarningKind.FEW_NODES, text
 
@@ -317,8 +317,8 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
     count = f"{state.index} steps" if state.index > 1 else "a single step"
     yield (
         WarningKind.FEW_STEPS,
-        f"{state.normal_load:g} N is reached in {count}, too few to know the shape of the "
-        f"wear well; take more increments, so that {_FEWEST_STEPS} steps or more reach this load",
+        f"{state.normal_load:g} N is reached in {count}, too few to resolve the worn shape; "
+        f"increase increments so that at least {_FEWEST_STEPS} steps lead to this load",
     )
 
 
@@ -331,9 +331,9 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
         return
     yield (
         WarningKind.PRESENT_HEAT,
-        "the present friction heat, taken to have acted since the start, makes this contact about "
-        f"{100 * excess:.1f} % too warm; the critical velocity is then too low, mostly by one to "
-        "two times that. Take heat_model = 'history', or ask for an accuracy",
+        "treating the present friction heat as if it had acted since the start overestimates "
+        f"the rise by about {100 * excess:.1f} %; the critical velocity is then too low, mostly "
+        "by one to two times as much. Use heat_model = 'history', or --accuracy",
     )
 
 
@@ -362,8 +362,8 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     if stiffness >= EXPLICIT_LIMIT:
         yield (
             WarningKind.UNSTABLE_WEAR,
-            f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
-            f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
-            f"{int(fidelity.increments * stiffness / EXPLICIT_LIMIT) + 1} increments, or another "
-            "wear scheme",
+            f"the explicit wear scheme is unstable: k·dS is {stiffness:.1f} times the smallest "
+            f"compliance of the grid (limit {EXPLICIT_LIMIT:g}); use at least "
+            f"{int(fidelity.increments * stiffness / EXPLICIT_LIMIT) + 1} increments, or "
+            "another wear scheme",
         )

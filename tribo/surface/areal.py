@@ -179,7 +179,7 @@ def remove_form(
             for half, sag in zip(halves, factors[[3, 5]].tolist(), strict=True)
         ]
     if float(np.nanstd(level)) <= _ROUNDING * float(np.nanmax(np.abs(heights))):
-        raise InputError("the heights are a plane, without any roughness; give another file")
+        raise InputError("the heights form a plane without roughness; use another file")
     slope_x, slope_y = (plane[k] / half for k, half in zip((1, 2), halves, strict=True))
     return level, (float(slope_x), float(slope_y)), (radii[0], radii[1])
 

@@ -264,7 +264,7 @@ REFUSED = {
     "dataset": (xr.Dataset(), "load is a Dataset"), "object": (object(), "object is no number"),
     "packed": (xr.DataArray(4, attrs={"scale_factor": 100.0}), "load is packed (scale_factor)"),
     "masked": (np.ma.masked_array([4.0, 5.0], [True, False]), "load has masked values"),
-    "alone": (None, "load and velocity go together"),
+    "alone": (None, "give both a load and a velocity"),
 }  # fmt: skip
 UNKNOWN = {"nan": np.nan, "infinite": np.inf, "negative": -400.0, "zero": 0, "text": "-4 N"}
 
@@ -340,7 +340,7 @@ def test_conditions_of_any_type_are_read_by_every_door_or_refused_in_a_line(name
 
 def test_only_margin_and_boundary_take_several_values():
     for door in ("points", "compare_tests", "warned", "infer", "temperatures"):
-        with pytest.raises(InputError, match="friction takes one value at a time here"):
+        with pytest.raises(InputError, match="friction takes a single value here"):
             getattr(pipeline, door)(plane(), friction=[0.1, 0.2])
     for given in (None, 5, plane()["status"]):
         for door in ("margin", "boundary", "points", "infer", "temperatures"):

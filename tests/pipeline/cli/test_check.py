@@ -18,13 +18,13 @@ def check(irg):
 def test_a_check_says_what_a_scene_means(check):
     said = check()
     for words in (
-        "Hertz: 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
+        "Hertz: maximum pressure 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
         "Ra 0.27 µm, Rq 0.338 µm, rms slope 0.15, no lay",
-        "1.33 to 5 s and 1.33 to 20 m",
+        "duration 1.33 to 5 s, sliding distance 1.33 to 20 m",
         "0.616 to 9.81 µm deep",
         "Péclet number 1.47 to 11.4",
         "288 × 240 elements",
-        "MB of memory a worker",
+        "MB of memory per worker",
     ):
         assert words in said
 
@@ -41,8 +41,8 @@ def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(chec
     path = tmp_path / "scene.toml"
     path.write_text(SMALL.replace("[sweep]", OIL))
     rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)["statements"]}
-    assert rows["oil"].endswith("film is not known without pressure_viscosity_coefficient")
-    assert rows["points"].startswith("2: 2 rows, each at its own load and velocity; ")
+    assert rows["oil"].endswith("film thickness unknown without pressure_viscosity_coefficient")
+    assert rows["points"].startswith("2: 2 cases, each at its own load and velocity; ")
 
 
 def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):

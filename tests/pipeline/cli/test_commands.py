@@ -49,7 +49,7 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
     said = irg("run", tmp_path / "heavy.toml", *arguments, code=1)
     assert "6 of 9 points done" in said
     assert said.count("failed: 7e+06 N") == 3
-    assert "the same command and --retry-failed" in said
+    assert "to simulate failed points again, add --retry-failed" in said
     irg("status", tmp_path / "heavy.zarr", code=1)
 
 

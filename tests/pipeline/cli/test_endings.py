@@ -37,7 +37,7 @@ def error_of(module):
     return caught.value
 
 
-SAFE = "; finished points are safe"
+SAFE = "; finished points are saved"
 
 
 @pytest.mark.parametrize(
@@ -52,11 +52,11 @@ SAFE = "; finished points are safe"
         (KeyboardInterrupt(), "sweeps:run", 130,
          f"irg: interrupted{SAFE}: run the same command again to go on\n"),
         (MemoryError(), "sweeps:run", 2,
-         "irg: out of memory, or of the threads and processes that this user may start (ulimit -a)"
-         f"{SAFE}: take fewer workers or a coarser grid\n"),
+         "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+         f"{SAFE}: use fewer workers or a coarser grid\n"),
         (RuntimeError("can't start new thread"), "stores:status", 2,
-         "irg: out of memory, or of the threads and processes that this user may start (ulimit -a)"
-         ": take fewer workers or a coarser grid\n"),
+         "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+         ": use fewer workers or a coarser grid\n"),
         (error_of("matplotlib"), "stores:status", 2,
          "irg: the variable MPLBACKEND (irg needs no backend) is wrong: qt9 is unknown\n"),
     ],
@@ -86,7 +86,7 @@ def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_ag
         assert carry_out(command="sweeps:run") == 2
         assert os.path.samestat(os.fstat(out.fileno()), Path(os.devnull).stat())
     no_space = f"[Errno {errno.ENOSPC}] No space left on device"
-    assert capsys.readouterr().err == f"irg: cannot go on: {no_space}{SAFE}\n"
+    assert capsys.readouterr().err == f"irg: cannot continue: {no_space}{SAFE}\n"
 
 
 def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):

@@ -62,10 +62,10 @@ def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
     assert irg("help", "run") == irg("run", "--help")
     assert irg("help", "first-houre", code=2).endswith(
-        'is called "first-houre" (did you mean "first-hour"?); irg help lists them\n'
+        '"first-houre" (did you mean "first-hour"?); irg help lists all\n'
     )
     said = irg("help", "qqqq", code=2)
-    assert said.endswith('no page or command is called "qqqq"; irg help lists them\n')
+    assert said.endswith('there is no page or command "qqqq"; irg help lists all\n')
 
 
 def test_shipped_scenes_are_listed_with_their_titles(irg, monkeypatch):

@@ -51,7 +51,7 @@ def test_a_run_that_is_told_to_end_keeps_its_points_and_says_so(running):
     process.send_signal(signal.SIGTERM)
     said = process.stderr.read()
     assert process.wait() == 130
-    assert "irg: interrupted; finished points are safe: run the same command again" in said
+    assert "irg: interrupted; finished points are saved: run the same command again" in said
     assert "Traceback" not in said
     assert verify_store(out).is_clean
     assert summary(out).running is None

@@ -49,7 +49,7 @@ REFUSALS = {
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"),
                  '"0,12": give a number such as 0.12 or 12%'),
     "frictions": (irg("point", "first_try", *PLACE, "--friction", "0.1", "--friction", "0.2"),
-                  "friction.coefficient takes one value at a time here"),
+                  "friction.coefficient takes a single value here"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
                    "velocity -1 m/s is outside the sweep (0.5 to"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
@@ -91,10 +91,10 @@ REFUSALS = {
     "width": (irg("infer", "first_try", *WIDTH),
               "--contact-width also needs --load and --velocity"),
     "short": (irg("infer", "first_try", *WIDTH, *PLACE, "--duration", "1 s"),
-              "must be at least the"),
-    "record": (recorded, "--duration holds a ramp; a recorded load ends where the record does"),
-    "new": (irg("new"), "no file is named; give a file to write"),
-    "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),
+              "shorter than the ramp to"),
+    "record": (recorded, "--duration applies to load ramps; a recorded load has its own duration"),
+    "new": (irg("new"), "give the name of the file to write"),
+    "help": (irg("help", "boundry"), 'there is no page or command "boundry" (did you mean'),
 }  # fmt: skip
 
 ELSEWHERE = {

@@ -35,7 +35,7 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
     assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
     (legend,) = axes.figure.legends
-    assert "outside the figure: tests 4, 5" in legend.get_title().get_text()
+    assert "not shown (outside the axes): tests 4, 5" in legend.get_title().get_text()
     assert "test: mild, severe" in labels(legend)
 
 
@@ -52,7 +52,7 @@ def test_the_critical_temperature_is_outlined_in_the_contact():
     ds = synthetic.sweep(*NARROW, fields=True)
     figure = pipeline.plot(ds, "fields", load=600.0, velocity=4.0)
     panel = figure.axes[1]
-    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 145"
+    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C]; outline at 145"
     (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))
     here = ds.sel(load=600.0, velocity=4.0)
     temperature = 25.0 + 0.1 * here["rise"]

@@ -150,7 +150,7 @@ def two_pins(factors=(1.0, 0.1), **told):
 
 def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     axes, words, legend = drawn(two_pins())
-    assert words == ["1 mm", "2 mm: no transition computed"]
+    assert words == ["1 mm", "2 mm: no boundary in the sweep"]
     places = vertices(axes, "boundary 1 mm")
     ends = places[:, 1].min(), places[:, 1].max()
     assert ends == pytest.approx((LOADS[0], LOADS[-1]), rel=1e-4)

@@ -99,8 +99,8 @@ def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
     assert [axes.get_ylabel() for axes in (temperature, contact, fraction, wear, volume)] == [
         "contact temperature [°C]",
         "contact width [µm]",
-        "in contact [% of window]",
-        "greatest wear depth [µm]",
+        "real contact area [% of window]",
+        "maximum wear depth [µm]",
         "worn volume [mm³]",
     ]
     assert wear.get_xlabel() == "time [s]"

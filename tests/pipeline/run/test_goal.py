@@ -216,4 +216,4 @@ def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path
     assert float(reached[1]) == pytest.approx(max(stated.values()), abs=0.01)
     assert stated[float(reached[2])] == max(stated.values()) < accuracy
     for step in plane, goal:  # the same commands once more compute nothing
-        assert ", 0 of them now," in irg(*step)
+        assert ", 0 of them in this run," in irg(*step)

@@ -219,14 +219,14 @@ def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_pat
 
 def test_damage_of_a_test_is_named_apart_and_mended(made, tmp_path, irg):
     path = shutil.copytree(made[1], tmp_path / "lab.zarr")
-    assert "tests: 4 done and intact, 0 damaged" in irg("verify", path)
+    assert "tests: 4 done and undamaged, 0 damaged" in irg("verify", path)
     (chunk,) = (path / "tests" / "max_rise").glob("c.*")
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 1
     chunk.write_bytes(content)
     said = irg("verify", path, code=1)
-    assert "points: 2 done and intact, 0 damaged" in said
-    assert "tests: 0 done and intact, 4 damaged" in said
+    assert "points: 2 done and undamaged, 0 damaged" in said
+    assert "tests: 0 done and undamaged, 4 damaged" in said
     outcome = pipeline.run_sweep(made[0], path, workers=1)
     assert (outcome.computed, outcome.tests.done) == (0, 4)
     assert answered(path) == answered(made[1])
@@ -237,7 +237,7 @@ def test_commands_count_the_tests_apart(made, tmp_path, irg):
     scene = tmp_path / "lab.toml"
     load(tmp_path, STEP, WORN, HELD)
     assert pipeline.estimate(sweep, workers=1).tests == 4
-    assert "tests    4 points of their own, computed first" in irg("check", scene)
+    assert "tests    4 points for tests, simulated first" in irg("check", scene)
     copy = shutil.copytree(path, tmp_path / "lab.zarr")
     assert "tests: 4 of 4 points done" in irg("run", scene, "-o", copy)
     assert irg("run", scene, "-o", copy, "--json")["tests"] == {"points": 4, "done": 4, "failed": 0}

@@ -103,4 +103,7 @@ def test_the_check_says_how_wide_the_window_is_and_what_it_costs(store, capsys):
     path.with_name("wide.toml").write_text(path.read_text("utf-8").replace("[96, 16]", "[48, 16]"))
     assert main(["check", str(path.with_name("wide.toml"))]) == 0
     words = " ".join(capsys.readouterr().out.split())
-    assert "widened from 48 pixels for the wear of the stages; 80 × 16 pixels, a step" in words
+    assert (
+        "widened from 48 pixels because of wear in the load stages; 80 × 16 pixels; each step"
+        in words
+    )

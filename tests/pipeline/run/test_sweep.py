@@ -99,8 +99,11 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
     for _ in range(2):
         run_sweep(SWEEP, copy, progress=messages.hear)
     assert messages[0].startswith(f"{copy} was computed by irg-transition")
-    assert f"numpy {np.__version__}, scipy" in messages[0].partition(": new points by ")[0]
-    assert "numpy 99.0" in messages[0].partition(": new points by ")[2]
+    assert (
+        f"numpy {np.__version__}, scipy"
+        in messages[0].partition("; points computed from now on by ")[0]
+    )
+    assert "numpy 99.0" in messages[0].partition("; points computed from now on by ")[2]
     first, later = pipeline.open_sweep(copy).attrs["history"].splitlines()
     assert f"numpy {np.__version__}" in first
     assert "numpy 99.0" in later

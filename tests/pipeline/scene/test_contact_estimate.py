@@ -137,8 +137,8 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 @pytest.mark.parametrize(
     ("sweep", "said"),
     [
-        (changed(SMOOTH, wear=None), "wear: not given"),
-        (rough(waves(along=1)), 'give pattern = "local"'),
+        (changed(SMOOTH, wear=None), "wear: none is given"),
+        (rough(waves(along=1)), 'use pattern = "local"'),
     ],
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):

@@ -60,4 +60,4 @@ def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
 def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
     scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern) if pattern else None)
     found = said_of(scene, surface=surface(lay=lay, measured=measured))
-    assert any("the grooves lie along sliding" in one for one in found) is said
+    assert any("the grooves run along the sliding direction" in one for one in found) is said

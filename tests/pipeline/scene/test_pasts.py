@@ -4,7 +4,7 @@ import pytest
 
 PLACE = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
 STAGES = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\n'
-FRESH = "one specimen at several places, each simulated fresh, so too hot: give its stages"
+FRESH = "one specimen at several points, but each is simulated as a fresh specimen and thus too hot"
 
 
 @pytest.fixture
@@ -23,24 +23,33 @@ def told(tmp_path, irg):
 @pytest.mark.parametrize(
     ("own", "words"),
     [
-        (STAGES, "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"),
-        ('with = { "loading.rate" = "15 N/s" }\n', "its load grows slower, worn more, and cooler"),
-        ('with = { "loading.rate" = "1500 N/s" }\n', "its load grows faster, and hotter than"),
+        (
+            STAGES,
+            "loaded in stages, while the sweep uses a ramp: worn earlier, it is cooler",
+        ),
+        (
+            'with = { "loading.rate" = "15 N/s" }\n',
+            "the load grows more slowly (more wear, lower temperature)",
+        ),
+        (
+            'with = { "loading.rate" = "1500 N/s" }\n',
+            "the load grows faster (higher temperature) than",
+        ),
         (
             'with = { "loading.hold" = "30 s" }\n',
-            "held longer than the plane, which counts",
+            "held longer than in the sweep, which matters",
         ),
     ],
 )
 def test_another_past_is_told_with_its_effect(told, own, words):
-    (line,) = [one for one in told(PLACE, PLACE + own) if one.startswith("test")]
+    (line,) = [one for one in told(PLACE, PLACE + own) if one.startswith("test ")]
     assert line.startswith(f"test 2: {words}")
 
 
 def test_a_specimen_of_several_places_without_stages_is_doubted(told):
     run = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
-    assert f"test 1: {FRESH}" in told(run)
-    assert not [line for line in told(run + STAGES) if "simulated fresh" in line]
+    assert [line for line in told(run) if line.startswith(f"test 1: {FRESH}")]
+    assert not [line for line in told(run + STAGES) if "simulated as a fresh" in line]
 
 
 def test_more_stages_of_the_same_kind_are_no_other_past(tmp_path, irg):
@@ -51,5 +60,6 @@ def test_more_stages_of_the_same_kind_are_no_other_past(tmp_path, irg):
         'stages = { first = "100 N", step = "100 N", hold = "30 s" }\n'
     )
     said = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
-    told = "test 2: other stages than the plane's: longer ones wear and cool it"
-    assert [line for line in said if "stages than" in line] == [told]
+    told = "test 2: the load stages differ from the sweep's; longer stages wear the contact more"
+    (line,) = (line for line in said if line.startswith("test ") and "load stages" in line)
+    assert line.startswith(told)

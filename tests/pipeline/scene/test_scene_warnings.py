@@ -81,7 +81,7 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
 
 @pytest.mark.parametrize(("load", "is_far"), [(19.9, 1), (20.1, 0), (7499.0, 0), (7501.0, 1)])
 def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
-    assert sum("the test of" in doubt for doubt in said_of(with_test(load))) == is_far
+    assert sum("the test at" in doubt for doubt in said_of(with_test(load))) == is_far
 
 
 def test_a_ratio_in_percent_is_doubted_or_read():
@@ -96,7 +96,7 @@ def test_a_ratio_in_percent_is_doubted_or_read():
 
 @pytest.mark.parametrize(
     ("length", "words"),
-    [(0.33, None), (0.34, "above a third of the window")],
+    [(0.33, None), (0.34, "more than a third of the window")],
 )
 def test_a_correlation_length_is_small_beside_the_window(length, words):
     nx, dx = SMOOTH.scene.pixels.shape[0], SMOOTH.scene.pixels.spacing[0]
@@ -104,7 +104,7 @@ def test_a_correlation_length_is_small_beside_the_window(length, words):
     ny, dy = SMOOTH.scene.pixels.shape[1], SMOOTH.scene.pixels.spacing[1]
     rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
     said = said_of(changed(SMOOTH, roughness=rough), surface=surface(measured=False))
-    doubts = [doubt for doubt in said if "correlation_length: that along x" in doubt]
+    doubts = [doubt for doubt in said if "correlation_length: along x it is" in doubt]
     assert len(doubts) == bool(words)
     assert not words or words in doubts[0]
 

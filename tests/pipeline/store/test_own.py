@@ -50,7 +50,7 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
     with xr.open_zarr(copy, chunks=None) as ds:
         before, boundary = ds.load(), pipeline.boundary(copy)
     add_own(copy)
-    assert "points: 9 done and intact, 0 damaged" in irg("verify", copy)
+    assert "points: 9 done and undamaged, 0 damaged" in irg("verify", copy)
     xr.testing.assert_identical(pipeline.boundary(copy).drop_attrs(), boundary.drop_attrs())
     with pipeline.open_sweep(copy) as ds:
         ds.load()

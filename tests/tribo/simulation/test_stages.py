@@ -153,7 +153,7 @@ def test_a_stage_that_touches_an_edge_fails():
     scene = worn_scene(Stages(LOADS, (60.0,) * 3, 150.0))
     narrow = replace(scene, pixels=Grid((128, 48), (4e-6, 4e-6)))
     assert len(stages_of(narrow, 100.0, 2.0)) == 2
-    with pytest.raises(InputError, match=r"400 N and 2 m/s touches the window's x edge"):
+    with pytest.raises(InputError, match=r"400 N and 2 m/s reaches the x edge of the window"):
         stages_of(narrow, 400.0, 2.0)
 
 

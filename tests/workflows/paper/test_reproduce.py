@@ -195,7 +195,8 @@ def test_wear_cools_the_contact_and_goes_on_doing_so_in_the_hold(small):
 def test_explicit_wear_warns_in_fig6_and_needs_more_increments(small):
     report = small("fig6")
     assert (
-        "explicit wear is unstable" in report.data["warnings"]["explicit, local (as published)"][20]
+        "the explicit wear scheme is unstable"
+        in report.data["warnings"]["explicit, local (as published)"][20]
     )
     assert report.data["warnings"]["implicit, local"] == {}
     (published,) = (f for f in report.findings if "as published" in f.computed)
