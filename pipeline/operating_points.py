@@ -68,7 +68,7 @@ class OperatingPoints:
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    yield from ((name, "missing") for name in _PLACE if name not in row)
+    yield from ((name, "empty; give a value") for name in _PLACE if name not in row)
     for name, cell in row.items():
         try:
             _value(name, cell)

@@ -139,15 +139,15 @@ class Sheet:
                 taken.append(one)
                 continue
             advice = "the path of an entry" if len(known) > _MANY else f"one of {', '.join(known)}"
-            advice = "another heading" if near else advice
+            advice = "the column" if near else f"it to {advice}"
             meant = f" (did you mean {quoted(near)}?)" * bool(near)
             faults.append(
-                f"the column {quoted(one.head)} is not known{meant}; give it {advice}, or leave it "
-                "out by ignore"
+                f"the column {quoted(one.head)} is unknown{meant}; rename {advice}, or ignore it "
+                "(--ignore)"
             )
         heads = ", ".join(quoted(one.head) for one in self.columns)
         missing = [name for name in needed if name not in names]
-        faults += [f"no column {name} in {heads}; give it, with its unit" for name in missing]
+        faults += [f"no column {name} in {heads}; add it, with its unit" for name in missing]
         made = [
             one if one.name not in known else one._replace(cells=[*self._points(one, faults)])
             for one in taken
@@ -161,9 +161,9 @@ class Sheet:
             if self.decimal == "," and "." in number:
                 faults.append(f"{where} has a point, though decimals have commas")
             elif self.decimal is None and self.is_local and _GROUPED.fullmatch(number):
-                faults.append(f'{where} may be a thousand times as much; give decimal "." or ","')
+                faults.append(f'{where} may be a thousand times as much; set decimal to "." or ","')
             elif self.decimal != "," and "," in number:
-                hint = 'give decimal "," if decimals have commas'
+                hint = 'set decimal to "," if commas are decimal marks'
                 if _GROUPED.fullmatch(number):
                     hint = "write thousands without a mark, and decimals with a point"
                 faults.append(f"{where} has a comma; {hint}")
@@ -207,7 +207,7 @@ def read_table(
     else:
         path, rows, is_local = Path("the table"), _rows_of_frame(source), False
     if len(rows) < 2:
-        raise InputError(f"{path} has no rows below its headings; give one at least")
+        raise InputError(f"{path} has no rows below its headings; add one")
     if len(rows) - 1 > most:
         raise InputError(f"{path} has {len(rows) - 1} rows; at most {most} are read")
     sheet = _sheet(str(path), rows, ignore)
@@ -321,7 +321,10 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
     for line, row in body:
         if len(row) < width or any(cell.strip() for cell in row[width:]):
             count = len(row) if len(row) < width else len(_stripped(row))
-            faults.append(f"row {line} has {count} cells below {width} headings; give as many")
+            faults.append(
+                f"row {line} has {count} cell{'s' * (count != 1)} below {width} heading"
+                f"{'s' * (width != 1)}; give one for each"
+            )
         else:
             fit.append((line, row))
     if len(faults) == len(body) and width == 1:

@@ -328,7 +328,7 @@ def share_of(value: float | str) -> float:
     try:
         return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
     except ValueError:
-        raise InputError(f'"{value}": give a share such as 10% or 0.1') from None
+        raise InputError(f'"{value}" is not a number; give one such as 0.1 or 10%') from None
 
 
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}

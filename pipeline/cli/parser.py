@@ -118,6 +118,7 @@ class _Parser(argparse.ArgumentParser):
             known = [*re.findall(r"[\w-]+", wrong[3]), *["--version"] * (wrong[1] == "COMMAND")]
             meant = _meant([wrong[2]], known) or f" ({wrong[3]})"
             message = f'{wrong[1].lower()} is "{wrong[2]}"{meant}'
+        message = message.removeprefix("argument ").replace(": is given twice", " is given twice")
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
@@ -149,9 +150,21 @@ _SYNONYMS = {
     "--workers": "jobs cores threads processes",
     "--output": "file outfile",
     "--realization": "seed",
+    "--from": "template like",
+    "--points": "csv table",
+    "--set": "option setting config",
     "--accuracy": "error tolerance precision",
 }
 """Words of other tools for commands and options, without hyphens in front."""
+_IN_SCENE = {
+    "--load": "sweep.loads",
+    "--velocity": "sweep.velocities",
+    "--friction": "friction.coefficient",
+    "--bulk-temperature": "temperature.bulk",
+    "--critical-temperature": "temperature.critical",
+    "--critical-area-fraction": "temperature.critical_area_fraction",
+}
+"""Entries of a scene, by the options that other commands have for them."""
 _ALIKE = 0.75  # least likeness of a misspelt word: "version" is not "verify", nor "init" "point"
 
 
@@ -162,7 +175,9 @@ def _meant(words: Sequence[str], known: Sequence[str]) -> str:
         bare = word.lstrip("-").lower()
         same = [name for name, others in _SYNONYMS.items() if bare in others.split()]
         near = [name for name in same if name in known]
-        found += near or get_close_matches(word, known, 1, _ALIKE)
+        if not near and "--set" in known:
+            near = [f"--set {_IN_SCENE[one]}=…" for one in (word, *same) if one in _IN_SCENE]
+        found += near or get_close_matches(word.lower(), known, 1, _ALIKE)
     names = " and ".join(f'"{name}"' for name in dict.fromkeys(found))
     return f"; did you mean {names}?" if found else ""
 
@@ -235,6 +250,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         words = [one.partition("=")[0] for one in unknown if one.startswith("-")] or unknown[:1]
         takes = [one.takes for one in commands() if options.parser.prog == f"irg {one.name}"]
         flags = _flags([*o.OF_ALL, *itertools.chain(*takes)])
+        flags += ["--version"] * (options.parser is parser)
         hint = _meant(words, flags)
         if words[0] in flags:
             hint = f"; options stand after the command: {options.parser.prog} … {words[0]}"

@@ -77,7 +77,7 @@ def count(text: str, least: int = 1) -> int:
     with suppress(ValueError):
         if (number := int(text)) >= least:
             return number
-    raise Refused(f'"{text}": give a whole number of at least {least}')
+    raise Refused(f'"{text}" is not a whole number of at least {least}')
 
 
 def sides(text: str) -> tuple[float, float]:
@@ -94,7 +94,7 @@ def share(text: str) -> float:
     with suppress(ValueError):
         if 0 < (value := share_of(text)) < 1:
             return value
-    raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
+    raise Refused(f'"{text}" is not between 0 and 1; give a fraction such as 2%')
 
 
 def number(text: str) -> float:
@@ -103,7 +103,7 @@ def number(text: str) -> float:
 
     with suppress(ValueError):
         return float(share_of(text))
-    raise Refused(f'"{text}": give a number such as 0.12 or 12%')
+    raise Refused(f'"{text}" is not a number; give one such as 0.12 or 12%')
 
 
 def setting(text: str) -> tuple[str, Any]:
@@ -138,5 +138,5 @@ def pair(text: str, like: str) -> tuple[str, str]:
     """Split ``NAME=TEXT`` into the pair (name, text); `like` is the example in error messages."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):
-        raise Refused(f'"{text}" has no name and value; give both, like {like}')
+        raise Refused(f'"{text}" is not of the form KEY=VALUE, like {like}')
     return name, value

@@ -31,7 +31,7 @@ _ADVICE = {
     "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may take a finer preset",
     "warnings": "change what the warnings name: irg status",
-    "surface": "there are too few surface realizations: ask for a larger error",
+    "surface": "there are too few surface realizations: set a larger --accuracy",
 }
 """What reduces the largest part of an error that is too large."""
 
@@ -86,7 +86,7 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
     which = "the preset of the store" if before else "the preset fine"
     known = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
     raise InputError(
-        f"accuracy is {percent(accuracy)}, and {which} {known}; ask for a larger error"
+        f"accuracy is {percent(accuracy)}, and {which} {known}; set a larger --accuracy"
         + (", or give another store by -o OUT.zarr" if before else "")
     )
 

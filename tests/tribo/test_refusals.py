@@ -162,7 +162,7 @@ REFUSALS = {
     "no heights": (lambda: remove_form(np.full((6, 5), np.nan), (1e-6, 1e-6)), "are missing"),
     "a plane for a surface": (lambda: remove_form(np.ones((6, 5)), (1e-6, 1e-6)), "a plane"),
     "stage at an edge": (lambda: stages_of(scene(
-        loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0), "touches the"),
+        loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0), "reaches the x"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).load_steps(600.0, 100)),
               "at most 10000 are allowed"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
@@ -190,7 +190,7 @@ REFUSALS = {
     "image": (lambda: conducting(length="nearest-image"), "periodic along y"),
     "length": (lambda: conducting(length=0.0), "length is 0.0; it must be positive"),
     "no share": (lambda: tribo.Conditions(0.1, 298.0, critical_area_fraction=1.0),
-                 "share is 1.0; it must be at least 0"),
+                 "critical area fraction is 1.0; it must be"),
     "no contact": (lambda: contact_quantiles(ZERO, ~ON), "no element is in contact"),
     "stored": (lambda: rise_exceeded(np.ones(2), 0.1, (0.0, 0.5)), "quantiles allow from 0.5"),
     "bodies": (lambda: divided(grid=FREE), "they must be the same"),

@@ -56,7 +56,8 @@ def require_share(share: float) -> None:
     """Raise `InputError` unless a share of the contact area is at least 0 and below 1."""
     if not 0 <= share < 1:
         raise InputError(
-            f"share is {share!r}; it must be at least 0 (the maximum temperature) and below 1"
+            f"critical area fraction is {share!r}; it must be at least 0 (the maximum "
+            "temperature) and below 1"
         )
 
 
@@ -77,8 +78,8 @@ def rise_exceeded(
     require_share(share)
     if not quantiles[0] <= 1 - share <= quantiles[-1]:
         raise InputError(
-            f"share is {share!r}; the stored quantiles allow from {1 - quantiles[-1]:g} to "
-            f"{1 - quantiles[0]:g}"
+            f"critical area fraction is {share!r}; the stored quantiles allow from "
+            f"{1 - quantiles[-1]:g} to {1 - quantiles[0]:g}"
         )
     above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
     low, high = quantiles[above - 1], quantiles[above]

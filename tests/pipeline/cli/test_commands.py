@@ -228,9 +228,12 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
             ["margin", "a.zarr", "--force", "3 N", "--speed=2 m/s"],
             'mean "--load" and "--velocity"?',
         ),
+        (["--Version"], 'did you mean "--version"?'),
+        (["run", "first_try", "--speed", "2"], 'did you mean "--set sweep.velocities=…"?'),
+        (["check", "first_try", "--friction", "0.1"], '"--set friction.coefficient=…"?'),
         (["status", "out.zarr", "--force"], "unknown option or argument: --force; see"),
         (["--quiet", "status"], "options stand after the command: irg status … --quiet"),
-        (["margin", "a.zarr", "--load", "3 N", "--load", "5 N"], "--load: is given twice; give it"),
+        (["margin", "a.zarr", "--load", "3 N", "--load", "5 N"], "--load is given twice; give it"),
     ],
 )
 def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):

@@ -48,7 +48,7 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     assert 'row 4, velocity [m/s]: "fast" is not a number' in said
     duty.write_text("load [N],velocity [m/s]\n400,2\n400\n")
     said = irg("margin", "out.zarr", "--points", duty, code=2)
-    assert "row 3 has 1 cells below 2 headings" in said
+    assert "row 3 has 1 cell below 2 headings" in said
 
 
 FORMS = {
@@ -110,7 +110,7 @@ def test_entries_that_need_a_run_are_refused_in_a_table(store, tmp_path, irg, he
     points = tmp_path / "duty.csv"
     points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
     said = irg("margin", "out.zarr", "--points", points, code=2)
-    assert f'the column "{head}" is not known; give it one of load, velocity, friction' in said
+    assert f'the column "{head}" is unknown; rename it to one of load, velocity, friction' in said
 
 
 def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):

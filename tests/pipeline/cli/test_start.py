@@ -62,7 +62,7 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert (
         main(["boundary", str(tmp_path / "small.zarr"), "-q", "--critical-area-fraction", "3"]) == 2
     )
-    assert "share is 3" in capsys.readouterr().err
+    assert "critical area fraction is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
     assert "3 of 3 points done" in capsys.readouterr().err
 

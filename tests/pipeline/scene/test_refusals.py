@@ -126,7 +126,7 @@ QUANTITIES = {
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
     "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
     "count": (lambda: require_count("samples", 1.5), "samples is 1.5"),
-    "share": (lambda: share_of("ten"), '"ten": give a share such as 10% or 0.1'),
+    "share": (lambda: share_of("ten"), '"ten" is not a number; give one such as 0.1'),
 }
 
 
@@ -290,7 +290,7 @@ TEXTS = {
     ),
     "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
-    "new again": (again, "mine.toml exists already"),
+    "new again": (again, "mine.toml already exists"),
     "new folder": (
         lambda: new_scene("no/mine.toml"),
         "no/mine.toml cannot be written: No such file",

@@ -62,18 +62,18 @@ def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
         (f"{HEADS},load [kN]\n300,1.5,2\n", "stands twice"),
         (f"{HEADS},\n300,1.5,2\n", "row 2 has 3 cells below 2 headings"),
         (f"{HEADS}\n300,1.5\n# later,\n", r"row 3, load .N.: "),
-        (f"{HEADS},mue\n300,1.5,0.2\n", '"mue" is not known; give it one of load, velocity'),
-        (f"{HEADS},T [degC]\n300,1.5,90\n", r'"T \[degC\]" is not known'),
+        (f"{HEADS},mue\n300,1.5,0.2\n", '"mue" is unknown; rename it to one of load, velocity'),
+        (f"{HEADS},T [degC]\n300,1.5,90\n", r'"T \[degC\]" is unknown'),
         (f"{HEADS},friction,friction.coefficient\n300,1.5,0.1,0.2\n", "stands twice"),
-        (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. is not known"),
+        (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. is unknown"),
         ("load [N];velocity [mm/s]\n1.200;1.500\n", r"1\.200 may be a thousand times as much"),
         ("load;velocity\n1.200 N;1.500 m/s\n", r"1\.200 N may be a thousand times as much"),
         (f'{HEADS}\n300,"1.5\n', "a quote is not closed"),
         (f"{HEADS}\n300,1.\0005\n", "is binary"),
         (f"Rig 3\n{HEADS}\n300,1.5\n", "leave out the title"),
         (f"{HEADS}\n300,1.5,2\n-1,2\n", r"(?s)row 2 has 3 cells.*row 3, load \[N\]"),
-        (f"{HEADS},frction\n300,1.5,0.1\n", r'"frction" is not known \(did you mean "friction"'),
-        (f"{HEADS},COF\n300,1.5,0.1\n", r'"COF" is not known \(did you mean "friction"'),
+        (f"{HEADS},frction\n300,1.5,0.1\n", r'"frction" is unknown \(did you mean "friction"'),
+        (f"{HEADS},COF\n300,1.5,0.1\n", r'"COF" is unknown \(did you mean "friction"'),
         ("load [N],speed [m/s]\n300,1.5\n", r'did you mean "velocity"'),
         (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma"),
         (f"{HEADS}\n300,fast\n-1,2\n", r"(?s)row 2, velocity \[m/s\].*row 3, load \[N\]"),
@@ -102,7 +102,7 @@ def test_columns_without_a_meaning_are_named_once(tmp_path):
 
 def test_a_column_that_is_no_entry_of_a_test_is_refused():
     table = {"load": [300.0], "velocity": [1.5], "outcome": ["mild"], "remark": ["a"]}
-    with pytest.raises(InputError, match='"remark" is not known; give it one of load, velocity'):
+    with pytest.raises(InputError, match='"remark" is unknown; rename it to one of load, velocity'):
         rows_of(read_table(table, 9), TEST.keys, faults_in)
     table.pop("remark")
     (row,) = rows_of(read_table(table, 9), TEST.keys, faults_in)

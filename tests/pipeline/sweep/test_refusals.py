@@ -49,7 +49,7 @@ REFUSALS = {
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
     "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
-    "share": (conditions(critical_area_fraction=1.0), "share is 1.0"),
+    "share": (conditions(critical_area_fraction=1.0), "critical area fraction is 1.0"),
     "share nan": (conditions(critical_area_fraction=math.nan), "fraction is nan; it must be one"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
@@ -85,7 +85,7 @@ REFUSALS = {
     # surfaces
     "not beside": (lambda: MissingSurface("0", (1, 1)).heights(None), "heights of the measured"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
-    "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
+    "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "form a plane"),
 }  # fmt: skip
 
 
