@@ -88,8 +88,8 @@ class Specimen:
 @pytest.mark.parametrize("turns", [0, 1, 2, 3])
 def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
     count = asked = 0
-    for seed in range(4):
-        specimen = Specimen(seed, turns, loads=6, scatter=0.0)
+    for seed in range(3):
+        specimen = Specimen(seed, turns, loads=5, scatter=0.0)
         search = specimen.search(0.02, patches=1)
         asked += len(specimen.run(search))
         levels = np.full(len(specimen.loads), search.limit)
@@ -102,14 +102,14 @@ def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
                 np.testing.assert_allclose(here, whole, rtol=0.01)
                 count += len(whole)
     assert count > 8
-    assert asked < 4 * search.asked.size * (0.1 + 0.12 * turns)
+    assert asked < 3 * search.asked.size * (0.1 + 0.12 * turns)
 
 
 @pytest.mark.parametrize("accuracy", [0.05, 0.02])
 def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
     missed, count, points = 0, 0, []
     for seed in range(4):
-        specimen = Specimen(seed)
+        specimen = Specimen(seed, loads=6)
         search = specimen.search(accuracy, promised=0.4 * accuracy)
         points.append(len(specimen.run(search)))
         errors = np.sqrt((search.errors**2).sum(axis=0))
@@ -119,7 +119,7 @@ def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
                 assert error <= accuracy
                 missed += abs(critical / whole[0] - 1) > error
                 count += 1
-    assert count > 20
+    assert count > 12
     assert missed <= 0.05 * count
     assert np.mean(points) < 0.5 / accuracy**1.3 + 40
 
@@ -151,7 +151,7 @@ def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
 @pytest.mark.parametrize("count", [4, 6])
 def test_few_velocities_become_more_where_the_goal_needs_them(count):
     missed = found = 0
-    for seed in range(4):
+    for seed in range(2):
         few = np.geomspace(0.25, 6.0, count)
         specimen = Specimen(seed, loads=4, velocities=few)
         search = specimen.search(0.01, promised=0.0055)
@@ -163,7 +163,7 @@ def test_few_velocities_become_more_where_the_goal_needs_them(count):
                 assert error <= 0.01
                 missed += abs(critical / specimen.crossings(load)[0][0] - 1) > error
                 found += 1
-    assert found > 8
+    assert found > 4
     assert missed <= 0.1 * found
 
 

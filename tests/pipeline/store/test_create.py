@@ -223,10 +223,11 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
         groups = [xr.open_zarr(path, group=group) for group in (None, "fields", "about")]
         return [one.drop_vars("wall_time", errors="ignore") for one in groups]
 
-    commit(path, SWEEP)
+    first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
+    commit(path, first)
     kept = [opened_plainly()]
     for load in (200.0, 100.0, 170.0, 2000.0):  # indices of points change, and change back
-        commit(path, tiny.full(loads=(load,)))
+        commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
         now = [one.load() for one in opened_plainly()]
         for plane, fields, about in kept:
             for old in {**plane.data_vars, **about.data_vars}.values():
@@ -236,7 +237,7 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
                 last = fields[name].sizes["point"]
                 np.testing.assert_array_equal(fields[name], now[1][name][:last])
         at = now[1][["load", "velocity", "rise"]].set_xindex(["load", "velocity"])
-        for point in points(SWEEP):
+        for point in points(first):
             rise = record(point).data["rise"]
             np.testing.assert_array_equal(
                 at["rise"].sel(load=point.load, velocity=point.velocity), rise

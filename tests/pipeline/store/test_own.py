@@ -92,9 +92,10 @@ def halves(ds, dim):
 
 
 RAMPS = {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}}
+PLANE = {"loads": (150.0, 600.0), "velocities": (0.5, 1.5)}
 SWEEPS = {
-    "plane": SWEEP,
-    "surfaces": tiny.full(case_table=surfaces((1, 2)), loads=(150.0, 600.0)),
+    "plane": tiny.full(**PLANE),
+    "surfaces": tiny.full(case_table=surfaces((1, 2)), **PLANE),
     "rows": tiny.full(case_table=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
 }
 
@@ -122,12 +123,17 @@ CUT = {
 }
 
 
+@pytest.fixture(scope="module")
+def tested(tmp_path_factory):
+    """A store of a sweep with two tests."""
+    path = tmp_path_factory.mktemp("tested") / "tested.zarr"
+    commit_all(path, tiny.full(tests=(bare_test(250.0, 1.0), bare_test(600.0, 0.5))))
+    return path
+
+
 @pytest.mark.parametrize("cut", CUT.values(), ids=[*CUT])
-def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(cut, tmp_path):
-    tested = tiny.full(tests=(bare_test(250.0, 1.0), bare_test(600.0, 0.5)))
-    commit_all(tmp_path / "tested.zarr", tested)
-    plain = cut(xr.open_zarr(tmp_path / "tested.zarr"))
-    own = cut(pipeline.open_sweep(tmp_path / "tested.zarr"))
+def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(cut, tested):
+    plain, own = cut(xr.open_zarr(tested)), cut(pipeline.open_sweep(tested))
     xr.testing.assert_identical(pipeline.boundary(plain), pipeline.boundary(own))
     at = {"load": [200.0, 240.0], "velocity": 1.2}
     xr.testing.assert_identical(pipeline.margin(plain, **at), pipeline.margin(own, **at))

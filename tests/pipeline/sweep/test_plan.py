@@ -85,15 +85,18 @@ def _few_positions(monkeypatch):
     monkeypatch.setattr(disk_positions, "MOST_POSITIONS", 3)
 
 
-@pytest.mark.parametrize("limit", [0, 2**28])
 @pytest.mark.parametrize("steps", ["course", "end"])
 @pytest.mark.parametrize("physics", PHYSICS)
-def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, limit):
+def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
     """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
-    sweep, ramp_cache = tiny.sweep(steps=steps, **PHYSICS[physics]), RampCache(limit)
-    for load in (150.0, 250.0, 600.0, 625.0, 250.0):
+    sweep, alone = tiny.sweep(steps=steps, **PHYSICS[physics]), {}
+    large, none = RampCache(2**28), RampCache(0)
+    order = (150.0, 250.0, 600.0, 625.0, 250.0)
+    for load, ramp_cache in (*((load, large) for load in order), (600.0, none), (250.0, none)):
         result = run_alone(sweep, Point(load, 1.0), ramp_cache)
-        assert same(result, run_point(sweep, load, 1.0))
+        if load not in alone:
+            alone[load] = run_point(sweep, load, 1.0)
+        assert same(result, alone[load])
         assert len(result.columns["time"]) == len(
             choose_stored_steps(sweep).kept(sweep.scene, load)
         )
