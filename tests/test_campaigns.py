@@ -58,8 +58,13 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
     assert sum(len(case.loads) * len(case.velocities) for case in judged.values()) >= 300
 
 
-@pytest.mark.parametrize("name", front.PROMISED)
-@pytest.mark.parametrize("family", ["lay", "local", "record", "tops", "stages"])
+@pytest.mark.parametrize(
+    ("name", "family"),
+    [
+        *(("standard", family) for family in ("lay", "local", "record", "tops", "stages")),
+        *(("fine", family) for family in ("lay", "local", "stages")),
+    ],
+)
 def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, family):
     number = 7 if family == "stages" else 1
     case = next(case for case in cases([number]) if case.family == family)
@@ -72,7 +77,7 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, f
 
 
 def test_two_halves_of_eight_patches_are_as_near_as_they_state():
-    small = {"sweep.loads": ["400 N", "600 N"], "fidelity.preset": "standard"}
+    small = {"sweep.loads": ["400 N"], "fidelity.preset": "standard"}
     for _, apart, ratio in patches.rows_of("line", patches=8, **small):
         assert apart <= 1
         assert patches.LEAST <= ratio <= patches.MOST
@@ -95,22 +100,22 @@ def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_c
 
 @pytest.mark.parametrize("kind", laboratories.KINDS)
 def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_say(kind):
-    held, mild, severe = laboratories.judged(kind, 4, 40)
-    assert 0.76 <= held <= 0.99  # 40 laboratories: ± 4.7 points for one standard deviation
-    assert max(mild, severe) <= 0.10  # of some 100 and 200 points, ± 1 to 2
+    held, mild, severe = laboratories.judged(kind, 4, 16)
+    assert 0.75 <= held <= 0.99  # 16 laboratories: ± 7 points for one standard deviation
+    assert max(mild, severe) <= 0.10  # of some 40 and 80 points, ± 2 to 3
 
 
 # Accuracies that are asked for
 
 
 def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch, tmp_path):
-    monkeypatch.setattr(goals, "PATCHES", 16)
+    monkeypatch.setattr(goals, "PATCHES", 8)
     number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
     planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
     found = planes.errors(0.05)
     assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
     assert all(abs(error) <= allowed for *_, error, allowed in found["errors"])
-    assert all(0.05 <= allowed < 0.06 for *_, allowed in found["errors"])
+    assert all(0.05 <= allowed < 0.07 for *_, allowed in found["errors"])
     counts = np.array(planes.crossings(number))
     assert {0, 1, 2, 3} <= {*counts[:, 0].tolist()}
     assert np.array_equal(*counts.T)

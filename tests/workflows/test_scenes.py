@@ -26,11 +26,11 @@ def test_predicted_critical_velocity_is_within_15_percent_of_the_measured_one(lo
     assert governing_temperature(PAPER, load, 1.15 * MEASURED[load]) > critical
 
 
-def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
-    sweep = pipeline.load_scene(WORKFLOWS / "first_try.toml")
-    outcome = pipeline.run_sweep(sweep, tmp_path / "first.zarr", workers=2)
-    assert (outcome.done, outcome.failed) == (outcome.total, ())
-    ds = pipeline.open_sweep(tmp_path / "first.zarr")
+def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
+    store = folder_with_results / "results" / "first_try.zarr"
+    found = pipeline.summary(store)
+    assert (found.done, found.failed) == (found.total, ())
+    ds = pipeline.open_sweep(store)
     assert pipeline.warned(ds).points == 0
     velocities = pipeline.boundary(ds)["critical_velocity"]
     assert velocities.notnull().all()

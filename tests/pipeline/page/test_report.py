@@ -1,5 +1,6 @@
 """The report: what stands in it is what the answers say, escaped, without scripts."""
 
+import io
 import json
 import re
 from base64 import b64decode, b64encode
@@ -13,6 +14,7 @@ from pipeline.answers.frames import boundary_frame
 from pipeline.answers.tables import cells_of
 from pipeline.answers.words import percent, verdict_text
 from pipeline.figures.rows import deciding_row
+from pipeline.figures.style import fitted
 from pipeline.page import report as parts
 from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
@@ -102,6 +104,19 @@ def page(sweep):
     )
 
 
+@pytest.fixture
+def drawn_once(monkeypatch):
+    """Draw each picture for usual screens alone; `page` has those for narrow ones, too."""
+
+    def picture_of(draw, caption, alt):
+        with fitted(plain=True):
+            draw().savefig(written := io.BytesIO(), format="svg")
+        text = f"data:image/svg+xml;base64,{b64encode(written.getvalue()).decode()}"
+        return parts.Picture(text, text, alt, caption)
+
+    monkeypatch.setattr(parts, "picture_of", picture_of)
+
+
 def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     here, found = pipeline.margin(sweep, 400.0, 1.9), Page(page)
     (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
@@ -168,16 +183,28 @@ def half_done():
 @pytest.mark.parametrize(
     ("make", "asked", "said"),
     [
-        (plane, {}, "Severe wear is 50 % probable at"),
-        (plane, {"load": 400.0, "velocity": 1.0}, "Mild wear at 400 N and 1 m/s"),
-        (plane, {"critical_temperature": "900 degC"}, "Wear is mild over the whole sweep"),
-        (plane, {"friction": [0.1, 0.12]}, "Boundary between mild and severe wear"),
-        (half_done, {}, "500 N: unknown because too few points are done"),
-        (half_done, {}, "(5 %: 2.25 m/s); at 2.07 m/s at 400 N"),
-        (plane, {}, ", and where severe wear is 5 and 95 % probable"),
-        (half_done, {"load": 300.0, "velocity": 1.0}, "×: 10 points that are pending or failed"),
-        (two_pins, {"load": 300.0, "velocity": 4.0}, "most critical operating point: pin radius 1"),
-        (two_pins, {}, "Critical velocity as computed"),
+        (
+            plane,
+            {},
+            ("Severe wear is 50 % probable at", ", and where severe wear is 5 and 95 % probable"),
+        ),
+        (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
+        (plane, {"critical_temperature": "900 degC"}, ("Wear is mild over the whole sweep",)),
+        (plane, {"friction": [0.1, 0.12]}, ("Boundary between mild and severe wear",)),
+        (
+            half_done,
+            {},
+            (
+                "500 N: unknown because too few points are done",
+                "(5 %: 2.25 m/s); at 2.07 m/s at 400 N",
+                "×: 10 points that are pending or failed",
+            ),
+        ),
+        (
+            two_pins,
+            {"load": 300.0, "velocity": 4.0},
+            ("most critical operating point: pin radius 1", "Critical velocity as computed"),
+        ),
         (
             plane,
             {
@@ -187,17 +214,17 @@ def half_done():
                     "velocity [m/s]": [2.0],
                 }
             },
-            "critical operating point: wear specific",
+            ("critical operating point: wear specific",),
         ),
     ],
 )
-def test_a_report_of_any_sweep_is_sound_and_says_what_matters(make, asked, said):
-    page = pipeline.report(make(), **asked)
-    found = checked(page)
-    assert said in found.words or said in found.of("img")[0]["alt"]
+def test_a_report_of_any_sweep_is_sound_and_says_what_matters(drawn_once, make, asked, said):
+    found = checked(pipeline.report(make(), **asked))
+    for words in said:
+        assert words in found.words or words in found.of("img")[0]["alt"]
 
 
-def test_rows_are_judged_and_the_deciding_one_is_bold(sweep):
+def test_rows_are_judged_and_the_deciding_one_is_bold(drawn_once, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)
     assert deciding_row(table) == 1
@@ -206,7 +233,7 @@ def test_rows_are_judged_and_the_deciding_one_is_bold(sweep):
     assert re.search(r'<tr class="bold"><th scope="row">full</th>', page)
 
 
-def test_rows_without_a_verdict_leave_the_headline_open(sweep):
+def test_rows_without_a_verdict_leave_the_headline_open(drawn_once, sweep):
     points = {"case": ["idle", "beyond"], "load [N]": [200, 9000], "velocity [m/s]": [1, 4]}
     found = checked(pipeline.report(sweep, points=points))
     (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
@@ -214,7 +241,7 @@ def test_rows_without_a_verdict_leave_the_headline_open(sweep):
     assert "1 of 2 operating points have a verdict; mild at the most critical" in found.words
 
 
-def test_without_a_point_the_boundary_is_told(sweep, tmp_path):
+def test_without_a_point_the_boundary_is_told(drawn_once, sweep, tmp_path):
     path = pipeline.report(sweep, out=tmp_path / "a.html")
     text = path.read_text(encoding="utf-8")
     assert text.startswith("<!DOCTYPE html>")
