@@ -69,7 +69,16 @@ def _in_cases(held: Mapping[str, SceneWarning], count: int) -> SceneWarning:
     """The first of the warnings `held` by label, which says in which of `count` cases it is."""
     labels, first = [*held], next(iter(held.values()))
     cases = tuple(labels) if len(held) < count else ()
-    return first._replace(cases=cases, of_case=labels[0] if len({*held.values()}) > 1 else "")
+    is_shared = all(_same_values(first, one) for one in held.values())
+    return first._replace(cases=cases, of_case="" if is_shared else labels[0])
+
+
+def _same_values(one: SceneWarning, other: SceneWarning) -> bool:
+    """True if the values of two warnings of one code are equal within rounding."""
+    return all(
+        a == b or (isinstance(a, float) and isinstance(b, float) and math.isclose(a, b))
+        for a, b in zip(one.values, other.values, strict=True)
+    )
 
 
 def _unusual_values(sweep: Sweep) -> Warnings:

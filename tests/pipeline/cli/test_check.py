@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import pipeline
+from pipeline.answers.scene_notes import warning_text
 from tests.helpers.scenes import SCENE as SMALL
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
@@ -64,6 +66,23 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
     ]
     assert len(words) == 1
     assert words[0].endswith("(in all cases; numbers are of case A)")
+
+
+@pytest.mark.parametrize(
+    ("rate", "ending"), [("0.00035", "number and unit"), ("0.00034", "case 0)")]
+)
+def test_cases_share_a_warning_whose_numbers_differ_by_rounding_alone(tmp_path, rate, ending):
+    """600 N/0.0003 N/s and 700 N/0.00035 N/s are both 2e6 s; the first is 2e-10 s longer."""
+    rates = {600: "0.0003", 700: rate}
+    rows = (
+        f'{{ load = "{load} N", velocity = "1 m/s", loading.rate = "{one} N/s" }}'
+        for load, one in rates.items()
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(SMALL.replace("[sweep]", f"[sweep]\nalong = [{', '.join(rows)}]"))
+    warnings = pipeline.load_scene(path).all_warnings
+    (said,) = (warning_text(one) for one in warnings if one.place == "loading")
+    assert said.endswith(ending)
 
 
 @pytest.mark.parametrize(

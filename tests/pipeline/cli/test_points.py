@@ -194,4 +194,4 @@ def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeyp
     scene.write_text('extends = "first_try"\nwithout = ["sweep.loads", "sweep.velocities"]\n')
     monkeypatch.chdir(tmp_path)
     said = irg("check", "scenes/own.toml", "--set", "sweep.along=rows.csv")
-    assert "points   2: 2 rows" in said
+    assert "points   2: 2 cases" in said

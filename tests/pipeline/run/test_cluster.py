@@ -250,7 +250,10 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
 
 def test_a_worker_that_is_paused_beside_others_is_named_within_the_patience(tmp_path):
     settings = {"processes": False, "n_workers": 2, "threads_per_worker": 1, "memory_limit": 0}
-    with LocalCluster(**settings, dashboard_address=None) as cluster, Client(cluster) as client:
+    with (
+        LocalCluster(**settings, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as client,
+    ):
         paused = cluster.workers[0]
 
         def look(progress):
