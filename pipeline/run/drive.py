@@ -1,8 +1,8 @@
 """The points of a sweep as independent tasks of Dask.
 
-Dask orders them, and computes a task again whose result is lost. The driver keeps two tasks for
-each worker, one that it computes and one that waits; the next one continues, if possible, a loading
-ramp that this worker has cached.
+Dask orders them, and computes a task again whose result is lost. The driver keeps two or
+more tasks for each worker, one that it computes and others that wait; the next one continues, if
+possible, a loading ramp that this worker has cached.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from distributed.scheduler import KilledWorker
 from pipeline.run.tally import Tally
 from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import CANNOT, POLL, Watch
-from pipeline.run.work import Case, ExecutionError, simulate_point
+from pipeline.run.work import Case, ExecutionError, loaded, simulate_point
 from pipeline.store.store import Writer
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord, Task, choose_stored_steps
@@ -34,8 +34,8 @@ from pipeline.sweep.sweep import Point, Sweep
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
 
-_AHEAD, _AHEAD_IF_SHORT = 2, 16  # tasks for each worker
-_SHORT = 0.02  # mean time of the last points [s] below which they are short
+_AHEAD = 0.4  # time of the tasks that each worker has [s], of which there are
+_LEAST_AHEAD, _MOST_AHEAD = 2, 16
 _SPARE = 16  # tasks for workers that are still to come: a cluster that adapts starts them for tasks
 _DEATHS = 3  # of its workers, after which a point counts as failed
 _SHARED = 2  # deaths of its workers after which a point is tried alone
@@ -70,7 +70,7 @@ def compute(
     try:
         while queue or suspects or tasks:
             workers = watch()
-            ahead = _AHEAD_IF_SHORT if fmean(recent) < _SHORT else _AHEAD
+            ahead = min(max(int(_AHEAD / fmean(recent)), _LEAST_AHEAD), _MOST_AHEAD)
             busy = Counter(job.worker for job in tasks.running.values())
             able = [one for one in workers if busy[one] <= ahead // 2]
             free = [one for count in range(ahead) for one in able if busy[one] <= count]
@@ -94,10 +94,11 @@ def compute(
                         writer.add([PointRecord(point, None, words)])
                     else:
                         suspects.append(job.task)
-                for record, program in tasks.results():
+                for record, program in map(loaded, tasks.results()):
                     watch.require_program(program)
                     writer.add([record])
-                    recent.append(record.wall_time)
+                    if record.data is not None:
+                        recent.append(record.wall_time)
             if written := writer.written():
                 tally.count(written, len(workers))
     finally:
@@ -185,12 +186,12 @@ class _Tasks:
                 future.release()
         return lost
 
-    def results(self) -> list[Any]:
+    def results(self) -> list[bytes]:
         """Results that have arrived; others are asked for once a second, and not waited for.
 
         A worker that hangs delays only the results that are asked for together with its own.
         """
-        found = []
+        found = list[bytes]()
         for answer, jobs in list(self._fetches.items()):
             if all(future.status == "finished" for future in jobs):
                 continue
