@@ -102,15 +102,13 @@ def interpolation_errors(
     between these loads (k,).
     """
     field = specimen.field
-    low, high = field.beside(loads)
+    (low, high), way = field.beside(loads), field.way(loads)
     first, last = field.loads[low], field.loads[high]
-    gap = np.log(last / first)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        way = np.where(gap > 0, np.log(loads / first) / gap, 0.0)
+    has_gap = last > first
     sides = _along_rows(field, np.append(low, high), np.tile(velocities, 2)).reshape(2, -1)
     weights = np.stack([1 - way, way])
     along = np.where(weights > 0, weights * sides, 0.0)
-    between = np.where(gap > 0, np.nan, 0.0)
+    between = np.where(has_gap, np.nan, 0.0)
     if len(rows := field.tells) > 1:
         # Each patch is rough along load in its own way.
         rough = ROUGH_LOAD / np.sqrt(np.maximum(specimen.patches[rows], 1))
@@ -119,8 +117,8 @@ def interpolation_errors(
         i = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
         own = _along_rows(field, np.repeat(rows, len(each)), np.tile(each, len(rows)))
         own = own.reshape(len(rows), -1)
-        bounds = _interpolation_bounds(curves, rough, np.unique(i[gap > 0]), own)[i, back]
-        between = np.where(gap > 0, bounds * _shape(way), 0.0)
+        bounds = _interpolation_bounds(curves, rough, np.unique(i[has_gap]), own)[i, back]
+        between = np.where(has_gap, bounds * _shape(way), 0.0)
     inside = (first <= loads) & (loads <= last)
     return along, np.where(inside, between, np.nan)
 

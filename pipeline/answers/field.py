@@ -117,13 +117,19 @@ class Field:
         own = np.where(is_own, own, -1)  # a load with one point has that
         return np.where(own >= 0, own, low), np.where(own >= 0, own, high)
 
+    def way(self, loads: Array) -> Array:
+        """Way in ln(load) of `loads` (k,) between those beside, from 0 to 1; 0 at one of them."""
+        low, high = (self.loads[one] for one in self.beside(loads))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(high > low, np.log(loads / low) / np.log(high / low), 0.0)
+
     def bilinear(self, values: Array, loads: Array, velocities: Array) -> Array:
         """Values at points (n_load, n_velocity) between them: linear in ln(velocity), ln(load).
 
         Beyond the known velocities of a load its last value holds. So a bound of errors at points
         is one between them, and continuous.
         """
-        low, high = self.beside(loads)
+        (low, high), way = self.beside(loads), self.way(loads)
         x, found = np.log(velocities), np.full((2, len(loads)), np.nan)
         for side, rows in enumerate((low, high)):
             for row in np.unique(rows):
@@ -132,9 +138,6 @@ class Field:
                     found[side, here] = _linear(
                         x[here], np.log(self.velocities[known]), values[row, known]
                     )
-        gap = np.log(self.loads[high] / self.loads[low])
-        with np.errstate(invalid="ignore", divide="ignore"):
-            way = np.where(gap > 0, np.log(loads / self.loads[low]) / gap, 0.0)
         return np.asarray(_weighed(1 - way, found[0]) + _weighed(way, found[1]))
 
     def is_point(self, loads: Array, velocities: Array) -> Mask:

@@ -66,11 +66,7 @@ def _shown(one: xr.DataArray) -> xr.Variable:
     if "flag_values" in one.attrs:
         return one.copy(data=words.code_text(one)).variable
     if "flag_masks" in one.attrs:
-        pairs = [*zip(one.attrs["flag_masks"], one.attrs["flag_meanings"].split(), strict=True)]
-        texts = [
-            ", ".join(name for mask, name in pairs if flags & int(mask))
-            for flags in one.values.ravel().tolist()
-        ]
+        texts = [", ".join(words.flag_names(one, k)) for k in one.values.ravel().tolist()]
         return one.copy(data=np.array(texts, object).reshape(one.shape)).variable
     return one.variable
 

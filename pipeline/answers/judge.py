@@ -153,14 +153,9 @@ class Judge:
     def lacks_film(self) -> bool:
         """True if a film is to be judged, but unknown at a point that is done."""
         field = self.field
-        at = Operation.under(
-            self.conditions, *(x.ravel() for x in np.meshgrid(*self._axes, indexing="ij"))
-        )
+        plane = np.meshgrid(field.loads, field.velocities, indexing="ij")
+        at = Operation.under(self.conditions, *(one.ravel() for one in plane))
         return bool((self.films(at)[1] & field.is_known.ravel()).any())
-
-    @property
-    def _axes(self) -> tuple[Array, Array]:
-        return self.field.loads, self.field.velocities
 
     def films(self, at: Operation) -> tuple[Mask, Mask]:
         """Where a film carries more of the load than the model allows, and where it is unknown."""

@@ -25,7 +25,6 @@ TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
 """Suffixes of the files that a table, or a figure, may be written to."""
 _HEAD = re.compile(r"(.+) \[(.+)\]")
-_BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
 _COLUMNS = 100  # most letters in a line of a table
 _LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
 _FEWEST_LETTERS = 20  # least width of a broken last column
@@ -160,8 +159,8 @@ def cells_of(frame: pd.DataFrame, missing: str, digits: int = 4) -> list[list[st
 def _text(value: Any, digits: int) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if value in _BEYOND or not _is_number(value):
-        return str(_BEYOND.get(value, value))
+    if not _is_number(value):
+        return str(value)
     return f"{value:.0f}" if abs(value) >= 10**digits else f"{value:.{digits}g}"
 
 

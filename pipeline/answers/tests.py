@@ -81,7 +81,7 @@ class Evidence:
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-        probits = [self._by_bulk(bulks, functools.partial(_probits, y)) for y in ys]
+        probits = (self._by_bulk(bulks, lambda one, here, y=y: one.probit(y[here])) for y in ys)
         return [np.asarray(ndtr(one)) for one in probits]
 
     def levels(self, probability: float, bulks: Array) -> Array:
@@ -159,10 +159,6 @@ class Evidence:
             at = f"friction {own.friction_at(test.velocity):.3g}"
             bulk = display(own.bulk_temperature, "°C", 3)
             yield f"{test.outcome} at {place}, {at}, bulk temperature {bulk}"
-
-
-def _probits(y: Array, posterior: Posterior, here: Any) -> Array:
-    return posterior.probit(y[here])
 
 
 def waiting_text(evidence: Evidence) -> str:

@@ -330,19 +330,18 @@ def margin_facts(here: xr.Dataset) -> Iterator[tuple[str, str]]:
 
 def margin_warnings(here: xr.Dataset) -> Iterator[str]:
     """Yield what limits the answer on one point."""
-    flagged = flags_of(here)
+    one = here["warning_flags"]
+    flagged = flag_names(one, int(np.bitwise_or.reduce(one.values.ravel())))
     if "ramp_passes_severe" in flagged:
         yield "wear is severe at lower loads at this velocity, through which a load ramp passes"
     if "contact_at_edge" in flagged:
         yield "the contact reaches the edge of the window nearby; increase window.pixels"
 
 
-def flags_of(found: xr.Dataset) -> set[str]:
-    """Names of the flags that are set at any point."""
-    about = found["warning_flags"].attrs
-    pairs = zip(about["flag_meanings"].split(), about["flag_masks"], strict=True)
-    flags = int(np.bitwise_or.reduce(found["warning_flags"].values.ravel()))
-    return {name for name, mask in pairs if flags & int(mask)}
+def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
+    """Names of the flags of a variable that are set in `flags`."""
+    pairs = zip(variable.attrs["flag_meanings"].split(), variable.attrs["flag_masks"], strict=True)
+    return [name for name, mask in pairs if flags & int(mask)]
 
 
 def next_run_line(found: xr.Dataset) -> str:
