@@ -11,7 +11,8 @@ PAGES = [ROOT / "README.md", *(ROOT / "workflows").glob("*.md")]
 SOURCES = [path for room in ("pipeline", "tribo") for path in (ROOT / room).rglob("*.py")]
 GONE = re.compile(
     r"\b(anew|by the others|would decide it|judged at|takes \[%\]|turns? severe|not decided"
-    r"|deciding temperature|failing share|doubts?|a preset promises|slips?|first patch)\b"
+    r"|deciding temperature|failing share|doubts?|a preset promises|slips?|caveats?|variants?"
+    r"|duty(?! cycle)|told|asked|(?:a|the|this|each|first|another) patch)\b"
 )
 
 

@@ -108,7 +108,7 @@ FEW_ELEMENTS = 400
 # is no more than with over 400; fewer were not tested. Measured on the even-numbered scenes of
 # `tests.promises.front`.
 FEW_PIXELS = 200
-# Fewest elements under a ball or crowned pin that rough patches of the disk pass. With fewer, the
+# Fewest elements under a ball or crowned pin that rough parts of the disk pass. With fewer, the
 # rise differs by up to 0.9 % with the number of steps, and by more with the surface, although it is
 # a mean over positions of the disk.
 FEW_SWEPT = 1000

@@ -52,7 +52,7 @@ def specific_wear_rate(
     ----------
     scene : Scene
         System in which the pin wore. Its wear rate is not used, but its wear pattern is. Without
-        wear the pattern is "swept" on a patch that is periodic along y, else "local".
+        wear the pattern is "swept" on a window that is periodic along y, else "local".
     contact_width : float
         Width of the contact along x at the end of the loading [m]. If the pin slid on at full
         load, the scene's loading must have this as its hold.

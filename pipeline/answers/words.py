@@ -87,7 +87,7 @@ def _notes(judge: Judge) -> Iterator[str]:
     """Limits that all answers of a case have, beside `not_included`."""
     case, sweep = judge.case, judge.case.sweep
     lines = [
-        case.failed_realizations_note, sweep.caveat, *warning_lines(sweep, answered=True),
+        case.failed_realizations_note, sweep.note, *warning_lines(sweep, answered=True),
         added_rise_words(judge.conditions),
         error_in_words(sweep) if judge.promised is None else None,
     ]  # fmt: skip

@@ -72,7 +72,7 @@ _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_NO_INPUTS = ("fidelity", "tests", "sweep", "title", "caveat", "extends", "without")
+_NO_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
 _AS_COMPUTED = "Critical velocity as computed"

@@ -38,7 +38,7 @@ from pipeline.units import UnitError, si_unit, to_si
 from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
 
-_FIXED = ("sweep", "title", "caveat", "extends", "without", "tests")
+_FIXED = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
 _PLACE = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
 Row = dict[str, Any]

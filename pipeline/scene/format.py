@@ -285,7 +285,7 @@ class SceneFile(Declared):
     without: A[tuple[str, ...] | None, List(Text(), distinct=True),
         'Paths of entries not to take from it, such as ["wear", "friction.band"].'] = None
     title: A[str | None, "Title of figures and summaries; by default the name of the file."] = None
-    caveat: A[str | None,
+    note: A[str | None,
         "What a reader of each verdict must know of this scene, in a line."] = None
     materials: A[dict[str, MaterialTable] | None,
         "A material, whose NAME `[pin]` and `[disk]` use. Materials of the "

@@ -115,7 +115,7 @@ class Source:
         sweep = Sweep(
             name=self.name,
             title=scene.tables.title or self.name,
-            caveat=scene.tables.caveat,
+            note=scene.tables.note,
             base=scene.case,
             cases=() if faults else tuple(read_cases(entries, self.files, scene, listed, key)),
             case_table=listed.table,

@@ -27,7 +27,7 @@ from tribo.simulation import widen_window
 _OWN = {"friction": "friction", "bulk_temperature": "temperature.bulk"}
 """Entry of the scene that an entry of a test replaces, by the name of the latter."""
 _OF_ALL = (
-    "extends", "without", "title", "caveat", "sweep", "tests", "oil", "model",
+    "extends", "without", "title", "note", "sweep", "tests", "oil", "model",
     "temperature.critical", "temperature.critical_area_fraction",
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""

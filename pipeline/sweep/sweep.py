@@ -71,7 +71,7 @@ class Sweep:
 
     name: str
     title: str
-    caveat: str | None  # what readers of answers must know
+    note: str | None  # what readers of answers must know
     base: Case
     cases: tuple[Case, ...]
     case_table: CaseTable = field(repr=False)
@@ -112,7 +112,7 @@ class Sweep:
     @cached_property
     def _meaning(self) -> str:
         plane = self.loads, self.velocities, self.fields, self.steps
-        words = self.title, self.caveat
+        words = self.title, self.note
         return digest(((self.base, *self.cases), plane, words, self.tests, self.case_table))
 
     @cached_property

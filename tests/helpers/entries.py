@@ -17,7 +17,7 @@ _CASE = {
     "critical_from_tests",
 }
 _SWEEP = {
-    "name", "title", "caveat", "notes", "sources", "stored_steps", "loads", "velocities", "fields",
+    "name", "title", "note", "notes", "sources", "stored_steps", "loads", "velocities", "fields",
     "steps", "case_table",
 }  # fmt: skip
 FIELDS = {*_SCENE, *_CASE, *_SWEEP, "tests"}

@@ -21,7 +21,7 @@ def assert_sound(scene, before, state, normal_load):
     assert p.min() >= 0
     assert p.max() <= scene.hardness
     assert state.wear_depth.min() >= 0
-    carried = p.sum() * grid.element_area * scene.pin.patches(grid)
+    carried = p.sum() * grid.element_area * scene.pin.windows(grid)
     assert abs(carried - state.normal_load) <= 1e-9 * state.normal_load
     assert state.normal_load <= normal_load * (1 + 1e-12)
     if state.normal_load:

@@ -131,7 +131,7 @@ def sweep(
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
     of = scene(conditions=judged, fields=fields, **plane | told)
     first = of._on_first_surface[0].scene
-    area = np.prod(first.grid.size) * first.pin.patches(first.grid)
+    area = np.prod(first.grid.size) * first.pin.windows(first.grid)
     with np.errstate(invalid="ignore"):
         pressure = scalars["normal_load"] / (scalars["contact_fraction"] * area)
     data["mean_pressure"] = (*data["mean_pressure"][:1], pressure, {"units": "Pa"})

@@ -15,7 +15,7 @@ OWN = "Not validated: no test of this steel."
 def store(tmp_path):
     """Store of a small sweep whose scene has its own caveat."""
     few = {"sweep.loads": ["300 N", "500 N"], "sweep.velocities": ["1 m/s", "3 m/s"]}
-    own = {"caveat": OWN}
+    own = {"note": OWN}
     scene = pipeline.load_scene("first_try", overrides=few | own)
     commit_all(tmp_path / "out.zarr", scene)
     return tmp_path / "out.zarr"

@@ -244,7 +244,7 @@ REFUSALS = {
     "x": (lambda: scene(pixels=Grid((48, 16), (8e-6, 8e-6), (True, True))), "periodic along x"),
     "ball": (lambda: scene(pin=Ball(1e-3, STEEL)), "under a ball pin both axes must be free"),
     "images": (lambda: small_scene("local", periodic=(False, False), as_published=True),
-               "as_published needs a patch"),
+               "as_published needs a window"),
     "own law rolls": (lambda: scene(wear=Law(), motion=Motion(slide_roll_ratio=1.0)),
                       "needs a pin at rest"),
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),

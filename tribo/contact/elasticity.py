@@ -39,7 +39,7 @@ ElasticKernel = Literal["periodic", "nearest-image"]
 
 _STEP = 1 / 7  # in ln s, for a relative error of 3e-15
 _REACH = 6.0  # widths at which a Gaussian has faded: erfc(6) = 2e-17, exp(−6²) = 2e-16
-_FAR = 1e4  # patch sizes; from this width s on, E_a E_b is constant over the patch, to 1e-14
+_FAR = 1e4  # window sizes; from this width s on, E_a E_b is constant over the window, to 1e-14
 _WIDE = 4 / 3  # elements; from this width s on, three terms are enough on the right of Eq. (2)
 _OFFSETS = 9  # offsets j that are enough on the left of Eq. (2) below that width
 
@@ -94,7 +94,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
         raise InputError(f"kernel is {kernel!r}; allowed are {', '.join(get_args(ElasticKernel))}")
     if kernel == "nearest-image" and sum(grid.periodic) != 1:
         raise InputError(
-            f"kernel 'nearest-image' is for a patch that is periodic along one axis, not "
+            f"kernel 'nearest-image' is for a window that is periodic along one axis, not "
             f"{grid.periodic}; use 'periodic'"
         )
     s, weights = _widths(grid, kernel)

@@ -99,7 +99,7 @@ def solve_contact(
         Gap between the undeformed surfaces, z [m]. A constant may be added to it, which only
         shifts the approach.
     normal_load : float
-        F on the patch [N], from 0 to hardness times area.
+        F on the window [N], from 0 to hardness times area.
     hardness : float
         Highest pressure that is carried, H [Pa].
     tolerance : float
@@ -197,7 +197,7 @@ def _check(
     capacity = hardness * area
     if not (0 <= normal_load <= capacity * (1 + 1e-12) and normal_load < math.inf):
         raise InputError(
-            f"normal_load is {normal_load:g} N on a patch of {area:g} m²; it must be finite and "
+            f"normal_load is {normal_load:g} N on a window of {area:g} m²; it must be finite and "
             f"between 0 and {capacity:g} N, the most at a hardness of {hardness:g} Pa"
         )
     softness = soft_rows(solid).coupling / solid.self_influence
@@ -213,13 +213,13 @@ def _check(
     in_range = all(SMALLEST < product < LARGEST for product in (stress * depth, depth * depth))
     if normal_load and not in_range:
         raise InputError(
-            f"normal_load is {normal_load:g} N on a patch of {area:g} m² with an influence of "
+            f"normal_load is {normal_load:g} N on a window of {area:g} m² with an influence of "
             f"{solid.self_influence:g} m/Pa; double precision cannot hold a contact of this size"
         )
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure of a load [N] on the patch [Pa], and one element's displacement by it [m]."""
+    """Mean pressure of a load [N] on the window [Pa], and one element's displacement by it [m]."""
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 

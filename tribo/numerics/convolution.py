@@ -191,7 +191,7 @@ class Convolution:
         return changed
 
     def cropped(self, shape: tuple[int, int]) -> Self:
-        """Return this convolution for fields on a part of the patch, of `shape` elements.
+        """Return this convolution for fields on a part of the window, of `shape` elements.
 
         A periodic axis must keep its full length.
         """

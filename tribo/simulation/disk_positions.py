@@ -1,9 +1,9 @@
-"""Contacts that a step has to solve: by its wear scheme, and by the patches of the disk that pass.
+"""Contacts that a step has to solve: by its wear scheme, and by the parts of the disk that pass.
 
 Along a periodic y swept wear averages over y, which is exact. Where y is free, as under a ball, the
 pin's shape varies along both axes, and the roughness that is swept past must be moved itself: the
 pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
-stage of each part the disk lies elsewhere. The patch is taken to repeat itself along both axes.
+stage of each part the disk lies elsewhere. The window is taken to repeat itself along both axes.
 
 Where few elements touch, the temperature at one position depends on a few summits. The
 temperature is then a mean over positions, too.
@@ -152,7 +152,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
     """Number of positions of the disk over which the temperature at a load [N] is averaged."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5
-    touching = normal_load / scene.pin.patches(scene.grid) / mean_pressure
+    touching = normal_load / scene.pin.windows(scene.grid) / mean_pressure
     pixels = touching / scene.pixels.element_area
     count = int(PIXELS_OF_POSITIONS / max(pixels, PIXELS_OF_POSITIONS / MOST_POSITIONS))
     return count if count >= FEWEST_POSITIONS else 1
@@ -160,7 +160,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
     """Shift of the disk at its position `number`, in elements: multiples of `units`."""
-    # Roberts' sequence fills the patch evenly, so that no position comes twice.
+    # Roberts' sequence fills the window evenly, so that no position comes twice.
     x, y = (
         unit * int(n / unit * (number * step % 1))
         for n, unit, step in zip(scene.grid.shape, units, _STEPS, strict=True)

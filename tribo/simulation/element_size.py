@@ -155,7 +155,7 @@ def _lowest_load(scene: Scene, normal_load: float) -> float:
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
     """Size and shape of the contact at a load [N] by Eq. (1), on the disk's `summits`."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
-    on_window = normal_load / pin.patches(scene.grid)
+    on_window = normal_load / pin.windows(scene.grid)
     hertz = pin.hertz(normal_load, modulus)
     nominal = on_window / (hertz.peak_pressure * (math.pi / 4 if pin.length else 2 / 3))
     slope = summits.slope or math.inf

@@ -46,7 +46,7 @@ class Fidelity:
         whole contact. See `tribo.thermal.partition_heat`.
     as_published : bool
         True for the scheme of Bosman & de Rooij: only the nearest periodic image of each element
-        deforms and heats the patch, contacts are solved until the pressure changes by less than
+        deforms and heats the window, contacts are solved until the pressure changes by less than
         their tolerance, and the wear is explicit. If not, all images deform it, the heated contact
         is as long as the pin, the tolerance bounds the residual of the gaps, and the wear is
         integrated by an implicit Runge-Kutta scheme of second order.

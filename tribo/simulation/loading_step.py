@@ -176,7 +176,7 @@ def solve_pass(
     contact = solve_contact(
         solid,
         shape,
-        stage.normal_load / scene.pin.patches(scene.grid),
+        stage.normal_load / scene.pin.windows(scene.grid),
         hardness=scene.hardness,
         tolerance=scene.contact_tolerance,
         criterion="pressure-change" if fidelity.as_published else "gap",
@@ -198,8 +198,8 @@ def solve_pass(
 
 
 def _element_area(scene: Scene) -> float:
-    """Area of the whole pin that one element of the patch represents [m²]."""
-    return scene.grid.element_area * scene.pin.patches(scene.grid)
+    """Area of the whole pin that one element of the window represents [m²]."""
+    return scene.grid.element_area * scene.pin.windows(scene.grid)
 
 
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:

@@ -1,6 +1,6 @@
 """Steps cut into parts, where each would leave too deep an imprint of the roughness in the pin.
 
-A pin that wears point by point becomes the negative of the patch that it faces. A pin that wears by
+A pin that wears point by point becomes the negative of the area that it faces. A pin that wears by
 mean pressures along y becomes the negative of ridges of the disk along y. Most of this happens
 within a few steps. The depth of a step's imprint depends on the velocity and the wear rate alone,
 and the rate on the state before the step. So loads that share a ramp have the same parts of its

@@ -44,7 +44,7 @@ class Pin(Protocol):
 
     A class of your own need not inherit from it. It must be a frozen dataclass with the fields
     `material` and the sizes of the pin [m], and must have the properties ``radius``, ``length`` and
-    ``words`` and the methods ``profile``, ``patches``, ``hertz``, ``worn`` and ``film_thickness``.
+    ``words`` and the methods ``profile``, ``windows``, ``hertz``, ``worn`` and ``film_thickness``.
 
     Examples
     --------
@@ -75,8 +75,8 @@ class Pin(Protocol):
     def profile(self, grid: Grid) -> Array:
         """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
 
-    def patches(self, grid: Grid) -> float:
-        """Number of patches like `grid` on the pin: the pin's load over the load on one patch."""
+    def windows(self, grid: Grid) -> float:
+        """Number of windows like `grid` on the pin: the pin's load over the load on one window."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
@@ -123,8 +123,8 @@ class Cylinder:
         x = grid.coordinates(0)[:, None]
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
-    def patches(self, grid: Grid) -> float:
-        """Number of patches like `grid` on the pin, side by side along its length."""
+    def windows(self, grid: Grid) -> float:
+        """Number of windows like `grid` on the pin, side by side along its length."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -188,8 +188,8 @@ class Ball:
         distance: Array = (x**2 + y**2) / (2 * self.radius)
         return distance
 
-    def patches(self, grid: Grid) -> float:
-        """Number of patches like `grid` on the pin: 1, since one patch has the whole contact."""
+    def windows(self, grid: Grid) -> float:
+        """Number of windows like `grid` on the pin: 1, since one window has the whole contact."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -245,8 +245,8 @@ class Crowned:
         distance: Array = x**2 / (2 * self.radius) + y**2 / (2 * self.crown_radius)
         return distance
 
-    def patches(self, grid: Grid) -> float:
-        """Number of patches like `grid` on the pin: 1, since one patch has the whole contact."""
+    def windows(self, grid: Grid) -> float:
+        """Number of windows like `grid` on the pin: 1, since one window has the whole contact."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:

@@ -41,7 +41,7 @@ class Scene:
     disk : Material
         Material of the body that moves along +x.
     pixels : Grid
-        The patch of the contact, and the pixels on which the disk's roughness is given.
+        The window of the contact, and the pixels on which the disk's roughness is given.
     loading : Ramp, Stages or MeasuredLoad
         Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
@@ -86,14 +86,14 @@ class Scene:
                 "pixels of the surface; choose a common divisor"
             )
         if self.pixels.periodic[0]:
-            raise InputError("the patch is periodic along x; under a round pin x must be free")
+            raise InputError("the window is periodic along x; under a round pin x must be free")
         if self.pin.length is None and self.pixels.periodic[1]:
             shape = type(self.pin).__name__.lower()
             raise InputError(
-                f"the patch is periodic along y; under a {shape} pin both axes must be free"
+                f"the window is periodic along y; under a {shape} pin both axes must be free"
             )
         if self.fidelity.as_published and not self.pixels.periodic[1]:
-            raise InputError("as_published needs a patch that is periodic along y")
+            raise InputError("as_published needs a window that is periodic along y")
         if not isinstance(self.roughness, SelfAffineRoughness | UnknownHeights):
             self.heights()
         if self.motion and self.wears_by_law:
@@ -176,7 +176,7 @@ class Scene:
     def grid(self) -> Grid:
         """The grid of elements. An element is a block of n × n pixels, n = ``pixels_per_element``.
 
-        If nothing depends on y (`is_plane`), an element is as long along y as the patch.
+        If nothing depends on y (`is_plane`), an element is as long along y as the window.
         """
         return _element_grid(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
@@ -205,8 +205,8 @@ class Scene:
 
     @property
     def nominal_area(self) -> float:
-        """Area of the simulated patch times the number of such patches on the pin [m²]."""
-        return self.grid.area * self.pin.patches(self.grid)
+        """Area of the simulated window times the number of such windows on the pin [m²]."""
+        return self.grid.area * self.pin.windows(self.grid)
 
     @property
     def greatest_load(self) -> float:
@@ -234,7 +234,7 @@ class Scene:
     def heated_length(self) -> HeatedLength:
         """Length along y that is heated [m]; infinite without ends, or "nearest-image".
 
-        With "nearest-image", the patch and for each element its nearer periodic image are heated.
+        With "nearest-image", the window and for each element its nearer periodic image are heated.
         """
         if self.fidelity.as_published:
             return "nearest-image"

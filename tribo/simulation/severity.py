@@ -33,7 +33,7 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
 def relative_sampling(
     columns: Mapping[str, Any], conditions: Conditions, shares: Array | None = None
 ) -> Array:
-    """Relative deviation of the rise from patch to patch, as each point states it (...).
+    """Relative deviation of the rise between surface realizations, as each point states it (...).
 
     It is that of the contact at the end: the governing rise with each rise of the contact lifted by
     its own deviation. `columns` has the rises at the steps and ``rise_realization_std``; `shares`

@@ -54,7 +54,7 @@ class Heat:
 
     @property
     def sampling(self) -> dict[str, Any]:
-        """Relative standard deviations of the rises from patch to patch, by variable of a sweep.
+        """Relative standard deviations between surface realizations, by variable of a sweep.
 
         They are estimated from this contact alone: ``rise_realization_std``, one for each of
         `tribo.QUANTILES`. On a smooth disk they are 0.

@@ -15,7 +15,7 @@ one-dimensional transforms.
 
 The panels of the quadrature are in `quadrature`, and the factors f and g in `factors`.
 
-**Length of the pin.** Along a periodic y the patch repeats as far as the pin reaches, which may be
+**Length of the pin.** Along a periodic y the window repeats as far as the pin reaches, which may be
 much less than heat spreads. Variations of the flux along y have then long evened out, and only its
 mean along y feels the ends. In the middle of an evenly heated length ℓ the factor E_y of that mean
 is erf(ℓ/(2s)) times its value without ends (in the middle of b = ℓ/2, E_y = 2 erf(ℓ/(2s))). So the
@@ -63,8 +63,8 @@ class ConductingHalfSpace(Convolution):
         Gauss nodes on each panel of the integral over the distance that heat diffuses. The error,
         as a share of the kernel's self term, is 7e-7 with 10 nodes and 6e-12 with 16.
     length : float or "nearest-image", optional
-        Heated length along a periodic y [m], with the patch in its middle, and at least as long as
-        the patch. Infinite if not given. With ``"nearest-image"``, the patch and the nearer
+        Heated length along a periodic y [m], with the window in its middle, and at least as long as
+        the window. Infinite if not given. With ``"nearest-image"``, the window and the nearer
         periodic image of each element are heated, as Bosman & de Rooij assume.
 
     Examples
@@ -99,8 +99,8 @@ class ConductingHalfSpace(Convolution):
 def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     """Time after which the kernel of a `ConductingHalfSpace` no longer changes [s].
 
-    By then the surface heated first has left the patch, and its heat does not diffuse back.
-    Infinite at rest, and if the patch repeats along x.
+    By then the surface heated first has left the window, and its heat does not diffuse back.
+    Infinite at rest, and if the window repeats along x.
     """
     kappa = material.thermal_diffusivity
     # The last factor is a margin for rounding.
@@ -224,7 +224,7 @@ def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> Non
 
 
 def _leaving_length(grid: Grid, drift: float) -> float:
-    """Diffusion length [m] at which a source has left the patch, and heat no longer returns."""
+    """Diffusion length [m] at which a source has left the window, and heat no longer returns."""
     if grid.periodic[0]:
         return math.inf
     # From the edge of the first element to the centre of the last.
@@ -255,10 +255,10 @@ def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Length along y that is heated [m], at least the patch's; infinite if the heat has no ends."""
+    """Length along y that is heated [m], at least the window's; infinite without ends."""
     if length == "nearest-image":
         if not grid.periodic[1]:
-            raise InputError("length 'nearest-image' is for a patch that is periodic along y")
+            raise InputError("length 'nearest-image' is for a window that is periodic along y")
         return math.inf
     if not (isinstance(length, (int, float)) and length > 0):
         raise InputError(f"length is {length!r}; it must be positive, or 'nearest-image'")

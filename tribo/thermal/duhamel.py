@@ -45,7 +45,7 @@ class Conductor(NamedTuple):
     velocity : float
         Velocity along x [m/s].
     length : float or "nearest-image"
-        Length along y that is heated [m], or the patch and its nearer periodic images; as in
+        Length along y that is heated [m], or the window and its nearer periodic images; as in
         `ConductingHalfSpace`.
 
     Examples

@@ -57,8 +57,8 @@ class HeatPartition:
     --------
     >>> import tribo
     >>> import numpy as np
-    >>> patch = tribo.Grid((8, 8), (1e-6, 1e-6))
-    >>> body = tribo.thermal.ConductingHalfSpace(patch, steel, velocity=0.0, time=1e-5)
+    >>> window = tribo.Grid((8, 8), (1e-6, 1e-6))
+    >>> body = tribo.thermal.ConductingHalfSpace(window, steel, velocity=0.0, time=1e-5)
     >>> flux = np.zeros((8, 8))
     >>> flux[2:5, 3:6] = 1e9
     >>> split = tribo.thermal.partition_heat(body, body, flux, flux > 0)
@@ -124,9 +124,9 @@ def partition_heat(
 
     >>> from tribo import Grid, Material
     >>> from tribo.thermal import ConductingHalfSpace
-    >>> patch = Grid((8, 8), (1e-6, 1e-6))
+    >>> window = Grid((8, 8), (1e-6, 1e-6))
     >>> poor, good = (Material(210e9, 0.3, K, K * 100.0, 1.0) for K in (15.0, 45.0))
-    >>> pin, disk = (ConductingHalfSpace(patch, m, 0.0, 1e-5) for m in (poor, good))
+    >>> pin, disk = (ConductingHalfSpace(window, m, 0.0, 1e-5) for m in (poor, good))
     >>> flux = np.zeros((8, 8))
     >>> flux[2:5, 3:6] = 1e9
     >>> split = partition_heat(pin, disk, flux, flux > 0)

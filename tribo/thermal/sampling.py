@@ -1,9 +1,9 @@
-"""Sampling error of one contact: how much its temperatures differ from one patch to the next.
+"""Sampling error of one contact: how much its temperatures differ between surface realizations.
 
-A patch of a rough surface has few summits that carry much of the load, and another patch of the
-same surface has others. A jackknife (Efron & Stein, Ann. Statist. 9, 1981) estimates this from a
-single contact: its area is divided into groups, and each value θ is computed anew without each
-group g in turn. With n groups the variance of θ is (n − 1)/n Σ (θ_g − mean of θ_g)².
+A realization of a rough surface has few summits that carry much of the load, and another has
+others. A jackknife (Efron & Stein, Ann. Statist. 9, 1981) estimates this from a single contact: its
+area is divided into groups, and each value θ is computed again without each group g in turn. With n
+groups the variance of θ is (n − 1)/n Σ (θ_g − mean of θ_g)².
 """
 
 from __future__ import annotations

@@ -117,8 +117,8 @@ class Wear:
         Worn volume per load and sliding distance, k [m²/N].
     pattern : {"local", "swept"}
         ``"local"``: each point of the pin wears by the pressure on it, as if it always faced the
-        same patch of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
-        the pin. If the patch is periodic along y, all points of the pin at the same x wear by the
+        same part of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
+        the pin. If the window is periodic along y, all points of the pin at the same x wear by the
         mean pressure along y. Over a sliding distance dS their depth grows by k dS ⟨p(x, ·)⟩_y. If
         y is not periodic, as under a ball, each point wears by its mean pressure over positions of
         the disk; see `tribo.simulation.disk_positions`.
@@ -157,7 +157,7 @@ class Wear:
         compliance = self.specific_wear_rate * distance
         if self.pattern == "swept" and not solid.grid.periodic[1]:
             raise InputError(
-                "swept wear averages along y, which needs a patch that is periodic along y; "
+                "swept wear averages along y, which needs a window that is periodic along y; "
                 "use the pattern 'local'"
             )
         if self.pattern == "local" or solid.grid.shape[1] == 1:

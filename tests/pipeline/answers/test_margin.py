@@ -190,7 +190,7 @@ def test_what_is_continued_tells_its_error():
 
 
 def test_the_caveat_of_a_scene_stands_beside_each_verdict():
-    ds = synthetic.sweep(caveat="Not validated: no test of this steel.")
+    ds = synthetic.sweep(note="Not validated: no test of this steel.")
     assert asked(ds, 400.0, 2.0).notes[0] == "Not validated: no test of this steel."
 
 

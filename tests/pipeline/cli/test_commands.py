@@ -67,7 +67,7 @@ def test_status_counts_done_points_that_the_scene_no_longer_asks_for(scene, stor
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
     place = ("--load", "600 N", "--velocity", "4 m/s", "--friction", 0.15, "--preset", "standard")
-    said = irg("point", scene, *place, "--set", "caveat=of no rig", "-o", out)
+    said = irg("point", scene, *place, "--set", "note=of no rig", "-o", out)
     assert said.startswith("Severe: probability of severe wear ")
     assert "  numerical error (95 %)  ± " in said
     (held,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())

@@ -153,7 +153,7 @@ def test_titles_authors_labels_and_paths_are_text(monkeypatch):
     hostile = " ".join(PAYLOADS)
     tests = [bare_test(250.0, 1.5, outcome="mild", number=one) for one in PAYLOADS]
     inputs = "\n".join(f"{json.dumps(one)} = 1" for one in PAYLOADS)  # names of entries
-    ds = synthetic.sweep(tests=tests, title=hostile, caveat=hostile)
+    ds = synthetic.sweep(tests=tests, title=hostile, note=hostile)
     points = {
         "case": PAYLOADS,
         "load [N]": [300.0] * len(PAYLOADS),
@@ -162,7 +162,7 @@ def test_titles_authors_labels_and_paths_are_text(monkeypatch):
     ds = ds.assign_attrs(scene=f"[materials]\n{inputs}")
     told = {"title": hostile, "author": hostile, "command": f"irg report '{hostile}.zarr'"}
     found = checked(pipeline.report(ds, points=points, **told))
-    # Titles of window and page, the scene's, its caveat, author, command, row, test and input.
+    # Titles of window and page, the scene's, its note, author, command, row, test and input.
     assert [one for one in PAYLOADS if found.words.count(one) < 9] == []
 
 

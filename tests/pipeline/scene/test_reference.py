@@ -84,7 +84,7 @@ def test_a_new_scene_means_what_the_shipped_one_does(name, tmp_path):
 
 def test_a_copy_replaces_no_file_that_the_scene_names(tmp_path):
     (tmp_path / "fig8_load_record.csv").write_text("mine")
-    with pytest.raises(InputError, match=r"fig8_load_record\.csv exists already"):
+    with pytest.raises(InputError, match=r"fig8_load_record\.csv already exists"):
         new_scene(tmp_path / "other.toml", like="fig8")
     assert not (tmp_path / "other.toml").exists()
 

@@ -169,7 +169,7 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     blocks = result.state.heat.rise.reshape(24, 2, 8, 2)
     assert result.fields["rise"] == pytest.approx(blocks.mean(axis=(1, 3)))
     load = result.fields["pressure"].sum() * sweep.scene.grid.element_area
-    assert load * sweep.scene.pin.patches(sweep.scene.grid) == pytest.approx(250.0)
+    assert load * sweep.scene.pin.windows(sweep.scene.grid) == pytest.approx(250.0)
 
 
 def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():

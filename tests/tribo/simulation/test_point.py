@@ -12,7 +12,7 @@ def test_every_state_carries_its_load_and_the_time_of_the_ramp():
     loads = []
     for state in simulate(scene, 430.0, 1.25):
         assert state.heat or np.isnan(measures(scene, state)["max_rise"])
-        on_patch = state.normal_load / scene.pin.patches(scene.grid)
+        on_patch = state.normal_load / scene.pin.windows(scene.grid)
         assert state.pressure.sum() * scene.grid.element_area == pytest.approx(on_patch)
         assert state.time == pytest.approx(state.normal_load / 150.0)
         assert state.sliding_distance == pytest.approx(1.25 * state.time)
