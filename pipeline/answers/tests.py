@@ -81,8 +81,11 @@ class Evidence:
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-        probits = (self._by_bulk(bulks, lambda one, here, y=y: one.probit(y[here])) for y in ys)
-        return [np.asarray(ndtr(one)) for one in probits]
+
+        def probits(y: Array) -> Array:
+            return self._by_bulk(bulks, lambda one, here: one.probit(y[here]))
+
+        return [np.asarray(ndtr(probits(y))) for y in ys]
 
     def levels(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
