@@ -208,11 +208,12 @@ def test_a_boundary_is_the_same_as_text_as_json_and_in_python(irg, stores, case)
         ("velocity", ("critical_load",)),
     ):
         words = "boundary", stores(kind), *options, f"--by={by}", "--all"
+        rows, said = irg(*words, "--json"), irg(*words)
         for name in names:
             unit = found[name].attrs["units"]
             text = HEADS.get(name, name.replace("_", " "))
             head = f"{text} [{unit}]"
-            printed = np.array([row[head] for row in irg(*words, "--json")], float)
+            printed = np.array([row[head] for row in rows], float)
             wanted = found[name].transpose(..., by).values.ravel()
             np.testing.assert_allclose(printed, wanted, rtol=1e-12, err_msg=name)
-            assert_shown(irg(*words), wanted)
+            assert_shown(said, wanted)

@@ -95,14 +95,15 @@ outcome = "severe"
 
 
 def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
-    scene, tmp_path, irg, monkeypatch
+    scene, tmp_path, irg, irg_both, monkeypatch
 ):
     """Two severe tests where the model is mild make a place likelier severe."""
     monkeypatch.chdir(tmp_path)
     tested = tmp_path / "tested.toml"
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
-    said, alone = irg(*point), irg(*point, "--without-tests")
+    said, (other,) = irg_both(*point)
+    alone, (row,) = irg_both(*point, "--without-tests")
     assert re.search(
         r"model error   .* of the temperature rise \(90 % range, from [12] tests? and", said
     )
@@ -110,7 +111,6 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert "some verdicts are withheld" not in alone
     other_surface = irg(*point, "--set", "sweep.realizations=[3, 4]", "--realization", 4)
     assert re.search(r"\(90 % range, from [12] tests? and the", other_surface)
-    (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
     irg("run", tested, "-o", "results/tested.zarr")
