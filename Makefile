@@ -35,9 +35,9 @@ scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pi
 
 reference: .venv/test ## write the references of the scene file and of the dataset again
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
-	$(BIN)/python -m tests.house.reference scene >> workflows/SCENE.md
+	$(BIN)/python -m tests.sources.reference scene >> workflows/SCENE.md
 	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
-	$(BIN)/python -m tests.house.reference dataset >> workflows/DATASET.md
+	$(BIN)/python -m tests.sources.reference dataset >> workflows/DATASET.md
 
 notebooks: .venv/test ## run the notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks
@@ -53,7 +53,7 @@ test: .venv/test      ## style, types, import rules, the test suite; prints the 
 	$(BIN)/lint-imports
 	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 \
 	    $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --durations=25
-	$(BIN)/python -m tests.house
+	$(BIN)/python -m tests.sources
 
 lowest:               ## install the lowest versions that are declared, and run the test suite
 	test -x .venv-lowest/bin/python || $(PYTHON) -m venv .venv-lowest
@@ -72,7 +72,7 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.patches
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.realizations
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals --scenes 8 --accuracy 1
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
@@ -94,7 +94,7 @@ many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and 
 
 measured: .venv/test ## name the figures of workflows/MEASURED.md that are older than their code, and the constants of campaigns
 	$(BIN)/python -m tests.measured --older
-	$(BIN)/python -m tests.house.constants
+	$(BIN)/python -m tests.sources.constants
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

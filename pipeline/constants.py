@@ -67,7 +67,7 @@ ALONE_IN_LOCAL_WEAR = 1, 2.0
 """Degrees of freedom of what a patch states of others where wear is local, and its factor.
 
 Elsewhere they are 7 and 1. Local wear makes the strips of one contact more alike than patches are,
-by factors of 0.9 to 12. Judged by `python -m tests.promises.patches`.
+by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
 """
 OF_WARNED = {
     # The largest error seen with each of these three warnings; too few scenes of

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import psutil
 
-from tests.house.measure import ROOT, code_digest
+from tests.sources.measure import ROOT, code_digest
 
 PAGE = ROOT / "workflows" / "MEASURED.md"
 HEADS = "| row | claim | figure | command | measured, code |\n|---|---|---|---|---|\n"
@@ -144,11 +144,11 @@ ROWS = {
         "",
         stated,
     ),
-    "patches": Row(
-        "two sets of patches differ as little as their errors by the surface say",
+    "realizations": Row(
+        "two sets of surface realizations differ as little as their surface sampling errors say",
         ("tribo", "pipeline/answers"),
-        "python -m tests.promises.patches",
-        "--patches 6",
+        "python -m tests.promises.realizations",
+        "--realizations 6",
         "",
         last_line,
     ),

@@ -7,9 +7,9 @@ import pytest
 
 from pipeline.constants import PRESET_BOUNDS
 from tests import measured, mutants
-from tests.house import measure
-from tests.promises import errors, front, goals, laboratories, patches, truth
+from tests.promises import errors, front, goals, laboratories, realizations, truth
 from tests.promises.families import FAMILIES, cases
+from tests.sources import measure
 from tribo import PRESETS
 
 
@@ -76,11 +76,11 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, f
     assert warned.mean() < 0.5
 
 
-def test_two_halves_of_eight_patches_are_as_near_as_they_state():
+def test_two_halves_of_eight_realizations_are_as_near_as_they_state():
     small = {"sweep.loads": ["400 N"], "fidelity.preset": "standard"}
-    for _, apart, ratio in patches.rows_of("line", patches=8, **small):
+    for _, apart, ratio in realizations.rows_of("line", count=8, **small):
         assert apart <= 1
-        assert patches.LEAST <= ratio <= patches.MOST
+        assert realizations.LEAST <= ratio <= realizations.MOST
 
 
 def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_chance():
@@ -109,7 +109,7 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 
 
 def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch, tmp_path):
-    monkeypatch.setattr(goals, "PATCHES", 8)
+    monkeypatch.setattr(goals, "REALIZATIONS", 8)
     number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
     planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
     found = planes.errors(0.05)

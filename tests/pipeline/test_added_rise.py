@@ -10,7 +10,7 @@ from matplotlib.text import Text
 import pipeline
 from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 from tribo import Corrections, Friction

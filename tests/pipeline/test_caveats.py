@@ -5,7 +5,7 @@ import pytest
 
 import pipeline
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.pipeline.conftest import commit_all
 
 OWN = "Not validated: no test of this steel."

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import pipeline
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 

@@ -12,7 +12,7 @@ import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
-from tests.helpers.asked import asked, named
+from tests.helpers.answer_at import asked, named
 from tests.helpers.entries import bare_test
 from tribo.simulation.film import film_excess, film_inlet
 

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline import Conditions, run_point
 from tests.helpers import tiny
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk

@@ -12,7 +12,7 @@ from pipeline.constants import PRESET_BOUNDS
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
-from tests.helpers.asked import named
+from tests.helpers.answer_at import named
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all

@@ -33,25 +33,25 @@ from pipeline.run.search import MOST_PATCHES, Goal, Place
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
-from tests.helpers.told import Told
+from tests.helpers.search_in_memory import Told
 from tests.promises.families import cases
 from tribo import Corrections, Friction, TriboError
 from tribo.simulation.severity import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
-PATCHES = 64  # of the truth
+REALIZATIONS = 64  # of the truth
 HELD = 0.95  # least share of loads; a sample of them may have fewer by chance
 NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are large
 VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
 _BESIDE = 1.02  # ratio of velocities about a crossing, for its exponent
-_FIRST_PATCH = Goal(0.02, 1, counts_surface=False)
+_FIRST = Goal(0.02, 1, counts_surface=False)
 _TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
 HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
 
 
 class Planes:
-    """Points of a scene, computed once and kept in a file: by preset, patch, load and velocity."""
+    """Points of a scene, computed once and kept in a file: by preset, surface and place."""
 
     def __init__(self, sweep, path):
         self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
@@ -65,10 +65,10 @@ class Planes:
         self._found = {tuple(key): tuple(values) for key, values in kept}
 
     def _scenes(self, sweep):
-        """Scenes of the patches of a sweep."""
+        """Scenes of the realizations of a sweep."""
         if self.fixed:
             return [sweep.scene]
-        return [case.scene for case in sweep._with_patches(MOST_PATCHES + PATCHES).cases]
+        return [case.scene for case in sweep._with_patches(MOST_PATCHES + REALIZATIONS).cases]
 
     def keep(self):
         """Write the points to the file."""
@@ -118,7 +118,7 @@ class Planes:
 
     def whole(self, conditions):
         """A search that was told the whole plane of the first patch."""
-        search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST_PATCH)
+        search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST)
         self.tell(search, [Place(0, *one) for one in np.ndindex(self.plane_shape)])
         return search
 
@@ -134,7 +134,7 @@ class Planes:
         if self.fixed:
             rises = [self.point("reference", 0, load, at)[0]]
         else:
-            others = range(MOST_PATCHES, MOST_PATCHES + PATCHES)
+            others = range(MOST_PATCHES, MOST_PATCHES + REALIZATIONS)
             rises = [self.point("fine", patch, load, at)[0] for patch in others]
         logs = np.log(rises)
         level = logs.max() if self.conditions.critical_area_fraction == 0 else logs.mean()
@@ -171,7 +171,7 @@ class Planes:
             law = replace(plain, friction=Friction(by_velocity=_law(rng, self.velocities, bends)))
             judged = replace(self.conditions, corrections=law)
             every = self.whole(judged)
-            search = Told(self.loads, self.velocities, judged, 0.0, _FIRST_PATCH)
+            search = Told(self.loads, self.velocities, judged, 0.0, _FIRST)
             while batch := search.ask():
                 self.tell(search, batch)
             level = self.loads, np.full(len(self.loads), search.limit)

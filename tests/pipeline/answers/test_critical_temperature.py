@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 import pipeline
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 
 PLACES = [(300.0, 1.2), (400.0, 2.0), (600.0, 2.6)]

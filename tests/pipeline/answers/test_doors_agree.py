@@ -14,7 +14,7 @@ import tribo
 from pipeline.page import report
 from pipeline.page.parts import Picture
 from tests.helpers import synthetic
-from tests.helpers.asked import named
+from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as two_rows
 from tests.pipeline.test_film import filmed

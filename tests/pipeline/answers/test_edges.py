@@ -5,7 +5,7 @@ import pytest
 import pipeline
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
-from tests.helpers.asked import asked, named
+from tests.helpers.answer_at import asked, named
 
 
 @pytest.mark.parametrize("place", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])

@@ -9,7 +9,7 @@ import pipeline
 import tribo
 from pipeline.answers.condition_words import verdict_conditions
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 from tests.helpers.sweeps import with_fields
 

@@ -10,7 +10,7 @@ import pipeline
 from pipeline.constants import PRESET_BOUNDS, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import page_sweeps, synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tribo import WarningKind
 
 LIMIT = synthetic.limit()

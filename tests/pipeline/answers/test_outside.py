@@ -7,7 +7,7 @@ import pytest
 import pipeline
 from pipeline.cli.values import setting
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 

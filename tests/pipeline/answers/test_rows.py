@@ -9,7 +9,7 @@ import pytest
 
 import pipeline
 from tests.helpers import page_sweeps, synthetic
-from tests.helpers.asked import named
+from tests.helpers.answer_at import named
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 

@@ -14,7 +14,7 @@ from pipeline.answers.specimen import JackknifeQuality
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 from tribo import QUANTILES
 

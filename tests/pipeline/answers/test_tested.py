@@ -11,7 +11,7 @@ from pipeline.answers.field import Outcome as Along
 from pipeline.answers.likelihood import Outcome, Prior, update
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 
 LIMIT = synthetic.limit()

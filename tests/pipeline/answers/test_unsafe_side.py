@@ -9,7 +9,7 @@ import xarray as xr
 import pipeline
 from pipeline import boundary
 from tests.helpers import synthetic
-from tests.helpers.asked import asked
+from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 from tribo import Corrections, Friction, WarningKind
 

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from tests.helpers import synthetic
-from tests.helpers.asked import asked, named
+from tests.helpers.answer_at import asked, named
 
 DUTY = "flank;load [kN];velocity [m/min];remark\nA;0.3;90;cold start\nB;0.5;120;\nC;9;120;\n"
 

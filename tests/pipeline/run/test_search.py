@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.run.search import Goal
-from tests.helpers.told import Told
+from tests.helpers.search_in_memory import Told
 from tribo import Conditions, Corrections, Friction
 
 VELOCITIES = np.linspace(0.25, 6.0, 40)

@@ -28,8 +28,8 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
-from tests.helpers.heard import Heard
 from tests.helpers.processes import python
+from tests.helpers.reported import Heard
 from tests.helpers.stores import plain_values
 
 OWN_WORKERS = True

@@ -22,7 +22,7 @@ ASKED = """
 import json, pipeline
 from pipeline.answers.scene_notes import warning_text
 from tests.helpers.stored import sweep_text, parse_sweep
-from tests.house.sections import all_keys
+from tests.sources.sections import all_keys
 from pipeline.store.resume import mismatches
 
 PATH = "disk.roughness.waviness"

@@ -18,7 +18,7 @@ from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.tables import Either, List
 from pipeline.units import si_unit
 from tests.helpers.scenes import STEEL, small_scene
-from tests.house.sections import sections
+from tests.sources.sections import sections
 
 GRID = tribo.Grid((8, 8), (1e-6, 1e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0)

@@ -11,8 +11,8 @@ import pytest
 
 from pipeline import load_scene, new_scene
 from pipeline.shipped import WORKFLOWS, shipped_scenes
-from tests.house import reference
-from tests.house.sections import all_keys, sections
+from tests.sources import reference
+from tests.sources.sections import all_keys, sections
 from tribo import InputError
 
 KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118

@@ -9,7 +9,7 @@ import pytest
 from pipeline import to_si
 from pipeline.quantities import SIZES, UNITS, display
 from pipeline.units import UnitError
-from tests.house.measure import ROOT
+from tests.sources.measure import ROOT
 
 
 @pytest.mark.parametrize(

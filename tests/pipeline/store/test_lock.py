@@ -15,7 +15,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import LOCK
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.heard import Heard
+from tests.helpers.reported import Heard
 from tests.helpers.stores import assert_is_as_computed, commit, contents, held_elsewhere, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)

@@ -15,7 +15,7 @@ from pipeline.store.place import Bucket
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
-from tests.helpers.heard import Heard
+from tests.helpers.reported import Heard
 from tests.helpers.s3 import served
 from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, opened, record
 

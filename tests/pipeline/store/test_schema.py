@@ -9,7 +9,7 @@ from pipeline.store.layout import chunk_sizes
 from pipeline.sweep.case_table import CaseTable, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows, rows
-from tests.house import reference
+from tests.sources import reference
 
 
 def test_the_page_of_the_dataset_is_what_the_variables_say():

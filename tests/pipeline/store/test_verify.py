@@ -20,8 +20,8 @@ from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.crash.drive import computing
 from tests.helpers import tiny
-from tests.helpers.heard import Heard
 from tests.helpers.points import run_point
+from tests.helpers.reported import Heard
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from tests.helpers.physics import assert_sound
 from tests.helpers.scenes import STEEL, small_scene
-from tests.helpers.sound import assert_sound
 from tribo import (
     Ball,
     Fidelity,

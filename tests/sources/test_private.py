@@ -2,7 +2,7 @@
 
 import ast
 
-from tests.house.measure import ROOT
+from tests.sources.measure import ROOT
 
 _ALLOWED = {
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",

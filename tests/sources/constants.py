@@ -8,7 +8,7 @@ import re
 from itertools import pairwise
 
 from tests.helpers.campaigns import table
-from tests.house.measure import ROOT
+from tests.sources.measure import ROOT
 
 _COMMAND = re.compile(r"\b(Found|Judged) by `([^`]+)`\.")
 

@@ -4,8 +4,8 @@ import ast
 import re
 from importlib.util import find_spec
 
-from tests.house.constants import constants
-from tests.house.measure import ROOT
+from tests.sources.constants import constants
+from tests.sources.measure import ROOT
 
 
 def test_each_constant_has_a_meaning_and_a_command_that_exists():

@@ -1,6 +1,6 @@
 """Tables of the pages on the scene file and the dataset, from the format and the variables.
 
-    python -m tests.house.reference scene | dataset
+    python -m tests.sources.reference scene | dataset
 
 writes one of them, as `make reference` puts it below the text of its page.
 """
@@ -15,7 +15,7 @@ from pipeline.store import schema
 from pipeline.units import typeset
 from pipeline.words import quoted
 from tests.helpers.campaigns import table
-from tests.house.sections import number_in, sections
+from tests.sources.sections import number_in, sections
 
 _HEADS = "key", "give", "default", "meaning"
 _VARIABLES = {

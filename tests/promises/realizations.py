@@ -1,9 +1,10 @@
-"""Whether the stated error by the surface holds: two sets of eight patches, and each beside all.
+"""Whether the stated error by surface sampling holds: two sets of eight realizations, and each.
 
-Each scene is computed on its first patch, and at one point a load on fifteen more. The rises of two
-sets of eight may differ by 2.4 √(e₁² + e₂²), where e are the errors that both state. What one patch
-states must be half to three times of how the sixteen differ: between discs it is 2 to 3 times too
-large, elsewhere within a factor of 2. Where wear is local this is not judged: it counts for little.
+Each scene is computed on its first realization, and at one point a load on fifteen more. The rises
+of two sets of eight may differ by 2.4 √(e₁² + e₂²), where e are the errors that both state. What
+one realization states must be half to three times of how the sixteen differ: between discs it is 2
+to 3 times too large, elsewhere within a factor of 2. Where wear is local this is not judged: it
+counts for little.
 """
 
 import argparse
@@ -34,27 +35,27 @@ SCENES = {
 }
 """Scene, changed entries and loads, by kind of contact."""
 ALLOWED, HELD = 2.4, 0.9  # of the difference of two sets, and share of places
-LEAST, MOST = 0.5, 3.0  # what one patch states, over how patches differ
+LEAST, MOST = 0.5, 3.0  # what one realization states, over how they differ
 HEADS = (
     "contact", "N", "m/s", "first eight", "last eight", "stated", "apart, of allowed",
-    "patches differ by", "one states", "from", "to",
+    "realizations differ by", "one states", "from", "to",
 )  # fmt: skip
 
 
-def places(name, patches=16, **changes):
-    """Yield for each load the place, and what the two halves and the patches say there."""
+def places(name, count=16, **changes):
+    """Yield for each load the place, and what the two halves and all say there."""
     scene, entries, loads = SCENES[name]
     overrides = {"sweep.loads": list(loads), "sweep.fields": False, "sweep.steps": "end"}
-    overrides |= {"sweep.realizations": list(range(patches))} | entries | changes
+    overrides |= {"sweep.realizations": list(range(count))} | entries | changes
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "patches.zarr"
+        path = Path(folder) / "realizations.zarr"
         pipeline.run_sweep(pipeline.load_scene(scene, overrides=overrides), path, accuracy=0.05)
         ds = pipeline.open_sweep(path).load()
     done = (ds["status"] == 1).all("realization")
     for load in ds["load"].values[done.any("velocity").values]:
         (velocity,) = ds["velocity"].values[done.sel(load=load).values]
         here = ds.sel(load=[load], velocity=[velocity])
-        half = patches // 2
+        half = count // 2
         halves = (here.isel(realization=part) for part in (slice(half), slice(half, None)))
         rises, errors = zip(*(stated(one, load, velocity) for one in halves), strict=True)
         (case,) = cases_of(here)
@@ -64,7 +65,7 @@ def places(name, patches=16, **changes):
 
 
 def stated(ds, load, velocity):
-    """Rise of a specimen [K], and the relative error that it states for the surface."""
+    """Rise of a specimen [K], and the relative error that it states for surface sampling."""
     (case,) = cases_of(ds)
     judge = JudgedCase(case).under(case.sweep.conditions)
     at = np.array([load]), np.array([velocity])
@@ -91,18 +92,18 @@ def rows_of(name, **options):
 def main():
     """Judge the errors of all scenes."""
     parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
-    parser.add_argument("--patches", type=int, default=16)
+    parser.add_argument("--realizations", type=int, default=16)
     options = parser.parse_args()
-    rows = [row for name in SCENES for row in rows_of(name, patches=options.patches)]
+    rows = [row for name in SCENES for row in rows_of(name, count=options.realizations)]
     held = np.mean([apart <= 1 for _, apart, _ in rows])
     ratios = [ratio for *_, ratio in rows if not math.isnan(ratio)]
     told = (
-        f"two halves of {options.patches} patches are as near as stated at {held:.0%} of "
-        f"{len(rows)} places; one patch states {min(ratios):.2g} to {max(ratios):.2g} of it"
+        f"two halves of {options.realizations} realizations are as near as stated at {held:.0%} of "
+        f"{len(rows)} places; one states {min(ratios):.2g} to {max(ratios):.2g} of it"
     )
     found = table(HEADS, [row for row, *_ in rows])
     return conclude(
-        "patches",
+        "realizations",
         f"{found}\n\n{told}",
         held >= HELD and min(ratios) >= LEAST and max(ratios) <= MOST,
     )
