@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -237,16 +236,6 @@ def _joint(
     joint += np.log(nodes.weights)[:, None]
     weights = np.exp(joint - joint.max())
     return logs, weights / weights.sum()
-
-
-def conditions_of(case: CaseResults, given: Mapping[str, Any]) -> Conditions:
-    """Conditions of a case, some replaced, with a number for its critical temperature."""
-    own = judged(case.conditions, given)
-    if own.critical_temperature is not None or not case.sweep.base.critical_from_tests:
-        return own
-    specimen = specimen_of(case, own, warning_flags(case))
-    found = critical_temperature_of(case, specimen, own)
-    return replace(own, critical_temperature=found.temperature)
 
 
 @np.errstate(under="ignore")

@@ -213,8 +213,9 @@ def surface_errors(specimen: Specimen) -> Array:
     squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=(0, 1))
     freedom = np.maximum(count - 1, 0)
     squares = freedom * squares / max(freedom.sum(), 1)
-    one = specimen
-    return surface_sampling_bound(count, squares, one.sampling, one.is_highest, one.alone)
+    return surface_sampling_bound(
+        count, squares, specimen.sampling, specimen.is_highest, specimen.alone
+    )
 
 
 def surface_sampling_bound(

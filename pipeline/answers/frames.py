@@ -31,7 +31,6 @@ _HEADINGS = {
     "film_parameter_at_velocity": "film parameter Λ",
     "loo_probability": "leave-one-out probability",
 }  # fmt: skip
-_PERCENT = ("loo_probability",)
 
 
 def answer_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
@@ -107,5 +106,5 @@ def _heading(name: str, found: xr.Dataset) -> str:
     if unit == "K" and not is_error:
         unit = "°C"
     if unit == "1":
-        unit = "%" if is_error or name in _PERCENT else ""
+        unit = "%" if is_error or name == "loo_probability" else ""
     return _HEADINGS.get(name, name.replace("_", " ")) + f" [{unit}]" * bool(unit)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import IntFlag
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers import words
-from pipeline.answers.conditions import Operation
+from pipeline.answers.conditions import Operation, judged
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
@@ -100,6 +101,13 @@ class JudgedCase:
 
     def _film(self, bulk: float) -> Any:
         return self._once(("film", bulk), lambda: film_of(self.case, bulk))
+
+
+def conditions_of(case: CaseResults, given: Mapping[str, Any]) -> Conditions:
+    """Conditions of a case, some replaced, with a number for a critical temperature from tests."""
+    own = judged(case.conditions, given)
+    is_open = own.critical_temperature is None and case.sweep.base.critical_from_tests
+    return JudgedCase(case).under(own).conditions if is_open else own
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,19 +59,10 @@ class Outcome:
     severe: float = math.inf
     mild: float = -math.inf
 
-    @property
-    def is_transition(self) -> bool:
-        """True if the result is a transition at one place."""
-        return self.severe - self.mild < NARROW
-
     def log_likelihood(self, bias: Array, scatter: Array) -> Array:
         """ln(probability of the result), at each bias and scatter."""
-        if self.is_transition:
-            own = (
-                max(self.mild - self.severe, 0.0) ** 2 / 12
-                + max(self.severe - self.mild, 0.0) ** 2 / 12
-            )
-            variance = scatter**2 + own
+        if self.severe - self.mild < NARROW:
+            variance = scatter**2 + (self.severe - self.mild) ** 2 / 12
             off = bias + (self.severe + self.mild) / 2
             return np.asarray(-0.5 * (off**2 / variance + np.log(2 * np.pi * variance)))
         low, high = (-self.severe - bias) / scatter, (-self.mild - bias) / scatter
