@@ -68,7 +68,8 @@ class Document(NamedTuple):
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with its file unless it is the scene file itself."""
         file = fault.file or self.file_of(fault.key)
-        is_inherited = not fault.file and file != self.file
+        held = [entry_at(one.entries, fault.key) for one in self.layers]
+        is_inherited = not fault.file and file != self.file and any(one is not None for one in held)
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
         place = "" if file == self.file else f" (in {name_of(file)})"
         return f"{fault.key}{place}: {fault.problem}{hint}"

@@ -47,6 +47,12 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
 
 
+def test_a_false_entry_of_over_is_not_said_to_be_inherited(write):
+    (fault,) = faults_of(write(own=EXTENDS + '[sweep]\nover = { "pin.radus" = ["3 mm"] }'))
+    assert fault.startswith("pin.radus")
+    assert "without" not in fault
+
+
 def test_entries_of_its_own_stand_in_place_of_the_others(write):
     entries = """
     extends = "base.toml"
