@@ -12,7 +12,7 @@ from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.tables import frame_of, short
 from pipeline.answers.units import usual_unit
-from pipeline.answers.words import ABOUT, percent
+from pipeline.answers.words import ABOUT, probability_text
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
@@ -81,7 +81,9 @@ def margin_frame(found: xr.Dataset) -> pd.DataFrame:
     hidden = {*found.sizes, *PLANE, *ABOUT}
     own = [str(name) for name, one in found.coords.items() if one.ndim and name not in hidden]
     frame = short(answer_frame(found, *own, *_ROWS), [CASE] * bool(own and CASE in found.sizes))
-    frame["probability"] = [None if np.isnan(p) else percent(p) for p in frame["probability"]]
+    frame["probability"] = [
+        None if np.isnan(p) else probability_text(p) for p in frame["probability"]
+    ]
     return frame
 
 

@@ -356,7 +356,7 @@ def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
         name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))
     if not name:
         return sweep, ()
-    words = ", ".join(f"{key} {one}" for key, one in table.in_words(tuple(name)).items())
+    words = ", ".join(f"{key} {one}" for key, one in table.to_text(tuple(name)).items())
     return replace(sweep._select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
 
 

@@ -198,7 +198,7 @@ def outcome_texts(found: xr.Dataset, axis: str) -> Any:
     return np.vectorize(texts.__getitem__, otypes=[object])(codes)
 
 
-def percent(probability: float) -> str:
+def probability_text(probability: float) -> str:
     """A probability as text: a percentage, or "less than 1 %"."""
     if probability < LEAST_STATED:
         return f"less than {100 * LEAST_STATED:g} %"
@@ -214,13 +214,15 @@ def sentence(here: xr.Dataset) -> str:
         heat = display(here["governing_temperature"].item(), "°C", 4)
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {heat}"
     low, high = here["probability_low"].item(), here["probability_high"].item()
-    within = f" ({percent(low)} to {percent(high)})" * (percent(low) != percent(high))
+    within = f" ({probability_text(low)} to {probability_text(high)})" * (
+        probability_text(low) != probability_text(high)
+    )
     if math.isnan(here["temperature_error"].item()):
         within = ", numerical error unknown"
     side = "below" if margin >= 0 else "above"
     where = f"{abs(margin):.3g} K {side} the critical temperature"
     tests = f"; tested nearby: {here['nearby_tests'].item()}" * bool(here["nearby_tests"].item())
-    likely = f"probability of severe wear {percent(here['probability'].item())}"
+    likely = f"probability of severe wear {probability_text(here['probability'].item())}"
     return f"{verdict.capitalize()}: {likely}{within}, {where}{tests}"
 
 

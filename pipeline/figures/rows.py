@@ -78,7 +78,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     shown = axes.set_yticks(ticks, [labels[k] for k in ticks])
     for side in ticks:
         likely = found["probability"].values[side]
-        told = "" if np.isnan(likely) else words.percent(likely)
+        told = "" if np.isnan(likely) else words.probability_text(likely)
         axes.annotate(
             "unknown" if np.isnan(margin[side]) else told, (1.0, side), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",

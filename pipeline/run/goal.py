@@ -221,7 +221,7 @@ def reached(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[Reached]:
         loads, crosses = search.loads, np.isfinite(search.critical)
         whole = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
         worst = int(np.argmax(np.where(crosses, np.nan_to_num(whole, nan=np.inf), -np.inf)))
-        own = case.sweep.case_table.in_words(case.name) if case.name else {}
+        own = case.sweep.case_table.to_text(case.name) if case.name else {}
         found.append(
             Reached(
                 case=", ".join(f"{key} {value}" for key, value in own.items()),

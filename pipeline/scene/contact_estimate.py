@@ -73,10 +73,10 @@ def single_cases(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
     found = list[tuple[str, Sweep]]()
     for name in names[:: math.ceil(len(names) / most)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
-        case, words = sweep._select_case(name), [*sweep.case_table.in_words(name).values()]
+        case, words = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
         if "load" in row:
             case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
-            words = [one.in_words(row[one.name]) for one in labels] or words
+            words = [one.to_text(row[one.name]) for one in labels] or words
         found.append((" ".join(map(str, words)), case))
     return found
 

@@ -232,13 +232,13 @@ class Group:
         """True for a variable with values at each step of a point."""
         return self.step in self.variables[name].dims
 
-    def in_words(self, point: Point) -> str:
+    def to_text(self, point: Point) -> str:
         """Write a point as text, such as "400 N, 2 m/s, pin.radius 2 mm", or "…, test 1"."""
         if self.prefix:
             number = int(self.sweep.case_table.by_name[point.case][TEST])
             test = "an earlier test" if number == NO_TEST else f"test {number + 1}"
             return f"{point._replace(case=())}, {test}"
-        words = self.sweep.case_table.in_words(point.case)
+        words = self.sweep.case_table.to_text(point.case)
         return str(point._replace(case=tuple(words.items())))
 
 

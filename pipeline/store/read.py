@@ -165,7 +165,7 @@ class _Masked(BackendArray):
         if lost.any():
             every = np.zeros_like(self._mask)
             every[np.ix_(*map(np.atleast_1d, at))] = lost
-            first, *others = map(self._store.group.in_words, self._store.points_where(every))
+            first, *others = map(self._store.group.to_text, self._store.points_where(every))
             what = f"is missing at {first}"
             if others:
                 what += f" and at {len(others)} more"

@@ -122,7 +122,7 @@ def _told(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
     """Points by index, each with what is wrong with it."""
     points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
     return tuple(
-        FailedPoint(*point[:2], fault, point.case, store.group.in_words(point))
+        FailedPoint(*point[:2], fault, point.case, store.group.to_text(point))
         for point, fault in zip(points, faults.values(), strict=True)
     )
 

@@ -31,7 +31,7 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
             heights = self_affine(grid, ra, _HURST, (length, length), seed=seed)
             for line in heights.T[::16]:
                 rz = float(np.mean([np.ptp(one) for one in np.array_split(line, _SECTIONS)]))
-                found.append(spacing_of(line, pixel, _HEIGHT * rz) or _WINDOW * pixel)
+                found.append(mean_spacing(line, pixel, _HEIGHT * rz) or _WINDOW * pixel)
         return math.log(float(np.mean(found)) / rsm)
 
     ends = 0.3 * pixel, _WINDOW * pixel / 12
@@ -51,7 +51,7 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
     ]
 
 
-def spacing_of(line: Array, step: float, least: float) -> float | None:
+def mean_spacing(line: Array, step: float, least: float) -> float | None:
     """RSm [m]: mean spacing of profile elements, whose peak and valley are `least` high.
 
     None for fewer than two elements.
@@ -59,7 +59,7 @@ def spacing_of(line: Array, step: float, least: float) -> float | None:
     Examples
     --------
     >>> x = np.arange(4000) * 0.5e-6
-    >>> f"{1e6 * spacing_of(np.sin(2 * np.pi * x / 60e-6), 0.5e-6, 0.2):.2f} µm"
+    >>> f"{1e6 * mean_spacing(np.sin(2 * np.pi * x / 60e-6), 0.5e-6, 0.2):.2f} µm"
     '60.00 µm'
     """
     side = np.where(line > least, 1, np.where(line < -least, -1, 0))

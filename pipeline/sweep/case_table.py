@@ -56,7 +56,7 @@ class Column:
         """Path of the scene entry that the column sets: `entry`, or the column's name."""
         return self.entry or self.name
 
-    def in_words(self, label: Label) -> Label:
+    def to_text(self, label: Label) -> Label:
         """A label with its unit as people write it, such as "2 mm"."""
         if isinstance(label, str) or self.unit is None:
             return label
@@ -150,10 +150,10 @@ class CaseTable:
         ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
         return InputError(f"the sweep has no {wanted}; it has {ends or 'one case'}")
 
-    def in_words(self, name: CaseName) -> dict[str, Label]:
+    def to_text(self, name: CaseName) -> dict[str, Label]:
         """Labels of a name by dimension, each with its unit, such as "2 mm"."""
         columns = {one.name: one for one in self.columns}
-        return {dim: columns[dim].in_words(label) for dim, label in name}
+        return {dim: columns[dim].to_text(label) for dim, label in name}
 
     def surfaces_of(self, name: CaseName) -> CaseTable:
         """Table of the random surfaces of one case; a single row if it has none."""

@@ -12,7 +12,7 @@ import pytest
 import pipeline
 from pipeline.answers.frames import boundary_frame
 from pipeline.answers.tables import cells_of
-from pipeline.answers.words import percent, verdict_text
+from pipeline.answers.words import probability_text, verdict_text
 from pipeline.figures.rows import deciding_row
 from pipeline.figures.style import fitted
 from pipeline.page import report as parts
@@ -123,7 +123,7 @@ def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     assert box["class"] == verdict_text(here)
     headline = f"{HEADLINES[here['verdict'].item()]} at 400 N and 1.9 m/s"
     first = found.words[found.words.index(headline) :]
-    said = f"The probability of severe wear is {percent(here['probability'].item())}"
+    said = f"The probability of severe wear is {probability_text(here['probability'].item())}"
     assert first.index(said) < first.index("Transition diagram")
 
 
