@@ -43,7 +43,7 @@ notebooks: .venv/test ## run the notebooks, and store what their cells show, in 
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks
 
 docs: .venv/test      ## build the site of all pages into results/docs
-	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
+	$(BIN)/sphinx-build -E -a -W --keep-going -q -c workflows workflows results/docs
 	@echo "results/docs/index.html"
 
 test: .venv/test      ## style, types, import rules, the test suite; prints the lines of code of each room
