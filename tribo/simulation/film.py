@@ -155,6 +155,7 @@ def film_excess(
 
     Their slip is taken as |u₁ − u₂|/|u₁ + u₂|, which is 1 under a pin at rest. The slide–roll ratio
     over the mean velocity, twice that, would give 0.3 to 0.6 less there, and fewer places outside.
+    Which of the two the paper takes could not be looked up.
     """
     first, second = scene.velocities_at(velocity)
     speed = abs(first + second) / 2
