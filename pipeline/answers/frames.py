@@ -10,9 +10,9 @@ import xarray as xr
 
 from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
-from pipeline.answers.tables import frame_of, short
 from pipeline.answers.units import usual_unit
 from pipeline.answers.words import ABOUT, probability_text
+from pipeline.frames import frame_of, short
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 

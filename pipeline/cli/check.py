@@ -14,9 +14,9 @@ import pipeline
 from pipeline.answers.condition_words import added_rise_words
 from pipeline.answers.discretization_error import has_unknown_error
 from pipeline.answers.scene_notes import warning_text
-from pipeline.answers.tables import frame_of, records
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
+from pipeline.frames import frame_of, records
 from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in

@@ -11,9 +11,9 @@ import xarray as xr
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame
-from pipeline.answers.tables import TABLES, frame_of, records, short, writable_path
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
+from pipeline.frames import TABLES, frame_of, records, short, writable_path
 from pipeline.quantities import display, shown_in
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.store.create import writing

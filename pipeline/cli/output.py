@@ -54,7 +54,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
     text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
     out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
-        from pipeline.answers.tables import TABLES, write_frames  # pandas is slow to import
+        from pipeline.frames import TABLES, write_frames  # pandas is slow to import
 
         if result.draw is None or out.suffix.lower() in TABLES:
             write_frames(result.frames, out)
@@ -64,7 +64,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
             save_figure(result.draw(), out)
         text.append(f"written: {out}")
     if options.json:
-        from pipeline.answers.tables import json_of, records
+        from pipeline.frames import json_of, records
 
         document = records(result.frames) if result.document is None else result.document
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", json_of(document)))
@@ -81,7 +81,7 @@ def show_text(text: Iterable[str | pd.DataFrame]) -> None:
         if isinstance(part, str):
             lines.append(part)
         else:
-            from pipeline.answers.tables import lines_of  # pandas is slow to import
+            from pipeline.frames import lines_of  # pandas is slow to import
 
             lines += lines_of(part)
     print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)

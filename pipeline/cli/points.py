@@ -12,9 +12,9 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import whole_frame
 from pipeline.answers.results import sweep_of as scene_sweep
-from pipeline.answers.tables import frame_of, transposed
 from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, working, wrapped
+from pipeline.frames import frame_of, transposed
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing

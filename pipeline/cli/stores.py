@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pipeline
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.tables import frame_of, records, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
+from pipeline.frames import frame_of, records, short
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.status import Summary, states
 

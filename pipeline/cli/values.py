@@ -48,7 +48,7 @@ def stored(text: str) -> Path | str:
 
 def figure(text: str) -> Path:
     """Return the path of a figure to write; refuses another suffix, or one that cannot be."""
-    from pipeline.answers.tables import FIGURES
+    from pipeline.frames import FIGURES
 
     return _writable(text, FIGURES)
 
@@ -58,13 +58,13 @@ def table(text: str, or_figure: bool = False) -> Path:
 
     The suffix tells them apart. Refuses another suffix, or a path that cannot be written.
     """
-    from pipeline.answers.tables import FIGURES, TABLES
+    from pipeline.frames import FIGURES, TABLES
 
     return _writable(text, (*FIGURES, *TABLES) if or_figure else TABLES)
 
 
 def _writable(text: str, suffixes: Sequence[str]) -> Path:
-    from pipeline.answers.tables import writable_path
+    from pipeline.frames import writable_path
 
     try:
         return writable_path(text, suffixes)

@@ -13,10 +13,10 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
 from pipeline.answers.judge import UNKNOWN
-from pipeline.answers.tables import short, some_rows
 from pipeline.answers.units import named_value
 from pipeline.cli.given import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import Result, counted, working, wrapped
+from pipeline.frames import short, some_rows
 from pipeline.store.schema import PLANE
 from tribo import InputError
 

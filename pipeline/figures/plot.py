@@ -13,13 +13,13 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.conditions import NAMES, ConditionValues
 from pipeline.answers.results import dataset_of
-from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.rows import rows
 from pipeline.figures.tests import draw_tests
+from pipeline.frames import FIGURES, writable_path
 from pipeline.store.schema import PLANE
 from pipeline.units import in_si
 from tribo import InputError

@@ -22,7 +22,7 @@ from matplotlib.legend import Legend
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from pipeline.answers.tables import write_bytes
+from pipeline.frames import write_bytes
 from tribo import InputError
 
 BLACK, GREY = "#1A1A1A", "#777777"

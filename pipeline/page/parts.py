@@ -11,8 +11,8 @@ from typing import NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.answers.tables import cells_of, short
 from pipeline.figures import style
+from pipeline.frames import cells_of, short
 
 _NARROW = 0.075  # width of figures on a telephone [m]
 

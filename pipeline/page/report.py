@@ -24,10 +24,10 @@ from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
-from pipeline.answers.tables import short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
 from pipeline.figures.tests import draw_tests
+from pipeline.frames import short, writable_path, write_text
 from pipeline.page.parts import (
     Grid,
     Items,

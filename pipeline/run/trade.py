@@ -19,7 +19,7 @@ import pandas as pd
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, curve_errors, exponents, patches_share, total
 from pipeline.answers.results import cases_of, open_sweep
-from pipeline.answers.tables import frame_of, lines_of
+from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed
 from pipeline.run.sweep import run_sweep

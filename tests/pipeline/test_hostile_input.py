@@ -16,8 +16,8 @@ import pytest
 
 import tribo
 from pipeline import open_sweep
-from pipeline.answers.tables import write_frames
 from pipeline.cli import main
+from pipeline.frames import write_frames
 from pipeline.operating_points import OperatingPoints
 from pipeline.store.store import opened
 from pipeline.surface.scan import read_scan

@@ -14,8 +14,8 @@ from typing import Any
 
 from PIL import Image
 
-from pipeline.answers.tables import FIGURES, writable_path
 from pipeline.figures.style import save_figure
+from pipeline.frames import FIGURES, writable_path
 from pipeline.progress import with_progress
 from pipeline.words import did_you_mean
 from tribo import InputError

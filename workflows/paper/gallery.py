@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from pipeline.answers.tables import markdown_of
+from pipeline.frames import markdown_of
 
 from .report import WORDS, Finding, Report, texts
 

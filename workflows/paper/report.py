@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.answers.tables import lines_of
+from pipeline.frames import lines_of
 from tribo.types import Array
 
 WORDS: dict[str, Any] = tomllib.loads(

@@ -11,10 +11,10 @@ import pytest
 
 import pipeline
 from pipeline.answers.frames import boundary_frame
-from pipeline.answers.tables import cells_of
 from pipeline.answers.words import probability_text, verdict_text
 from pipeline.figures.rows import deciding_row
 from pipeline.figures.style import fitted
+from pipeline.frames import cells_of
 from pipeline.page import report as parts
 from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
