@@ -312,11 +312,10 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
 def test_the_shipped_pages_show_what_the_command_gives_now(small, folder):
     """Only the result that takes a second is compared; the others take too long."""
     findings = small("fig4").findings  # this writes the pages
-    for name in ("README.md", "REPRODUCING.md"):
-        shipped = (WORKFLOWS / name).read_text(encoding="utf-8")
-        assert (folder / "page" / name).read_text(encoding="utf-8") == shipped
-        assert all(finding.printed in shipped for finding in findings)
-    assert all(f"| {finding.computed}." in shipped for finding in findings)
+    names = "README.md", "REPRODUCING.md"
+    shipped = [(WORKFLOWS / name).read_text(encoding="utf-8") for name in names]
+    assert [(folder / "page" / name).read_text(encoding="utf-8") for name in names] == shipped
+    assert all(f"| {one.printed} | {one.computed}." in "".join(shipped) for one in findings)
 
 
 def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
