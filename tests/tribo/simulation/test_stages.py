@@ -29,7 +29,7 @@ DECISIVE = 0.9
 def worn_scene(loading=STAGES, **fidelity):
     """A rough pin that stages wear to 0.55 mm, in a window of 0.77 mm."""
     scene = small_scene(increments=8, imprint=0.0, **fidelity)
-    return replace(scene, loading=loading, pixels=Grid((192, 48), (4e-6, 4e-6)), wear=Wear(1.2e-15))
+    return replace(scene, loading=loading, pixels=Grid((96, 24), (8e-6, 8e-6)), wear=Wear(1.2e-15))
 
 
 def rises(states):
@@ -151,7 +151,7 @@ def test_the_window_holds_the_worn_pin():
 
 def test_a_stage_that_touches_an_edge_fails():
     scene = worn_scene(Stages(LOADS, (60.0,) * 3, 150.0))
-    narrow = replace(scene, pixels=Grid((128, 48), (4e-6, 4e-6)))
+    narrow = replace(scene, pixels=Grid((64, 24), (8e-6, 8e-6)))
     assert len(stages_of(narrow, 100.0, 2.0)) == 2
     with pytest.raises(InputError, match=r"400 N and 2 m/s reaches the x edge of the window"):
         stages_of(narrow, 400.0, 2.0)
