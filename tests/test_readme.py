@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
+from pipeline.cli import main
 from pipeline.cli.parser import parse
 from pipeline.scene.contact_estimate import estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_case
@@ -47,6 +48,21 @@ def test_the_agreement_is_that_of_the_page_on_the_paper():
     held_out = [int(number) for text in lists for number in text.split(", ")]
     assert len(held_out) == 8
     assert f" −{-min(held_out)} to +{max(held_out)} % off" in README
+
+
+def test_the_numbers_of_the_first_hour_are_those_printed(folder_with_results, capsys, monkeypatch):
+    monkeypatch.chdir(folder_with_results)
+    page = " ".join((ROOT / "workflows" / "FIRST_HOUR.md").read_text(encoding="utf-8").split())
+    velocities = re.findall(r"(\d\.\d+) m/s", page.partition("## 2.")[2].partition("## 3.")[0])
+    assert main(["boundary", "results/first_try.zarr"]) == 0
+    said = capsys.readouterr().out
+    assert len(velocities) == 5
+    assert [one for one in velocities if one not in said] == [], said
+    shown = re.findall(r"here ([\d.]+ [%K])|(\d+ % to \d+ %)|(−[\d.]+ to \+\d+ %)", page)
+    assert main(["margin", "first_try", "--load", "500 N", "--velocity", "2 m/s"]) == 0
+    said = capsys.readouterr().out
+    assert len(shown) == 4
+    assert ["".join(one) for one in shown if "".join(one) not in said] == [], said
 
 
 _WIDEST = 90  # letters of code in the site's page width of 46 em
