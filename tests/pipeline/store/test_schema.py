@@ -1,5 +1,9 @@
 """The page of the dataset is what its variables say, and rows differ in what they have to."""
 
+import ast
+import re
+
+import numpy as np
 import pytest
 
 import tribo
@@ -15,6 +19,19 @@ from tests.sources import reference
 def test_the_page_of_the_dataset_is_what_the_variables_say():
     text = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8")
     assert text.endswith(f"\n\n{reference.dataset()}"), "write it anew with: make reference"
+
+
+def test_the_lines_of_the_page_run_and_find_numbers(folder_with_results, monkeypatch):
+    monkeypatch.chdir(folder_with_results)
+    text, names = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8"), {}
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    for line in ast.parse("".join(blocks)).body:
+        if not isinstance(line, ast.Expr):
+            exec(ast.unparse(line), names)
+            continue
+        found = eval(ast.unparse(line), names)
+        values = found[0].get_ydata() if "plot" in ast.unparse(line) else found
+        assert np.isfinite(values).any(), ast.unparse(line)
 
 
 @pytest.mark.parametrize(
