@@ -60,7 +60,7 @@ class Files:
         """Path of the file that the entry at a path names."""
         return self.folders.get(entry, Path()) / user_path(name)
 
-    def once(self, key: Any, read: Callable[[], Any]) -> Any:
+    def read_once(self, key: Any, read: Callable[[], Any]) -> Any:
         """What `read` returns, which is called once for each `key`."""
         if key not in self.known:
             self.known[key] = read()
@@ -175,7 +175,7 @@ def loading_of(
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
-    times, forces = files.once(path, partial(_record, path, table))
+    times, forces = files.read_once(path, partial(_record, path, table))
     record = tribo.MeasuredLoad(times, forces, table.reference_load)
     if not table.fit:
         return record
@@ -211,7 +211,7 @@ def roughness_of(
     path = files.path("disk.roughness.file", table.file)
     areas = tuple(realizations_of(realizations, 0)) or (0,)
     cut = partial(_scanned, files, path, table, window, areas)
-    heights, notes = files.once((path, table, window, areas), cut)
+    heights, notes = files.read_once((path, table, window, areas), cut)
     for note in notes:
         faults.note("disk.roughness.file", note)
     return tribo.MeasuredRoughness(heights)
@@ -227,7 +227,7 @@ def _scanned(
 ) -> tuple[Array, list[str]]:
     """Heights (nx, ny) [m] of the first of `areas` of a scan, and notes on them."""
     given = table.height_unit, table.pixel_size
-    scan = files.once((path, *given), partial(read_scan, path, *given))
+    scan = files.read_once((path, *given), partial(read_scan, path, *given))
     return window_heights(scan, vars(table), window.pixels, window.pixel_size, areas)
 
 
