@@ -32,6 +32,11 @@ def no_file():
     return client_of(file=Path("scheduler.json"))
 
 
+def measured_again():
+    Path("trade.zarr").mkdir()
+    return pipeline.trade("first_try", "trade.zarr")
+
+
 def searched(sweep, accuracy=0.02):
     return lambda: pipeline.run_sweep(sweep, "a.zarr", workers=1, accuracy=accuracy)
 
@@ -56,6 +61,7 @@ REFUSALS = {
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "file": (no_file, "no Dask scheduler answers at scheduler.json"),
+    "trade": (measured_again, "trade.zarr exists, and points that are there cost nothing"),
     "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
 }  # fmt: skip
 
