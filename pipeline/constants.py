@@ -64,10 +64,10 @@ others at 96 %.
 Found by `python -m tests.promises.errors`.
 """
 ALONE_IN_LOCAL_WEAR = 1, 2.0
-"""Degrees of freedom of what a patch states of others where wear is local, and its factor.
+"""Degrees of freedom of what a realization states of others where wear is local, and its factor.
 
-Elsewhere they are 7 and 1. Local wear makes the strips of one contact more alike than patches are,
-by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
+Elsewhere they are 7 and 1. Local wear makes the strips of one contact more alike than realizations
+are, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
 """
 OF_WARNED = {
     # The largest error seen with each of these three warnings; too few scenes of
@@ -142,7 +142,7 @@ Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 OF_GAP = 1 / 2
 """Share of what the preset leaves of a goal, above which a gap of velocities gets one more.
 
-With half of it a gap takes a third more patches.
+With half of it a gap takes a third more realizations.
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 

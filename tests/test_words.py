@@ -12,7 +12,7 @@ SOURCES = [path for room in ("pipeline", "tribo") for path in (ROOT / room).rglo
 GONE = re.compile(
     r"\b(anew|by the others|would decide it|judged at|takes \[%\]|turns? severe|not decided"
     r"|deciding temperature|failing share|doubts?|a preset promises|slips?|caveats?|variants?"
-    r"|duty(?! cycle)|told|asked|(?:a|the|this|each|first|another) patch)\b"
+    r"|duty(?! cycle)|told|asked|patch(es)?)\b"
 )
 
 

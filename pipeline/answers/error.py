@@ -4,7 +4,7 @@
   added elsewhere never change it, and points that are added beside a place make it smaller.
 - The preset's numerical choices, from what it promises of critical velocities.
 - Warnings of the points around.
-- The surface: other patches of it have other summits.
+- The surface: other realizations of it have other summits.
 
 Each part is a bound that holds for at least 95 % of places. The parts are independent, so that
 their squares add. An unknown part is NaN, and makes the total NaN. All are continuous.
@@ -36,7 +36,7 @@ PARTS = "interpolation", "discretization", "warnings", "surface"
 """Names of the parts, in their order."""
 INTERPOLATION, PRESET, _, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03
-"""As `ROUGH_GAP`, between loads, of a single patch.
+"""As `ROUGH_GAP`, between loads, of a single realization.
 
 Leaving each load of five sweeps out, the bound held at 115 of 115 places, and 95 % of the errors
 were below 0.6 of it.
@@ -110,8 +110,8 @@ def interpolation_errors(
     along = np.where(weights > 0, weights * sides, 0.0)
     between = np.where(has_gap, np.nan, 0.0)
     if len(rows := field.tells) > 1:
-        # Each patch is rough along load in its own way.
-        rough = ROUGH_LOAD / np.sqrt(np.maximum(specimen.patches[rows], 1))
+        # Each realization is rough along load in its own way.
+        rough = ROUGH_LOAD / np.sqrt(np.maximum(specimen.realizations[rows], 1))
         each, back = np.unique(velocities, return_inverse=True)
         curves = Pchip(np.log(field.loads[rows]), field.rows(each)[rows])
         i = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
@@ -204,11 +204,11 @@ def _shape(way: Any) -> Array:
 
 
 def surface_errors(specimen: Specimen) -> Array:
-    """Bound of ln(rise) at 95 % due to the choice of patches, at points (n_load, n_velocity).
+    """Bound of ln(rise) at 95 % due to the choice of realizations, at points (n_load, n_velocity).
 
-    The spread of patches is pooled over loads, at each of which they are the same surfaces.
+    The spread of realizations is pooled over loads, at each of which they are the same surfaces.
     """
-    count, known = specimen.patches[:, None], np.isfinite(specimen.apart)
+    count, known = specimen.realizations[:, None], np.isfinite(specimen.apart)
     mean = np.where(known, specimen.apart, 0.0).sum(axis=0) / np.maximum(count, 1)
     squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=(0, 1))
     freedom = np.maximum(count - 1, 0)
@@ -222,12 +222,12 @@ def surface_sampling_bound(
     count: Indices | int, squares: Array | float, sampling: Array | float,
     is_highest: bool = False, alone: JackknifeQuality = SWEPT,
 ) -> Array:  # fmt: skip
-    """Bound of ln(rise) at 95 % due to the choice of `count` patches.
+    """Bound of ln(rise) at 95 % due to the choice of `count` realizations.
 
-    The deviation s of a patch has the patches' own estimates J (`sampling`) and their spread, the
-    sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P). The bound of
-    the mean of P patches is t s/√P, with Student's t of 6 + P degrees; the highest of them is as
-    uncertain as one. It is NaN for a single patch that states nothing.
+    The deviation s of a realization has the realizations' own estimates J (`sampling`) and their
+    spread, the sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P).
+    The bound of the mean of P realizations is t s/√P, with Student's t of 6 + P degrees; the
+    highest of them is as uncertain as one. It is NaN for a single realization that states nothing.
 
     Examples
     --------
@@ -244,29 +244,33 @@ def surface_sampling_bound(
     return np.asarray(stdtrit(freedom, _BOUND) * deviation / reduced)
 
 
-def patches_needed(
+def realizations_needed(
     count: int, ratio: float, most: int, is_highest: bool = False, alone: JackknifeQuality = SWEPT
 ) -> int:
-    """Number of patches, `most` at most, whose bound is that of `count` patches over `ratio`.
+    """Number of realizations, `most` at most, whose bound is that of `count` of them over `ratio`.
 
-    It is taken that further patches differ as those that there are. The highest of them is as
+    It is taken that further realizations differ as those that there are. The highest of them is as
     uncertain as one, so that no number suffices.
 
     Examples
     --------
-    >>> patches_needed(1, 0.9, 256), patches_needed(1, 4.0, 256), patches_needed(8, 2.0, 20)
-    (1, 13, 20)
+    >>> [realizations_needed(1, ratio, 256) for ratio in (0.9, 4.0)]
+    [1, 13]
+    >>> realizations_needed(8, 2.0, 20)
+    20
     """
     if ratio <= 1:
         return count
     numbers = np.arange(1, most + 1)
-    shares = patches_share(numbers, is_highest, alone)
+    shares = realizations_share(numbers, is_highest, alone)
     enough = numbers[shares <= shares[count - 1] / ratio]
     return int(enough[0]) if enough.size else most
 
 
-def patches_share(count: Any, is_highest: bool = False, alone: JackknifeQuality = SWEPT) -> Array:
-    """Bound by `count` patches over the deviation of one; all state their own deviation."""
+def realizations_share(
+    count: Any, is_highest: bool = False, alone: JackknifeQuality = SWEPT
+) -> Array:
+    """Bound by `count` realizations over the deviation of one; all state their own deviation."""
     bound = stdtrit(alone.degrees - 1 + count, _BOUND)
     return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
 

@@ -1,6 +1,6 @@
 """A sweep's dataset, or its store, as arrays: the results of each of its cases.
 
-A case is one combination of varied entries. Its random surfaces are patches of one specimen.
+A case is one combination of varied entries. Its random surfaces are realizations of one specimen.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ from tribo.simulation.severity import (
 from tribo.types import Array, Indices, Mask
 
 _SPECIMEN = ("realization", *PLANE)
-_AT_ONCE = 16  # patches whose steps are read at a time
+_AT_ONCE = 16  # realizations whose steps are read at a time
 _INNER = ("step", "area_fraction_below")
 
 
@@ -182,11 +182,11 @@ class TestPoint:
 class CaseResults:
     """Results of one case of a sweep.
 
-    Arrays have the axes patch, load and velocity; those of stepped variables go on with step and
-    others. Points at velocity 0, without heat, are left out.
+    Arrays have the axes realization, load and velocity; those of stepped variables go on with step
+    and others. Points at velocity 0, without heat, are left out.
     """
 
-    sweep: Sweep  #: The case and its patches, as the scene states them.
+    sweep: Sweep  #: The case and its realizations, as the scene states them.
     labels: Mapping[str, Label]  #: Values of varied entries, by dimension [SI].
     name: CaseName  #: The case, as the sweep names it.
     ds: xr.Dataset = field(repr=False)
@@ -238,7 +238,7 @@ class CaseResults:
 
     @functools.cached_property
     def counted(self) -> Indices:
-        """Patches that count.
+        """Realizations that count.
 
         One that failed is left out if 4 others have each of its places. One that shares no place
         with the first waits.
@@ -287,7 +287,7 @@ class CaseResults:
         return np.where(self.done, np.concatenate(found), np.nan)
 
     def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
-        """Yield arrays by name, of so many patches at a time that memory stays bounded."""
+        """Yield arrays by name, of so many realizations at a time that memory stays bounded."""
         names, shares = [*names], {"quantile": self.ds["area_fraction_below"].values}
         count = self.ds.sizes["realization"]
         if count <= _AT_ONCE:

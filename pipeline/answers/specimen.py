@@ -1,10 +1,11 @@
-"""A specimen from its patches: its rise at each point, and how its patches differ.
+"""A specimen from its realizations: its rise at each point, and how its realizations differ.
 
-Each random surface of a case is a patch of one specimen. Patches differ by nearly a constant along
-velocity, so a patch that lacks a point counts by its difference from the first patch at the nearest
-point of that load which both have. At each load those patches count that have a point there. Loads
-that the first patch has alone, between loads of several patches, are left out: a single patch is up
-to some percent off there, and the specimen's rises follow from the loads beside.
+Each random surface of a case is a realization of one specimen. Realizations differ by nearly a
+constant along velocity, so a realization that lacks a point counts by its difference from the first
+realization at the nearest point of that load which both have. At each load those realizations count
+that have a point there. Loads that the first realization has alone, between loads of several
+realizations, are left out: a single realization is up to some percent off there, and the specimen's
+rises follow from the loads beside.
 """
 
 from __future__ import annotations
@@ -25,39 +26,40 @@ from tribo.types import Array, Indices, Mask
 
 
 class JackknifeQuality(NamedTuple):
-    """What a patch alone tells of how patches differ, by its jackknife."""
+    """What a realization alone tells of how realizations differ, by its jackknife."""
 
     degrees: int = GROUPS - 1  # of freedom
-    factor: float = 1.0  # of the deviation of patches over that which one states
+    factor: float = 1.0  # of the deviation of realizations over that which one states
 
     @classmethod
     def of(cls, scene: Scene) -> JackknifeQuality:
-        """What a patch of a scene tells."""
+        """What a realization of a scene tells."""
         is_local = scene.wear is not None and scene.wear.pattern == "local"
         return JackknifeQuality(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
 
 
 SWEPT = JackknifeQuality()
-"""What a patch alone tells unless wear is local."""
+"""What a realization alone tells unless wear is local."""
 
 
 class Specimen(NamedTuple):
-    """The specimen of a case, how its patches differ, and what else is known at its points."""
+    """The specimen of a case, how its realizations differ, and what else is known at its points."""
 
     field: Field  # ln(rise) [K]
-    # ln(rise) of each patch minus that of the first one (m, n_load, n_velocity); NaN at loads where
-    # the patch has no point.
+    # ln(rise) of each realization minus that of the first one (m, n_load, n_velocity); NaN at loads
+    # where the realization has no point.
     apart: Array
-    offset: Array  # ln(rise) of the specimen minus that of its first patch (n_load, n_velocity)
-    sampling: Array  # what patches state of their deviation there, rms (n_load, n_velocity)
+    # ln(rise) of the specimen minus that of its first realization (n_load, n_velocity)
+    offset: Array
+    sampling: Array  # what realizations state of their deviation there, rms (n_load, n_velocity)
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
-    is_highest: bool  # the highest temperature decides: then that of the hottest patch
+    is_highest: bool  # the highest temperature decides: then that of the hottest realization
     alone: JackknifeQuality
 
     @property
-    def patches(self) -> Indices:
-        """Number of patches with a point at each load (n_load,)."""
+    def realizations(self) -> Indices:
+        """Number of realizations with a point at each load (n_load,)."""
         return np.asarray(np.isfinite(self.apart[..., 0]).sum(axis=0))
 
     def offset_at(self, load: float, velocity: float) -> float:
@@ -68,7 +70,7 @@ class Specimen(NamedTuple):
 
 
 def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Specimen:
-    """The specimen of a case; `flags` (patch, load, velocity) are sums of `WarningKind` codes."""
+    """The specimen of a case; `flags` (m, n_load, n_velocity) are sums of `WarningKind` codes."""
     counts = case.counted
     y, sampling = case.log_rises(conditions)[counts], case.sampling(conditions)[counts]
     durations, kinds = case.durations[counts].max(axis=0), np.bitwise_or.reduce(flags[counts], 0)
@@ -95,9 +97,9 @@ def merged(
     factor: Callable[[Array], Array] = np.ones_like, is_highest: bool = False,
     alone: JackknifeQuality = SWEPT,
 ) -> Specimen:  # fmt: skip
-    """The specimen of patches with ln(rise) `y` (m, n_load, n_velocity), NaN without a result.
+    """The specimen of realizations with ln(rise) `y` (m, n_load, n_velocity), NaN without a result.
 
-    Of patches of the highest temperature it has the highest, of others the mean.
+    Of realizations of the highest temperature it has the highest, of others the mean.
     """
     level, differences = y[0], [np.zeros_like(y[0])]
     for own in y[1:]:
@@ -120,7 +122,7 @@ def merged(
 
 
 def _stated(sampling: Array) -> Array:
-    """Root mean square over patches at each point; where no patch tells, that of the nearest."""
+    """Root mean square over realizations at each point; where none tells, that of the nearest."""
     known = np.isfinite(sampling)
     squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=0), known.sum(axis=0)
     with np.errstate(invalid="ignore"):
@@ -136,7 +138,7 @@ def _of_nearest(values: Array) -> Array:
 
 
 def _extended(difference: Array, loads: Array) -> Array:
-    """Differences from the first patch at all points, from those that both have."""
+    """Differences from the first realization at all points, from those that both have."""
     known = np.isfinite(difference)
     if known.all():
         return difference
@@ -155,7 +157,7 @@ def _along_load(loads: Array, values: Array, rows: Mask) -> Array:
 
 
 def _alone(has_point: Mask) -> Mask:
-    """Mask of the loads (n_load,) of one patch (m, n_load) between loads of several."""
+    """Mask of the loads (n_load,) of one realization (m, n_load) between loads of several."""
     counts, number = has_point.sum(axis=0), np.arange(has_point.shape[1])
     several = np.flatnonzero(counts > 1)
     first, last = several[[0, -1]] if several.size else (0, 0)

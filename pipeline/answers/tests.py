@@ -199,7 +199,7 @@ def _compared(
         rises = np.array([one.rise(own) for one in points])
     except InputError as error:
         return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
-    if len(specimen.apart) > 1:  # they were computed on the first patch alone
+    if len(specimen.apart) > 1:  # they were computed on the first realization alone
         rises = rises * np.exp([specimen.offset_at(*place) for place in test.places])
     with np.errstate(divide="ignore"):
         y = np.clip(np.log(rises / allowable_rise(own)), -_FARTHEST, _FARTHEST).tolist()

@@ -75,9 +75,9 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
             if count := int(np.count_nonzero(flags & kind)):
                 kinds[kind.label] = kinds.get(kind.label, 0) + count
         if flags.any() and not example:
-            patch, i, j = np.argwhere(flags)[0].tolist()
+            realization, i, j = np.argwhere(flags)[0].tolist()
             texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
-            flag = flags[patch, i, j]
+            flag = flags[realization, i, j]
             said = [texts.get(kind, kind.label) for kind in WarningKind if flag & kind]
             own = [named_value(case.ds[name]) for name in case.labels]
             place = ", ".join([f"{case.loads[i]:g} N", f"{case.velocities[j]:g} m/s", *own])
@@ -86,7 +86,7 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
 
 
 def warning_flags(case: CaseResults) -> Indices:
-    """Sums of `WarningKind` codes (patch, load, velocity): the stored ones, and ``SLOW_RISE``."""
+    """Sums of `WarningKind` codes (m, n_load, n_velocity): the stored ones, and ``SLOW_RISE``."""
     flags = np.where(case.done, case.array("warning_flags"), 0).astype(int)
     if not case.sweep.scene.friction_heat:
         return flags

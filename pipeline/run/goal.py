@@ -15,7 +15,7 @@ from pipeline.answers.error import PARTS, SURFACE, total
 from pipeline.answers.judge import Judge, JudgedCase
 from pipeline.answers.results import CaseResults, ascending, cases_of
 from pipeline.progress import Progress, Report
-from pipeline.run.search import MOST_PATCHES, Goal, Search
+from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
 from pipeline.store.read import store_dataset
 from pipeline.store.schema import DONE, FAILED
@@ -26,7 +26,7 @@ from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
 
 _ROOM = 0.8  # largest share of an accuracy that a preset may take
-_LEAST_PATCHES = 4  # of a new store: to make room for more takes as long as some points
+_LEAST_REALIZATIONS = 4  # of a new store: to make room for more takes as long as some points
 _ADVICE = {
     "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may take a finer preset",
@@ -57,7 +57,7 @@ def require_boundary(sweep: Sweep) -> None:
 
 
 def why_fixed(sweep: Sweep) -> str:
-    """Why there are no further patches of a sweep's surface, in words; empty if there are."""
+    """Why there are no further realizations of a sweep's surface, in words; empty if there are."""
     if sweep.scene.roughness is None:
         return "smooth, not reduced by computing"
     if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
@@ -94,8 +94,8 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
 class GoalRun:
     """A run whose goal is the relative error `accuracy` of the boundary of each scene of a sweep.
 
-    `sweep` has the preset and the patches that this takes. `before` is the sweep of the store, if
-    there is one. `is_fixed` is True if no further patches can be simulated.
+    `sweep` has the preset and the realizations that this takes. `before` is the sweep of the store,
+    if there is one. `is_fixed` is True if no further realizations can be simulated.
     """
 
     def __init__(
@@ -119,55 +119,58 @@ class GoalRun:
         error = percent(velocity_error(chosen) or 0.0)
         report(Progress(f"preset {chosen.preset} (up to {error}){own}"))
         self.is_fixed, self._report = bool(why_fixed(chosen)), report
-        patches = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
+        realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
         if not self.is_fixed:
-            self.sweep = chosen._with_patches(max(*patches, _LEAST_PATCHES))
-        self.is_on_first_patch = True
+            self.sweep = chosen._with_realizations(max(*realizations, _LEAST_REALIZATIONS))
+        self.is_on_first_realization = True
 
     @property
     def _seeds(self) -> tuple[int, ...]:
         return tuple(map(int, self.sweep.case_table.axes.get("realization", (0,))))
 
     def next_points(self, store: Store) -> list[Point]:
-        """Points to compute next, all on the first patch or all on further ones; empty at the end.
+        """Points to compute next, all on the first realization or all on others; empty at the end.
 
-        `sweep` then has as many patches as these points need. It may also have further velocities,
-        where the search needs these before it can name points.
+        `sweep` then has as many realizations as these points need. It may also have further
+        velocities, where the search needs these before it can name points.
         """
         cases = cases_of(ascending(store_dataset(store)))
         found, to_come, most, between = list[tuple[Point, int]](), 0, 0, set[float]()
         has_seeds, axes = "realization" in self.sweep.case_table.axes, self._seeds
-        seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_PATCHES)
+        seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_REALIZATIONS)
         for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
             places = search.next_places()
             between |= {*search.next_velocities()}
-            most = max(most, *(place.patch + 1 for place in places)) if places else most
+            most = max(most, *(place.realization + 1 for place in places)) if places else most
             to_come += search.to_come()
-            for patch, load, velocity in places:
+            for realization, load, velocity in places:
                 at = float(search.loads[load]), float(search.velocities[velocity])
-                seed = (("realization", seeds[patch]),) if has_seeds else ()
-                found.append((Point(*at, (*case.name, *seed)), patch))
+                seed = (("realization", seeds[realization]),) if has_seeds else ()
+                found.append((Point(*at, (*case.name, *seed)), realization))
         if most > len(axes) and not self.is_fixed:
             # Those to come, too: to grow the store takes as long as some points.
-            self.sweep = self.sweep._with_patches(min(MOST_PATCHES, most + most // 2))
+            self.sweep = self.sweep._with_realizations(min(MOST_REALIZATIONS, most + most // 2))
         if between and not found:
             velocities = tuple(sorted({*self.sweep.velocities, *between}))
             self.sweep = replace(self.sweep, velocities=velocities)
-        first = [point for point, patch in found if not patch]
-        if found and not first and self.is_on_first_patch:
+        first = [point for point, realization in found if not realization]
+        if found and not first and self.is_on_first_realization:
             self._report(Progress(f"first realization done; about {to_come} points to come"))
-        self.is_on_first_patch = bool(first)
+        self.is_on_first_realization = bool(first)
         return first or [point for point, _ in found]
 
 
 def searches(
-    cases: Iterable[CaseResults], accuracy: float, is_fixed: bool, patches: int = MOST_PATCHES
+    cases: Iterable[CaseResults],
+    accuracy: float,
+    is_fixed: bool,
+    realizations: int = MOST_REALIZATIONS,
 ) -> Iterator[tuple[CaseResults, Search]]:
     """The search of each case of a store, in the present state."""
     for case in cases:
         judge = JudgedCase(case).under(case.sweep.conditions)
-        yield case, search_of(judge, Goal(accuracy, patches, not is_fixed))
+        yield case, search_of(judge, Goal(accuracy, realizations, not is_fixed))
 
 
 def search_of(judge: Judge, goal: Goal) -> Search:

@@ -1,9 +1,9 @@
 """Which points the boundary of a scene needs next, until its whole error is below a goal.
 
 The search sees what answers see: the rises of all points that a store has, and the same errors. The
-first patch is searched along velocity, at as many loads as it takes to interpolate the others; the
-sweep gets a velocity at a crossing where its own are too far apart. Then further patches follow,
-one point each beside the crossing, as many as each load needs.
+first realization is searched along velocity, at as many loads as it takes to interpolate the
+others; the sweep gets a velocity at a crossing where its own are too far apart. Then further
+realizations follow, one point each beside the crossing, as many as each load needs.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pipeline.answers.error import (
     PRESET,
     SURFACE,
     interpolation_errors,
-    patches_needed,
+    realizations_needed,
     rise_errors,
     velocity_errors,
 )
@@ -30,8 +30,8 @@ from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from tribo.types import Array, Indices, Mask
 
-MOST_PATCHES = 256
-_UNSURE = 1.3  # by which the surface's part may be smaller than few patches tell
+MOST_REALIZATIONS = 256
+_UNSURE = 1.3  # by which the surface's part may be smaller than few realizations tell
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
 _NEAR = 0.005  # least distance of a further velocity from another one, in ln(velocity)
 _GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
@@ -41,7 +41,7 @@ _LEAST_FACTOR = 1e-6  # of friction, in place of 0
 class Place(NamedTuple):
     """A point of a scene by its indices."""
 
-    patch: int
+    realization: int
     load: int
     velocity: int
 
@@ -50,8 +50,8 @@ class Goal(NamedTuple):
     """Error of the critical velocity to reach, and what may be computed for it."""
 
     accuracy: float  # relative, a bound at 95 %
-    patches: int = MOST_PATCHES  # that there are
-    counts_surface: bool = True  # False if the choice of patches is left out of the goal
+    realizations: int = MOST_REALIZATIONS  # that there are
+    counts_surface: bool = True  # False if the choice of realizations is left out of the goal
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +67,9 @@ class Search:
     promised : float or None
         Relative error of critical velocities due to the preset.
     first : ndarray, shape (n_load, n_velocity)
-        ln(rise/limit) at friction 1 of the first patch, on the level of the specimen; NaN where it
-        is not known.
-    tried : ndarray of bool, shape (patches, n_load, n_velocity)
+        ln(rise/limit) at friction 1 of the first realization, on the level of the specimen; NaN
+        where it is not known.
+    tried : ndarray of bool, shape (realizations, n_load, n_velocity)
         Points that are done or failed.
     goal : Goal
         What to reach.
@@ -106,13 +106,13 @@ class Search:
         return velocity_errors(self.specimen.field, parts, self.promised, *place)
 
     @property
-    def _has_patch(self) -> Mask:
-        """True where a patch has a point of a load that is done or failed (patches, n_load)."""
+    def _has_realization(self) -> Mask:
+        """True where a realization has a point of a load that is done or failed (m, n_load)."""
         return np.asarray(self.tried.any(axis=2))
 
     @cached_property
     def left(self) -> Array:
-        """Error that the preset leaves to patches and to points left out (n_load,)."""
+        """Error that the preset leaves to realizations and to points left out (n_load,)."""
         preset = self.errors[PRESET]
         preset = np.where(np.isnan(preset), self.promised or 0.0, preset)
         return np.sqrt(np.maximum(self.goal.accuracy**2 - preset**2, 0.0))
@@ -134,7 +134,7 @@ class Search:
     @cached_property
     def _next(self) -> tuple[list[Place], list[float]]:
         last = len(self.loads) - 1
-        has_points, has_several = (self._has_patch.sum(axis=0) > n for n in (0, 1))
+        has_points, has_several = (self._has_realization.sum(axis=0) > n for n in (0, 1))
         loads: set[int] = set()
         # From these the others may be interpolated.
         for more in ({last}, {0, last // 2}, {last // 4, 3 * last // 4}):
@@ -149,7 +149,7 @@ class Search:
                 return found, []
             if more_velocities := self._velocities_between(loads):
                 return [], more_velocities
-            if found := self._further_patches(loads) or self._toward_others(loads):
+            if found := self._further_realizations(loads) or self._toward_others(loads):
                 return found, []
             if self.is_out_of_reach(loads) or not (more := self._loads_between(loads)):
                 return [], []
@@ -158,7 +158,8 @@ class Search:
     def _velocities_between(self, loads: set[int]) -> list[float]:
         """The critical velocities of loads where no velocity of the sweep is near enough.
 
-        There the points around leave an error that makes patches dear, or the goal unreachable.
+        There the points around leave an error that makes realizations dear, or the goal
+        unreachable.
         """
         share = OF_GAP if self.goal.counts_surface else 1.0
         found = set[float]()
@@ -186,7 +187,7 @@ class Search:
         return found
 
     def _along_velocity(self, loads: set[int]) -> list[Place]:
-        """Points of the first patch, one at each load that still needs some."""
+        """Points of the first realization, one at each load that still needs some."""
         found, tolerance = [], OF_POINTS * self.left
         for load in sorted(loads):
             line, columns = self._lines[load]
@@ -207,7 +208,7 @@ class Search:
         return float(known[near[0]] + slope * (x[load] - x[near[0]]))
 
     def _toward_others(self, loads: set[int]) -> list[Place]:
-        """Points of the first patch by which a load between `loads` is interpolated better.
+        """Points of the first realization by which a load between `loads` is interpolated better.
 
         There the error along the velocities of a load beside is the largest part.
         """
@@ -227,7 +228,7 @@ class Search:
         return sorted(found)
 
     def _beside(self, load: int, velocity: float) -> set[Place]:
-        """The point of the first patch nearest to a velocity, unless it was tried or all failed."""
+        """The first realization's point nearest a velocity, unless it was tried or all failed."""
         column = int(np.argmin(np.abs(np.log(self.velocities / velocity))))
         is_done = self.tried[0, load, column] or not self._lines[load][0].known.size
         return set() if is_done else {Place(0, load, column)}
@@ -247,21 +248,23 @@ class Search:
         return found
 
     def needed(self, loads: set[int]) -> Array:
-        """Patches that each of `loads` with a crossing needs (n_load,), by what is known."""
-        found, counts = np.zeros(len(self.critical), int), self.specimen.patches
+        """Realizations that each of `loads` with a crossing needs (n_load,), by what is known."""
+        found, counts = np.zeros(len(self.critical), int), self.specimen.realizations
         for load in loads:
             line = self._lines[load][0]
             if not line.turns:
                 continue
             between, surface = self._between(loads, load), self.errors[SURFACE, load]
             if counts[load] == 0:
-                found[load] = 2  # or the first patch's own points do not count
+                found[load] = 2  # or the first realization's own points do not count
             elif not self.goal.counts_surface:
-                found[load] = self.goal.patches
+                found[load] = self.goal.realizations
             elif between < self.left[load] and np.isfinite(surface):
                 ratio = surface / math.sqrt(self.left[load] ** 2 - between**2)
                 kind = self.specimen.is_highest, self.specimen.alone
-                found[load] = patches_needed(int(counts[load]), ratio, 4 * MOST_PATCHES, *kind)
+                found[load] = realizations_needed(
+                    int(counts[load]), ratio, 4 * MOST_REALIZATIONS, *kind
+                )
         return found
 
     def _between(self, loads: set[int], load: int) -> float:
@@ -273,23 +276,27 @@ class Search:
         return max(float(errors[load]), min(float(beside), OF_LOADS * float(self.left[load])))
 
     def is_out_of_reach(self, loads: set[int]) -> bool:
-        """True if patches cannot reach the goal at one of `loads`, as far as is known."""
+        """True if realizations cannot reach the goal at one of `loads`, as far as is known."""
         own = [
-            one for one in loads if np.isfinite(self.critical[one]) and self.specimen.patches[one]
+            one
+            for one in loads
+            if np.isfinite(self.critical[one]) and self.specimen.realizations[one]
         ]
         without = np.sqrt(np.square(np.delete(self.errors[:, own], SURFACE, axis=0)).sum(axis=0))
-        tried = self._has_patch.sum(axis=0)
-        few = (self.needed(loads) / _UNSURE**2 > self.goal.patches) & (tried < self.goal.patches)
+        tried = self._has_realization.sum(axis=0)
+        few = (self.needed(loads) / _UNSURE**2 > self.goal.realizations) & (
+            tried < self.goal.realizations
+        )
         is_short = self.goal.counts_surface and few.any()
         return bool(is_short or not (without < self.goal.accuracy).all())
 
-    def _further_patches(self, loads: set[int]) -> list[Place]:
-        """Points of further patches beside the crossings, about as many as each load needs."""
+    def _further_realizations(self, loads: set[int]) -> list[Place]:
+        """Points of further realizations beside the crossings, about as many as each load needs."""
         found = list[Place]()
         if self.is_out_of_reach(loads):
             return found
-        tried = self._has_patch
-        needed = np.minimum(self.needed(loads), self.goal.patches)
+        tried = self._has_realization
+        needed = np.minimum(self.needed(loads), self.goal.realizations)
         for load in np.flatnonzero(needed > tried.sum(axis=0)).tolist():
             has = int(tried[:, load].sum())
             line, columns = self._lines[load]
@@ -298,11 +305,11 @@ class Search:
             # The number that is needed is known the better, the more there are.
             wanted = min(needed[load], max(2 * has + 2, needed[load] // 4)) - has
             fresh = np.flatnonzero(~np.append(tried[:, load], np.zeros(wanted, bool)))[:wanted]
-            found += [Place(patch, load, column) for patch in fresh.tolist()]
+            found += [Place(realization, load, column) for realization in fresh.tolist()]
         return found
 
     def to_come(self) -> int:
-        """About how many points further patches take, by what is known."""
-        loads = {*np.flatnonzero(self._has_patch[0]).tolist()}
-        lacking = self.needed(loads) - self._has_patch.sum(axis=0)
+        """About how many points further realizations take, by what is known."""
+        loads = {*np.flatnonzero(self._has_realization[0]).tolist()}
+        lacking = self.needed(loads) - self._has_realization.sum(axis=0)
         return int(np.maximum(lacking, 0).sum())

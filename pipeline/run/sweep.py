@@ -89,10 +89,11 @@ def run_sweep(
     accuracy : float or str, optional
         Relative error of the boundary's velocity to reach, such as 0.02 or "2%". It is the whole
         numerical error at each load with a crossing, a bound at 95 %: by the preset, the points
-        left out and the choice of patches of the surface. The preset is chosen, and only the points
-        that are needed are computed, on as many patches as it takes. The part by the patches is
-        left out of the goal if the surface is not random, or its seeds are listed. A later run with
-        a smaller accuracy goes on with the store. By default all points are computed.
+        left out and the choice of realizations of the surface. The preset is chosen, and only the
+        points that are needed are computed, on as many realizations as it takes. The part by the
+        realizations is left out of the goal if the surface is not random, or its seeds are listed.
+        A later run with a smaller accuracy goes on with the store. By default all points are
+        computed.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
         it long if workers wait in a queue.
@@ -209,7 +210,7 @@ def run_points(
 
 @dataclass
 class _Run:
-    """A run into a store, which grows as its goal asks for further patches."""
+    """A run into a store, which grows as its goal asks for further realizations."""
 
     store: Store
     sweep: Sweep
@@ -233,7 +234,7 @@ class _Run:
         return TaskQueue(tasks(self.store.pending(), self.sweep))
 
     def compute(self, link: Client, watch: Watch, queue: TaskQueue) -> None:
-        """Compute the tasks of a queue; fields of a goal are those of the first patch."""
+        """Compute the tasks of a queue; fields of a goal are those of the first realization."""
         with Writer(self.store) as writer:
             compute(link, watch, self.sweep, writer, queue, self.tally)
 

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import SURFACE, curve_errors, exponents, patches_share, total
+from pipeline.answers.error import SURFACE, curve_errors, exponents, realizations_share, total
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
@@ -37,7 +37,7 @@ _HEADS = "run", "preset", "points", "CPU time [s]", "numerical error [%]"
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Cost and error of a boundary: of a run with a goal, or of a whole plane of one patch."""
+    """Cost and error of a boundary: of a run with a goal, or of a plane of one realization."""
 
     accuracy: float | None  #: Error that was asked for; None for a plane.
     preset: str | None
@@ -131,19 +131,21 @@ def trade(
 
 
 def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
-    """The whole plane of one patch by each preset."""
+    """The whole plane of one realization by each preset."""
     _, search = next(searches(cases_of(out), 1.0, bool(why_fixed(sweep))))
     specimen, field = search.specimen, search.specimen.field
-    crosses = np.isfinite(search.critical) & (specimen.patches > 0)
+    crosses = np.isfinite(search.critical) & (specimen.realizations > 0)
     loads, critical = field.loads[crosses], search.critical[crosses]
     x, at = np.log(field.velocities), np.log(critical)
     between = [
         curve_errors(x, row, one[None])[0]
         for row, one in zip(field.rows(field.velocities)[crosses], at, strict=True)
     ] / exponents(field, loads, critical)
-    patches = len(sweep.case_table.axes.get("realization", (0,)))
+    realizations = len(sweep.case_table.axes.get("realization", (0,)))
     kind = specimen.is_highest, specimen.alone
-    shares = patches_share(patches, *kind) / patches_share(specimen.patches[crosses], *kind)
+    shares = realizations_share(realizations, *kind) / realizations_share(
+        specimen.realizations[crosses], *kind
+    )
     surface = shares * search.errors[SURFACE, crosses]
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():

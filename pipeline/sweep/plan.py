@@ -80,7 +80,7 @@ class PointResult:
 
     @property
     def sampling(self) -> dict[str, Any]:
-        """Relative deviations of the rises from patch to patch, by variable of the dataset."""
+        """Relative deviations of the rises between realizations, by variable of the dataset."""
         return self.state.heat.sampling if self.state.heat else _NO_SAMPLING
 
     def record(self, with_fields: bool) -> PointRecord:

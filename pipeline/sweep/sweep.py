@@ -221,7 +221,7 @@ class Sweep:
         tests = tuple(replace(t, case=t.case.with_fidelity(made, preset)) for t in self.tests)
         return replace(self, base=base, cases=tuple(cases), tests=tests)
 
-    def _with_patches(self, count: int) -> Self:
+    def _with_realizations(self, count: int) -> Self:
         """The sweep on this many random surfaces, counted from its own seed on."""
         rough = self.scene.roughness
         assert isinstance(rough, SelfAffineRoughness)

@@ -39,7 +39,7 @@ class Asked:
         return {name for name, mask in pairs if int(self.warning_flags) & mask}
 
     @property
-    def patches(self):
+    def realizations(self):
         return self.found.attrs["realizations"]
 
     @property

@@ -19,7 +19,7 @@ class Told:
         self.loads, self.velocities = loads, velocities
         self.conditions, self.promised, self.goal = conditions, promised, goal
         self._alone = alone
-        shape = goal.patches, len(loads), len(velocities)
+        shape = goal.realizations, len(loads), len(velocities)
         self.asked = np.zeros(shape, bool)
         self._rises, self._sampling = np.full(shape, np.nan), np.full(shape, np.nan)
         self._flags, self._durations = np.zeros(shape[1:], int), np.zeros(shape[1:])

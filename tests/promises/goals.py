@@ -29,7 +29,7 @@ from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, total
 from pipeline.answers.specimen import JackknifeQuality
 from pipeline.run.goal import why_fixed
-from pipeline.run.search import MOST_PATCHES, Goal, Place
+from pipeline.run.search import MOST_REALIZATIONS, Goal, Place
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
@@ -59,7 +59,7 @@ class Planes:
         names = presets_for(sweep.scene, ["standard", "fine", "reference"])
         presets = {name: sweep.with_fidelity(one, name) for name, one in names.items()}
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
-        self._patches = {name: self._scenes(one) for name, one in presets.items()}
+        self._realizations = {name: self._scenes(one) for name, one in presets.items()}
         self._stored_steps, self._path = choose_stored_steps(sweep), path
         kept = json.loads(path.read_text()) if path.exists() else []
         self._found = {tuple(key): tuple(values) for key, values in kept}
@@ -68,19 +68,23 @@ class Planes:
         """Scenes of the realizations of a sweep."""
         if self.fixed:
             return [sweep.scene]
-        return [case.scene for case in sweep._with_patches(MOST_PATCHES + REALIZATIONS).cases]
+        return [
+            case.scene for case in sweep._with_realizations(MOST_REALIZATIONS + REALIZATIONS).cases
+        ]
 
     def keep(self):
         """Write the points to the file."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         self._path.write_text(json.dumps([*self._found.items()]))
 
-    def point(self, preset, patch, load, velocity):
+    def point(self, preset, realization, load, velocity):
         """Rise at friction 1 [K], its deviation, warning flags and duration; NaN if it fails."""
-        key = preset, patch, float(load), float(velocity)
+        key = preset, realization, float(load), float(velocity)
         if key not in self._found:
             try:
-                found = run_point(self._patches[preset][patch], self._stored_steps, Point(*key[2:]))
+                found = run_point(
+                    self._realizations[preset][realization], self._stored_steps, Point(*key[2:])
+                )
             except TriboError:
                 self._found[key] = np.nan, np.nan, 0, 0.0
                 return self._found[key]
@@ -98,18 +102,18 @@ class Planes:
     def tell(self, search, places, preset="standard"):
         """Tell a search the points that it has asked for."""
         every = [
-            self.point(preset, patch, self.loads[load], search.velocities[velocity])
-            for patch, load, velocity in places
+            self.point(preset, realization, self.loads[load], search.velocities[velocity])
+            for realization, load, velocity in places
         ]
         search.tell(places, *map(np.array, zip(*every, strict=True)))
 
     def search(self, accuracy, preset):
         """A search that has ended."""
-        patches, alone = (
-            1 if self.fixed else MOST_PATCHES,
-            JackknifeQuality.of(self._patches[preset][0]),
+        realizations, alone = (
+            1 if self.fixed else MOST_REALIZATIONS,
+            JackknifeQuality.of(self._realizations[preset][0]),
         )
-        goal = Goal(accuracy, patches, not self.fixed)
+        goal = Goal(accuracy, realizations, not self.fixed)
         plane = self.loads, self.velocities, self.conditions
         search = Told(*plane, self.promised[preset], goal, alone)
         while batch := search.ask():
@@ -117,7 +121,7 @@ class Planes:
         return search
 
     def whole(self, conditions):
-        """A search that was told the whole plane of the first patch."""
+        """A search that was told the whole plane of the first realization."""
         search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST)
         self.tell(search, [Place(0, *one) for one in np.ndindex(self.plane_shape)])
         return search
@@ -134,8 +138,8 @@ class Planes:
         if self.fixed:
             rises = [self.point("reference", 0, load, at)[0]]
         else:
-            others = range(MOST_PATCHES, MOST_PATCHES + REALIZATIONS)
-            rises = [self.point("fine", patch, load, at)[0] for patch in others]
+            others = range(MOST_REALIZATIONS, MOST_REALIZATIONS + REALIZATIONS)
+            rises = [self.point("fine", realization, load, at)[0] for realization in others]
         logs = np.log(rises)
         level = logs.max() if self.conditions.critical_area_fraction == 0 else logs.mean()
         factor = self.conditions.friction_factor(np.array([at])).item()

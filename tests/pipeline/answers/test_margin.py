@@ -51,7 +51,7 @@ FACTORS = np.array([1.0, 1.05, 0.97, 1.2])
 
 
 def lifted(*, status=None):
-    """Sweep on four patches whose rises differ by factors; some lack points."""
+    """Sweep on four realizations whose rises differ by factors; some lack points."""
     told = [{"status": {}} for _ in FACTORS]
     if status:
         told[status[0]]["status"] = status[1]
@@ -63,16 +63,18 @@ def lifted(*, status=None):
 
 
 @pytest.mark.parametrize("share", [None, 0.5, 0.0])
-def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their_highest(share):
+def test_the_rise_of_a_specimen_is_the_mean_of_its_realizations_and_the_highest_their_highest(
+    share,
+):
     alone = synthetic.sweep(tests=())
     found = asked(lifted(), 400.0, 2.0, critical_area_fraction=share)
     factor = FACTORS.max() if share == 0 else np.exp(np.log(FACTORS).mean())
     rise = asked(alone, 400.0, 2.0, critical_area_fraction=share).governing_temperature - 298.15
     assert found.governing_temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
-    assert found.patches == 4
+    assert found.realizations == 4
 
 
-def test_a_patch_that_lacks_places_counts_by_its_difference_from_the_first():
+def test_a_realization_that_lacks_places_counts_by_its_difference_from_the_first():
     whole = pipeline.boundary(lifted())
     missing = {(400.0, v): PENDING for v in synthetic.VELOCITIES if v != 1.0}
     found = pipeline.boundary(lifted(status=(3, missing)))

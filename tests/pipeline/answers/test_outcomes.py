@@ -133,7 +133,7 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, chang
         all_turns = crossings[f"crossings_along_{along}"].values
         all_turns = all_turns.reshape(-1, all_turns.shape[-1])
         outcomes = crossings[f"outcome_along_{along}"].values.ravel()
-        if len(partial) > 1:  # patches of one specimen, whose mean is no point of either
+        if len(partial) > 1:  # realizations of one specimen, whose mean is no point of either
             continue
         lines = zip(partial, true, all_turns, outcomes, strict=True)
         for rises, all_rises, turns, outcome in lines:

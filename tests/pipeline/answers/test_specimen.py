@@ -1,4 +1,4 @@
-"""Patches of one specimen, by the front door: their mean, what they lack, and how they may err."""
+"""Realizations of one specimen, by the front door: their mean, gaps, and how they may err."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.error import PARTS, patches_needed, surface_sampling_bound
+from pipeline.answers.error import PARTS, realizations_needed, surface_sampling_bound
 from pipeline.answers.specimen import JackknifeQuality
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
@@ -24,8 +24,8 @@ LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
 HOTTEST_TENTH = QUANTILES.index(0.9)
 
 
-def patches(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
-    """Sweep of several patches, each a factor hotter than the first; `states` by patch."""
+def realizations(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
+    """Sweep of several realizations, each a factor hotter than the first; `states` of each."""
     sweeps = []
     for seed, lift in enumerate(lifts):
         one = synthetic.sweep(
@@ -45,7 +45,7 @@ def patches(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
 
 
 def only(*places, state=PENDING):
-    """States of a patch that is done at these places alone."""
+    """States of a realization that is done at these places alone."""
     return {(F, V): state for F in LOADS for V in VELOCITIES if (F, V) not in places}
 
 
@@ -57,81 +57,81 @@ def factor(ds, **conditions):
     return (own / found) ** synthetic.VELOCITY_EXPONENT
 
 
-def test_a_patch_with_one_point_a_load_counts_along_all_of_its_velocities():
+def test_a_realization_with_one_point_a_load_counts_along_all_of_its_velocities():
     places = [(F, 2.0) for F in LOADS]
-    sparse = patches(states={k: only(*places) for k in range(1, len(LIFTS))})
+    sparse = realizations(states={k: only(*places) for k in range(1, len(LIFTS))})
     mean = math.exp(np.log(LIFTS).mean())
     np.testing.assert_allclose(factor(sparse), mean, rtol=1e-12)
-    np.testing.assert_allclose(factor(patches()), mean, rtol=1e-12)
+    np.testing.assert_allclose(factor(realizations()), mean, rtol=1e-12)
 
 
-def test_a_load_of_one_patch_between_loads_of_several_follows_from_these():
-    """The plane of the first patch beside a run with an accuracy moves no load away from others."""
-    lacks_400 = patches((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2)
+def test_a_load_of_one_realization_between_loads_of_several_follows_from_these():
+    """The plane of the first realization beside a run with an accuracy moves no load."""
+    lacks_400 = realizations((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2)
     expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
     np.testing.assert_allclose(factor(lacks_400), expected, rtol=1e-12)
 
 
-def test_beyond_the_loads_of_several_patches_the_first_counts_alone():
-    lacks_200 = patches((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2)
+def test_beyond_the_loads_of_several_realizations_the_first_counts_alone():
+    lacks_200 = realizations((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2)
     expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
     expected[0] = 1.0
     np.testing.assert_allclose(factor(lacks_200), expected, rtol=1e-12)
 
 
-def test_at_a_load_without_a_point_patches_differ_as_at_the_loads_beside():
-    lacks_400 = patches((1.0, 1.1), {k: only((200.0, 2.0), (600.0, 2.0)) for k in (0, 1)})
+def test_at_a_load_without_a_point_realizations_differ_as_at_the_loads_beside():
+    lacks_400 = realizations((1.0, 1.1), {k: only((200.0, 2.0), (600.0, 2.0)) for k in (0, 1)})
     found = asked(lacks_400, 400.0, 2.0)
     beside = asked(lacks_400, 200.0, 2.0)
-    assert found.patches == beside.patches == 2
+    assert found.realizations == beside.realizations == 2
 
 
-def test_a_place_that_the_first_patch_lacks_stands_on_the_level_of_the_others():
-    first_lacks = patches((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}})
+def test_a_place_that_the_first_realization_lacks_stands_on_the_level_of_the_others():
+    first_lacks = realizations((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}})
     np.testing.assert_allclose(factor(first_lacks), math.sqrt(1.1), rtol=1e-12)
 
 
-def test_a_first_patch_without_a_point_does_not_hide_the_others():
-    np.testing.assert_allclose(factor(patches(states={0: only()})), math.exp(
+def test_a_first_realization_without_a_point_does_not_hide_the_others():
+    np.testing.assert_allclose(factor(realizations(states={0: only()})), math.exp(
         np.log(LIFTS[1:]).mean()
     ), rtol=1e-12)  # fmt: skip
 
 
-def test_where_the_highest_temperature_decides_the_hottest_patch_does():
+def test_where_the_highest_temperature_decides_the_hottest_realization_does():
     np.testing.assert_allclose(
-        factor(patches(), critical_area_fraction=0.0), max(LIFTS), rtol=1e-12
+        factor(realizations(), critical_area_fraction=0.0), max(LIFTS), rtol=1e-12
     )
 
 
-def test_one_patch_is_shown_alone():
-    one = patches().sel(realization=[2])
+def test_one_realization_is_shown_alone():
+    one = realizations().sel(realization=[2])
     np.testing.assert_allclose(factor(one)[1:], LIFTS[2], rtol=1e-12)
-    assert asked(one, 400.0, 2.0).patches == 1
+    assert asked(one, 400.0, 2.0).realizations == 1
 
 
-def test_a_patch_that_failed_is_left_out_of_the_whole_plane_and_named_if_four_stay():
+def test_a_realization_that_failed_is_left_out_of_the_whole_plane_and_named_if_four_stay():
     failed = {3: {(600.0, 4.0): FAILED}}
-    here = asked(patches(states=failed), 400.0, 2.0)
-    assert here.patches == 4
+    here = asked(realizations(states=failed), 400.0, 2.0)
+    assert here.realizations == 4
     assert any("realizations 3" in line for line in here.notes)
     rest = [lift for seed, lift in enumerate(LIFTS) if seed != 3]
     np.testing.assert_allclose(
-        factor(patches(states=failed)), math.exp(np.log(rest).mean()), rtol=1e-12
+        factor(realizations(states=failed)), math.exp(np.log(rest).mean()), rtol=1e-12
     )
-    few = patches(LIFTS[:4], failed)
-    assert asked(few, 400.0, 2.0).patches == 4
+    few = realizations(LIFTS[:4], failed)
+    assert asked(few, 400.0, 2.0).realizations == 4
     np.testing.assert_allclose(factor(few), math.exp(np.log(LIFTS[:4]).mean()), rtol=1e-12)
 
 
-def test_a_failed_patch_stays_where_it_alone_has_points():
+def test_a_failed_realization_stays_where_it_alone_has_points():
     sparse = {k: only((400.0, 2.0)) for k in range(1, len(LIFTS))}
-    first_failed = patches(states=sparse | {0: {(600.0, 4.0): FAILED}})
-    assert asked(first_failed, 400.0, 2.0).patches == len(LIFTS)
+    first_failed = realizations(states=sparse | {0: {(600.0, 4.0): FAILED}})
+    assert asked(first_failed, 400.0, 2.0).realizations == len(LIFTS)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
-def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(count):
-    found = asked(patches(LIFTS[:count], sampling=0.03), 400.0, 2.0)
+def test_the_surface_is_a_bound_by_the_realizations_own_estimates_and_their_spread(count):
+    found = asked(realizations(LIFTS[:count], sampling=0.03), 400.0, 2.0)
     levels = np.log(LIFTS[:count])
     spread = np.sum((levels - levels.mean()) ** 2)
     deviation = math.sqrt((7 * 0.03**2 + spread) / (6 + count))
@@ -142,19 +142,19 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
 
 
-def test_with_local_wear_a_patch_alone_tells_little_and_several_tell_by_their_spread():
+def test_with_local_wear_a_realization_alone_tells_little_and_several_tell_by_their_spread():
     degrees, factor = ALONE_IN_LOCAL_WEAR
     one = surface_sampling_bound(1, 0.0, 0.02, alone=LOCAL)
     assert one == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
     assert one > 5 * surface_sampling_bound(1, 0.0, 0.02)
-    squares = 15 * 0.06**2  # of patches that differ by 6 %
+    squares = 15 * 0.06**2  # of realizations that differ by 6 %
     deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
     expected = t(degrees + 15).ppf(0.975) * deviation / 4
     assert surface_sampling_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(
         expected, rel=1e-12
     )
     assert expected > 1.1 * surface_sampling_bound(16, squares, 0.005)
-    assert patches_needed(1, 9.0, 256, alone=LOCAL) == 4
+    assert realizations_needed(1, 9.0, 256, alone=LOCAL) == 4
     scene = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"}).scene
     assert (JackknifeQuality.of(scene), JackknifeQuality.of(replace(scene, wear=None))) == (
         LOCAL,
@@ -163,7 +163,7 @@ def test_with_local_wear_a_patch_alone_tells_little_and_several_tell_by_their_sp
 
 
 def test_the_boundary_states_its_error_and_the_part_of_the_surface():
-    ds = patches(sampling=0.03)
+    ds = realizations(sampling=0.03)
     found = pipeline.boundary(ds).sel(load=400.0)
     here = asked(ds, 400.0, found["critical_velocity"].item())
     rise = here.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
@@ -174,26 +174,26 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     assert found["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
 
-def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
+def test_the_highest_of_realizations_is_as_uncertain_as_one_of_them():
     relative = []
     for share in (0.1, 0.0):
-        found = asked(patches(), 400.0, 2.0, critical_area_fraction=share)
+        found = asked(realizations(), 400.0, 2.0, critical_area_fraction=share)
         relative.append(found.temperature_error_surface / (found.governing_temperature - 298.15))
     assert relative[1] / relative[0] == pytest.approx(math.sqrt(len(LIFTS)), rel=1e-9)
 
 
-def test_a_test_is_computed_on_the_first_patch_and_stands_on_the_level_of_the_specimen():
+def test_a_test_is_computed_on_the_first_realization_and_stands_on_the_level_of_the_specimen():
     tests = {"tests": (bare_test(400.0, 2.0),)}
-    several = patches((1.0, 1.21), **tests)
-    hotter = patches((1.1,), **tests)
+    several = realizations((1.0, 1.21), **tests)
+    hotter = realizations((1.1,), **tests)
     both = [asked(ds, 600.0, 1.5).probability for ds in (several, hotter)]
     assert both[0] == pytest.approx(both[1], rel=1e-9)
-    plain = asked(patches((1.0,), **tests), 600.0, 1.5, friction=0.11).probability
+    plain = asked(realizations((1.0,), **tests), 600.0, 1.5, friction=0.11).probability
     assert both[0] != pytest.approx(plain, rel=1e-2)
 
 
-def test_the_specimen_of_patches_that_differ_a_lot_is_decided_by_more_patches():
-    here = asked(patches((1.0, 1.4), sampling=0.1), 400.0, 1.9)
+def test_the_specimen_of_realizations_that_differ_a_lot_is_decided_by_more_realizations():
+    here = asked(realizations((1.0, 1.4), sampling=0.1), 400.0, 1.9)
     assert here.verdict == "undecided"
     assert here.temperature_error_surface == max(
         getattr(here, f"temperature_error_{part}") for part in PARTS

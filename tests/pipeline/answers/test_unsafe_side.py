@@ -36,7 +36,7 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
     xr.testing.assert_identical(*both)
 
 
-def test_an_error_that_one_patch_does_not_know_decides_nothing():
+def test_an_error_that_one_realization_does_not_know_decides_nothing():
     ds = synthetic.sweep(tests=(), preset="standard")
     unstable = ds.copy(deep=True)
     unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)

@@ -39,7 +39,7 @@ def run(sweep, path, accuracy=0.03, **more):
 
 
 def done(path):
-    """Mask of the points that are done, by patch, load and velocity."""
+    """Mask of the points that are done, by realization, load and velocity."""
     dims = "realization", "load", "velocity"
     return pipeline.open_sweep(path)["status"].transpose(..., *dims).values == DONE
 
@@ -63,7 +63,7 @@ def test_the_stated_error_is_below_the_goal(small):
     assert np.array_equal(ds["status"] == NOT_NEEDED, ds["status"] != DONE)
 
 
-def test_further_patches_have_one_point_a_load_and_no_fields(small):
+def test_further_realizations_have_one_point_a_load_and_no_fields(small):
     mask, ds = done(small), pipeline.open_sweep(small)
     assert (mask[1:].sum(axis=-1) <= 1).all()
     assert mask[0].any(axis=-1).all()
@@ -129,7 +129,7 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     assert done(out)[1].sum() == 1
 
 
-def test_a_later_run_computes_the_plane_of_the_first_patch(small, tmp_path):
+def test_a_later_run_computes_the_plane_of_the_first_realization(small, tmp_path):
     path = shutil.copytree(small, tmp_path / "plane.zarr")
     few = done(path).sum()
     plane = scene(**{"sweep.realizations": 1})
@@ -171,7 +171,7 @@ def test_a_goal_out_of_reach_ends_with_a_line_of_advice_and_exit_code_1(tmp_path
     said = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
     assert "accuracy 0.58 % not reached" in said
     assert "to reach it: there are too few surface realizations" in said
-    assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further patches
+    assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further realizations
 
 
 def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_path, irg):

@@ -62,7 +62,7 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
 LIFTS = {0: 1.0, 1: 1.1, 2: 0.9, 3: 1.05}
 
 
-def test_the_boundary_of_a_specimen_is_that_of_the_mean_of_its_patches():
+def test_the_boundary_of_a_specimen_is_that_of_the_mean_of_its_realizations():
     sweeps = [
         synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q))
         for lift in LIFTS.values()

@@ -12,7 +12,7 @@ from tribo import Conditions, Corrections, Friction
 VELOCITIES = np.linspace(0.25, 6.0, 40)
 X = np.log(VELOCITIES)
 LIMIT = 1200.0
-SCATTER = 0.02  # of ln(rise), from patch to patch
+SCATTER = 0.02  # of ln(rise), from realization to realization
 
 
 def heat(load, x, generator):
@@ -38,7 +38,7 @@ def conditions(by_velocity=(), share=0.1):
 
 
 class Specimen:
-    """Rises of patches in closed form, which a search asks for."""
+    """Rises of realizations in closed form, which a search asks for."""
 
     def __init__(self, seed, turns=0, loads=10, scatter=SCATTER, velocities=VELOCITIES):
         generator = np.random.default_rng([turns, seed])
@@ -47,21 +47,21 @@ class Specimen:
         self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
         self.failing, self.velocities, self._few = set(), velocities, velocities
 
-    def y(self, load, x, patch=None):
-        """ln(rise/limit) at friction 1, of a patch or of the mean of all."""
+    def y(self, load, x, realization=None):
+        """ln(rise/limit) at friction 1, of a realization or of the mean of all."""
         own = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
-        return own + (0.0 if patch is None else self.offsets[patch])
+        return own + (0.0 if realization is None else self.offsets[realization])
 
-    def search(self, accuracy, promised=0.0, patches=256, **more):
+    def search(self, accuracy, promised=0.0, realizations=256, **more):
         judged = conditions(self.law, more.pop("share", 0.1))
-        goal = Goal(accuracy, patches, **more)
+        goal = Goal(accuracy, realizations, **more)
         return Told(self.loads, self._few, judged, promised, goal)
 
     def rise(self, place):
         if place[1:] in self.failing:
             return np.nan
         load, x = self.loads[place.load], np.log(self.velocities[place.velocity])
-        return LIMIT * np.exp(self.y(load, x, place.patch))
+        return LIMIT * np.exp(self.y(load, x, place.realization))
 
     def run(self, search, known=None):
         """Return all that is asked, in order; or the first points that are not all `known`."""
@@ -76,10 +76,12 @@ class Specimen:
             search.tell(batch, rises, np.full(len(batch), self.scatter))
         return asked
 
-    def crossings(self, load, patch=None):
+    def crossings(self, load, realization=None):
         """Velocities at which wear turns, of a whole line."""
         fine = np.linspace(X[0], X[-1], 20001)
-        y = self.y(load, fine, patch) + np.log(conditions(self.law).friction_factor(np.exp(fine)))
+        y = self.y(load, fine, realization) + np.log(
+            conditions(self.law).friction_factor(np.exp(fine))
+        )
         (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
         is_turn = np.diff(np.sign(np.diff(y))) != 0
         return np.exp(fine[k]), bool(np.any(np.abs(y[1:-1][is_turn]) < 0.01))
@@ -90,7 +92,7 @@ def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
     count = asked = 0
     for seed in range(3):
         specimen = Specimen(seed, turns, loads=5, scatter=0.0)
-        search = specimen.search(0.02, patches=1)
+        search = specimen.search(0.02, realizations=1)
         asked += len(specimen.run(search))
         levels = np.full(len(specimen.loads), search.limit)
         found = search.specimen.field.along_velocity(specimen.loads, levels).places
@@ -124,7 +126,7 @@ def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
     assert np.mean(points) < 0.5 / accuracy**1.3 + 40
 
 
-def test_a_smaller_goal_takes_more_patches_and_rougher_loads_more():
+def test_a_smaller_goal_takes_more_realizations_and_rougher_loads_more():
     counts = []
     for accuracy, scatter in ((0.05, 0.02), (0.02, 0.02), (0.02, 0.04)):
         specimen = Specimen(3, scatter=scatter)
@@ -178,7 +180,7 @@ def test_without_a_crossing_the_search_ends_after_few_points():
 
 def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
     specimen = Specimen(4)
-    search = specimen.search(0.02, patches=3, counts_surface=False)
+    search = specimen.search(0.02, realizations=3, counts_surface=False)
     specimen.run(search)
     found = search.asked.any(axis=2).sum(axis=0)
     assert {*found[np.isfinite(search.critical) & (found > 0)]} == {3}
