@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 
 import pipeline
-from pipeline.run.search import MOST_PATCHES
+from pipeline.run.search import MOST_REALIZATIONS
 from pipeline.store.store import opened
 from tests.crash.loop import PATIENCE, Forked, code_of, job, started
 from tests.crash.sweeps import STAGES, Expected
@@ -125,7 +125,7 @@ def _with_workers(trial, way):
         (name, *options), always, trial.stages = _COMMANDS[way]
         scene = str(_SCENE).format(name)
         overrides = dict(map(_entry, always))
-        overrides |= {"sweep.realizations": MOST_PATCHES} if options else {}
+        overrides |= {"sweep.realizations": MOST_REALIZATIONS} if options else {}
         sweep = pipeline.load_scene(scene, overrides=overrides)
         trial.expected = _AsStored(sweep, trial.path)
         command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
