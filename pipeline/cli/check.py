@@ -150,10 +150,8 @@ def _meaning_rows(
     elif sweep.scene.friction_heat and not sweep.tests:
         yield (
             "",
-            (
-                "heating through pin holder and surface films is not modelled; model.rise adds it "
-                "(irg help physics)"
-            ),
+            "heating through pin holder and surface films is not modelled; model.rise adds it "
+            "(irg help physics)",
         )
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text
@@ -270,14 +268,11 @@ def _difference(own: _Loading, plane: _Loading) -> str:
     if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
         return "" if own == plane else "the load record differs from the sweep's"
     if isinstance(own, Stages) and isinstance(plane, Stages):
-        is_begun_alike = own.shares_stages(plane)
+        if own.shares_stages(plane):
+            return ""
         return (
-            ""
-            if is_begun_alike
-            else (
-                "the load stages differ from the sweep's; longer stages wear the contact more "
-                "and cool it"
-            )
+            "the load stages differ from the sweep's; longer stages wear the contact more and "
+            "cool it"
         )
     if isinstance(own, Stages):
         return (

@@ -146,7 +146,7 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
         return []
     critical = shown_in(conditions.critical_temperature, "°C")
     return [
-        axes.axhline(critical, color=GREY, ls=":", label=(f"critical temperature, {critical:g} °C"))
+        axes.axhline(critical, color=GREY, ls=":", label=f"critical temperature, {critical:g} °C")
     ]
 
 

@@ -1,8 +1,8 @@
 """The points of a sweep as independent tasks of Dask.
 
-Dask orders them, and computes a task again whose result is lost. The driver keeps two or
-more tasks for each worker, one that it computes and others that wait; the next one continues, if
-possible, a loading ramp that this worker has cached.
+Dask orders them, and computes a task again whose result is lost. The driver keeps two or more tasks
+for each worker, one that it computes and others that wait; the next one continues, if possible, a
+loading ramp that this worker has cached.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from pipeline.sweep.sweep import Point, Sweep
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
 
-_AHEAD = 0.4  # time of the tasks that each worker has [s], of which there are
+_AHEAD = 0.4  # time that the tasks of a worker take together [s], within these numbers of tasks
 _LEAST_AHEAD, _MOST_AHEAD = 2, 16
 _SPARE = 16  # tasks for workers that are still to come: a cluster that adapts starts them for tasks
 _DEATHS = 3  # of its workers, after which a point counts as failed
@@ -70,7 +70,7 @@ def compute(
     try:
         while queue or suspects or tasks:
             workers = watch()
-            ahead = min(max(int(_AHEAD / fmean(recent)), _LEAST_AHEAD), _MOST_AHEAD)
+            ahead = max(int(_AHEAD / max(fmean(recent), _AHEAD / _MOST_AHEAD)), _LEAST_AHEAD)
             busy = Counter(job.worker for job in tasks.running.values())
             able = [one for one in workers if busy[one] <= ahead // 2]
             free = [one for count in range(ahead) for one in able if busy[one] <= count]
