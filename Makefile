@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises mutants fuzz crash cluster many measured bench bench-peers release clean
+.PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises mutants fuzz crash cluster many measured bench release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -98,11 +98,6 @@ measured: .venv/test ## name the figures of workflows/MEASURED.md that are older
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks
-
-bench-peers: .venv/test    ## measure the contact solver beside others, which it installs
-	grep -v '^#' tests/benchmarks/peers.txt | while read -r peer; do \
-	    $(BIN)/python -m pip install --quiet $$peer || echo "not installed: $$peer"; done
-	$(MEASURE) --timeout 3600 tests/benchmarks/test_contact.py
 
 INDEX = http://127.0.0.1:18795
 release:              ## sdist and wheel in results/dist, uploaded to an index here, and tried from there

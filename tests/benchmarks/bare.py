@@ -1,7 +1,6 @@
 """The transforms that a computation contains, and nothing else: what its time is measured in."""
 
 import contextlib
-import functools
 import time
 from collections import Counter
 
@@ -45,30 +44,6 @@ def counted_transforms():
 def bare_time(counts):
     """Processor time [s] of only the counted transforms, with reused buffers where possible."""
     return sum(count * _time_of(*transform) for transform, count in counts.items())
-
-
-def plain_time(counts):
-    """Processor time [s] of the same convolutions by plain transforms.
-
-    They transform whole padded fields in double precision, with reused buffers. A convolution has
-    one inverse along x.
-    """
-    return sum(
-        count * _time_of_plain(shape)
-        for (_, kind, shape, _, _, options, _), count in counts.items()
-        if kind == "ifft" and ("axis", 0) in options
-    )
-
-
-@functools.cache
-def _time_of_plain(shape):
-    field, modes = np.ones((shape[0], 2 * (shape[1] - 1))), np.empty(shape, complex)
-
-    def there_and_back():
-        np.fft.rfft2(field, out=modes)
-        np.fft.irfft2(modes, s=field.shape, out=field)
-
-    return shortest(there_and_back, _REPEATS)
 
 
 def _time_of(library, kind, shape, dtype, args, options, in_place):

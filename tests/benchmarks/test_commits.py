@@ -10,7 +10,6 @@ import pytest
 import pipeline
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
-from tests.benchmarks.scene import SCENE
 from tests.benchmarks.test_sweep import time_of_bare_files
 from tests.helpers.points import run_point
 
@@ -24,7 +23,7 @@ PLANE = {
 
 @pytest.mark.parametrize("fields", [False, True], ids=["plain", "fields"])
 def test_commits_of_120_points(benchmark, tmp_path, fields):
-    sweep = pipeline.load_scene(SCENE, "standard", PLANE | {"sweep.fields": fields})
+    sweep = pipeline.load_scene("irg_transition", "standard", PLANE | {"sweep.fields": fields})
     todo = sorted(points(sweep), key=lambda point: (point.velocity, point.load))
     record = run_point(sweep, todo[7]).record(fields)
     records = [replace(record, point=point, wall_time=0.1) for point in todo]

@@ -9,8 +9,6 @@ import sys
 
 import pytest
 
-from tests.benchmarks.scene import SCENE
-
 LIBRARIES = "import numpy, scipy.special, pandas, xarray, zarr"
 FEW = ('sweep.loads=["200 N", "400 N", "750 N"]', 'sweep.velocities=["1 m/s", "2 m/s", "4 m/s"]')
 ROUNDS = 3
@@ -18,9 +16,9 @@ COMMANDS = {
     "margin": "margin STORE --load 400N --velocity 2m/s",
     "boundary": "boundary STORE",
     "status": "status STORE",
-    "check": "check SCENE",
-    "point": "point SCENE --load 400N --velocity 2m/s --set without=measured",
-    "run": "run SCENE --set without=measured --workers 2 -o OUT",
+    "check": "check irg_transition",
+    "point": "point irg_transition --load 400N --velocity 2m/s --set without=measured",
+    "run": "run irg_transition --set without=measured --workers 2 -o OUT",
 }
 
 
@@ -47,7 +45,7 @@ def cpu_time(*command):
 def store(tmp_path_factory):
     path = tmp_path_factory.mktemp("start") / "few.zarr"
     settings = [word for value in FEW for word in ("--set", value)]
-    command = [sys.executable, "-m", "pipeline", "run", SCENE, "-o", path, *settings]
+    command = [sys.executable, "-m", "pipeline", "run", "irg_transition", "-o", path, *settings]
     subprocess.run([*command, "--set", "without=measured"], check=True, capture_output=True)
     return path
 
@@ -59,7 +57,7 @@ def test_a_command_beside_the_imports_of_its_libraries(benchmark, store, tmp_pat
 
     def in_turns():
         for number in range(ROUNDS):
-            names = {"STORE": store, "SCENE": SCENE, "OUT": tmp_path / f"{number}.zarr"}
+            names = {"STORE": store, "OUT": tmp_path / f"{number}.zarr"}
             words = [os.fspath(names.get(word, word)) for word in COMMANDS[name].split()]
             if name in ("run", "point", "check"):
                 words += [word for value in FEW for word in ("--set", value)]
