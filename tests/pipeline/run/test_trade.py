@@ -3,15 +3,14 @@
 import pytest
 
 import pipeline
-from pipeline.run.trade import Measured, Trade
-from tribo import InputError
 
 SMALL = {
-    "window.pixels": [96, 96],
+    "without": ["tests"],
+    "window.pixels": [96, 48],
     "window.pixel_size": ["5 um", "5 um"],
     "disk.roughness.correlation_length": "12 um",
-    "sweep.loads": {"from": "200 N", "to": "750 N", "count": 6},
-    "sweep.velocities": {"from": "0.5 m/s", "to": "8 m/s", "count": 12},
+    "sweep.loads": {"from": "200 N", "to": "750 N", "count": 3},
+    "sweep.velocities": {"from": "0.5 m/s", "to": "8 m/s", "count": 6},
 }
 
 
@@ -38,7 +37,7 @@ def test_planes_have_all_points_and_slower_presets_err_less(measured):
     assert [(one.preset, one.has_steps) for one in planes] == [
         ("standard", False), ("standard", True), ("fine", False), ("reference", False),
     ]  # fmt: skip
-    assert {one.points for one in planes} == {72}
+    assert {one.points for one in planes} == {18}
     errors = [one.error for one in planes if not one.has_steps]
     assert errors == sorted(errors, reverse=True)
     assert all(one.seconds > 0 for one in planes)
@@ -46,17 +45,7 @@ def test_planes_have_all_points_and_slower_presets_err_less(measured):
 
 def test_table_and_figure_have_each_run(measured, tmp_path):
     found = measured[0]
-    assert len(found.table) == 6
+    errors = [100 * one.error for one in (*found.runs, *found.planes)]
+    assert found.table["numerical error [%]"].tolist() == pytest.approx(errors, rel=1e-2)
     assert "accuracy 10%" in str(found)
     assert pipeline.plot(found, out=tmp_path / "trade.svg").exists()
-
-
-def test_a_scene_without_a_boundary_is_refused(tmp_path):
-    scene = pipeline.load_scene("first_try", overrides={"friction.coefficient": 0})
-    with pytest.raises(InputError, match="no boundary"):
-        pipeline.trade(scene, tmp_path / "none.zarr")
-
-
-def test_a_trade_is_a_plain_record():
-    one = Measured(0.05, "standard", 10, 2.0, 0.04)
-    assert Trade("A scene", (one,), ()).table["numerical error [%]"].tolist() == [4.0]
