@@ -104,10 +104,10 @@ def test_the_first_screen_has_the_commands_of_a_fresh_machine():
 
 def test_the_agreement_is_that_of_the_page_on_the_paper():
     page = text_of("workflows/REPRODUCING.md")
-    ((low, high),) = re.findall(r"velocities are ([-+]\d+) to ([-+]\d+) % off", page)
-    assert f" {low} to {high} % off".replace("-", "−") in README
-    lists = re.findall(r"((?:[-+]\d+, )+[-+]\d+) % off, each from the other three", page)
-    held_out = [int(number) for text in lists for number in text.split(", ")]
+    ((low, high),) = re.findall(r"velocities are ([−+]\d+) to ([−+]\d+) % off", page)
+    assert f" {low} to {high} % off" in README
+    lists = re.findall(r"((?:[−+]\d+, )+[−+]\d+) % off, each from the other three", page)
+    held_out = [int(number.replace("−", "-")) for text in lists for number in text.split(", ")]
     assert len(held_out) == 8
     assert f" −{-min(held_out)} to +{max(held_out)} % off" in README
 

@@ -16,6 +16,8 @@ extensions = [
 exclude_patterns = ["paper"]
 html_theme = "furo"
 html_title = "IRG transition diagrams"
+html_static_path = ["print.css"]
+html_css_files = [("print.css", {"media": "print"})]
 smartquotes = False  # the dashes of options are two
 
 myst_heading_anchors = 4

@@ -1,8 +1,8 @@
 """Pages of Markdown with the results: the gallery, and what of the paper comes again.
 
 A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
-``figure``, a result with its figure, command and verdicts; ``findings``, statements named as
-``table4.width``, with their numbers; and ``table``, the table of a result.
+``figure``, a result with its figure, command and verdicts; and ``findings``, statements named as
+``table4.width``, with their numbers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def pages(reports: Sequence[Report]) -> dict[str, str]:
         if kind == "findings":
             lines = _findings(known, names.split(), old.splitlines())
         elif names in known:
-            lines = _figure(known[names]) if kind == "figure" else markdown_of(known[names].table)
+            lines = _figure(known[names])
         else:
             return block[0]
         return begin + "\n".join(lines) + "\n" + end

@@ -7,6 +7,7 @@ their lowest and highest value.
 
 from __future__ import annotations
 
+import re
 import string
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -50,6 +51,7 @@ class _Formatter(string.Formatter):
 
 
 _WRITER = _Formatter()
+_MINUS = re.compile(r"(?<!\w)-(?=\d)")  # not that of 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +94,8 @@ def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any])
     texts = WORDS[result]["findings"][statement]
     why = texts.get(values.get("why"), texts.get("why", ""))
     printed, computed, why = (
-        _WRITER.vformat(text, (), values) for text in (texts["printed"], texts["computed"], why)
+        _MINUS.sub("−", _WRITER.vformat(text, (), values))
+        for text in (texts["printed"], texts["computed"], why)
     )
     return Finding(statement, printed, computed, bool(agrees), why)
 
