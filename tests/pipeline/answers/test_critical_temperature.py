@@ -1,5 +1,6 @@
 """The critical temperature from tests: by brute force over it, the bias and the scatter."""
 
+import itertools
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import t as student
 
 import pipeline
+from pipeline.answers.likelihood import Prior, update
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
@@ -100,29 +102,39 @@ def test_it_and_all_probabilities_are_those_of_brute_force(case):
     assert here["probability"].values == pytest.approx(chances, abs=1e-4)
 
 
-def test_a_critical_temperature_in_the_scene_changes_nothing_of_what_tests_say():
-    made = [bare_test(300.0, 2.0), bare_test(500.0, 0.9, bulk_temperature=WARM)]
-    first, *others = (
-        pipeline.infer(swept(*made, critical=273.15 + celsius))["critical_temperature"].item()
-        for celsius in (90.0, 145.0, 500.0)
-    )
-    assert others == pytest.approx([first] * 2, abs=0.1)
+@pytest.mark.parametrize("celsius", [90.0, 145.0, 500.0])
+def test_it_is_found_from_transitions_whatever_the_scene_says(celsius):
+    """The limit of the rise is 900 K at four places: 90 K above the bulk temperature."""
+    tests = [
+        bare_test(load, float(synthetic.critical_velocity(load, 900.0)))
+        for load in (200.0, 300.0, 400.0, 600.0)
+    ]
+    found = pipeline.infer(swept(*tests, critical=273.15 + celsius))
+    assert found["critical_temperature"].item() == pytest.approx(BULK + 90.0, abs=1.0)
+    assert np.isnan([found["at_least"], found["at_most"]]).all()
+    here = found["spread_this_rig"].item()
+    assert 2.0 < here < 5.0
+    bias = np.linspace(-30, 30, 60001)  # that and the critical temperature have Student's t
+    weights = student.pdf(bias / 0.15, 4) * student.pdf(math.log(90 / 120) + bias, 4)
+    of_bias = math.sqrt(np.average(np.square(bias), weights=weights))
+    another = math.hypot(here, 90.0 * of_bias)
+    assert found["spread_another_rig"].item() == pytest.approx(another, rel=0.01)  # of 1 K in 90
 
 
-@pytest.mark.parametrize(("outcome", "verdict"), [("mild", "mild"), ("severe", "severe")])
-def test_tests_of_one_outcome_decide_nothing_and_bound_it_on_one_side(outcome, verdict):
-    ds = swept(bare_test(400.0, 2.0, outcome=outcome))
-    loads, velocities = np.meshgrid([200.0, 750.0], [0.5, 4.0])
-    for place in zip(loads.ravel(), velocities.ravel(), strict=True):
-        assert asked(ds, *place).verdict != verdict
-    found = pipeline.infer(ds)
-    contact = BULK + heat(400.0, 2.0)
-    if outcome == "mild":
-        assert BULK + 30 < found["at_least"].item() < contact
-        assert np.isnan(found["at_most"])
-    else:
-        assert contact < found["at_most"].item() < contact + 120
-        assert np.isnan(found["at_least"])
+@pytest.mark.parametrize("outcome", ["mild", "severe"])
+def test_tests_of_one_outcome_bound_it_on_one_side_and_decide_nothing(outcome):
+    place = float(synthetic.critical_velocity(400.0, synthetic.limit()))
+    test, known = bare_test(400.0, place, outcome=outcome), 273.15 + 145.0
+    for load, velocity in itertools.product([200.0, 750.0], [0.5, 4.0]):
+        assert asked(swept(test), load, velocity).verdict != outcome
+    found = pipeline.infer(swept(test, critical=known))
+    level = update((), Prior()).level(0.95)  # y at which a mild result has a probability of 5 %
+    side, other, sign = ("at_least", "at_most", -1) if outcome == "mild" else (
+        "at_most", "at_least", 1
+    )  # fmt: skip
+    bound = BULK + 120.0 * math.exp(sign * level)
+    assert found[side].item() == pytest.approx(bound, abs=1.0)  # of the grid of biases
+    assert np.isnan(found[other])
 
 
 def test_every_door_has_the_same_critical_temperature():

@@ -111,7 +111,7 @@ def columns(rows, *names):
         yield name, values + 273.15 * (name == "governing_temperature")
 
 
-def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg):
+def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg_both):
     name, ds, found = asked
     by_table = pipeline.margin(ds, table(name))
     for one in (*NUMBERS, "verdict", "warning_flags", "outcome_along_velocity"):
@@ -122,7 +122,7 @@ def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg
     assert len({*seen}) >= 3
     table(name).to_csv(tmp_path / "t.csv", index=False)
     command = "margin", "out.zarr", "--points", tmp_path / "t.csv", "-o", tmp_path / "out.csv"
-    rows = irg(*command, "--json")
+    said, rows = irg_both(*command)
     assert [row["verdict"] for row in rows] == seen
     for one, values in columns(rows, *NUMBERS):
         same(values, found[one].values.ravel(), 1e-9)
@@ -131,31 +131,27 @@ def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg
     for one, values in columns(written, "probability", "temperature_margin"):
         np.testing.assert_allclose(values, found[one].values.ravel(), 1e-5, 1e-5)
     counts = {verdict: seen.count(verdict) for verdict in {*seen}}
-    said = irg(*command[:4])
     assert all(f"{count} {verdict}" in said for verdict, count in counts.items())
 
 
-def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg):
+def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg, irg_both):
     name, ds, found = asked
-    rows = table(name)
-    for k in (17,):
-        load, velocity, friction, bulk = rows.iloc[k].tolist()
-        own = {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
-        here, there = pipeline.margin(ds, load, f"{velocity} m/s", **own), found.isel(place=k)
-        for one in NUMBERS:
-            same(here[one], there[one])
-        assert words(here).tolist() == words(there).tolist()
-        told = [part for key, x in own.items() for part in (f"--{key.replace('_', '-')}", x)]
-        place = "margin", "out.zarr", "--load", f"{load} N", "--velocity", f"{velocity} m/s"
-        if "unknown" in words(there):
-            assert there["reason"].values.ravel()[0] in irg(*place, *told, code=2)
-            continue
-        printed = irg(*place, *told, "--json")
-        assert [row["verdict"] for row in printed] == words(there).tolist()
-        for one, values in columns(printed, *NUMBERS):
-            same(values, there[one].values.ravel(), 1e-9)
-        first = irg(*place, *told).replace("\n    ", " ")
-        assert words(there)[0].capitalize() in first
+    load, velocity, friction, bulk = table(name).iloc[17].tolist()
+    own = {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
+    here, there = pipeline.margin(ds, load, f"{velocity} m/s", **own), found.isel(place=17)
+    for one in NUMBERS:
+        same(here[one], there[one])
+    assert words(here).tolist() == words(there).tolist()
+    told = [part for key, x in own.items() for part in (f"--{key.replace('_', '-')}", x)]
+    place = "margin", "out.zarr", "--load", f"{load} N", "--velocity", f"{velocity} m/s"
+    if "unknown" in words(there):
+        assert there["reason"].values.ravel()[0] in irg(*place, *told, code=2)
+        return
+    said, rows = irg_both(*place, *told)
+    assert [row["verdict"] for row in rows] == words(there).tolist()
+    for one, values in columns(rows, *NUMBERS):
+        same(values, there[one].values.ravel(), 1e-9)
+    assert words(there)[0].capitalize() in said.replace("\n    ", " ")
 
 
 def test_boundary_figure_and_margin_draw_one_line(asked, irg):
@@ -168,10 +164,12 @@ def test_boundary_figure_and_margin_draw_one_line(asked, irg):
     known = along["log_rise_ratio"].notnull()
     for one in ("critical_velocity", "outcome_along_velocity"):
         same(along[one].where(known), found[one].where(known).transpose(*along.dims))
-    for share in (0.05, 0.5, 0.95):
-        ends = found[f"critical_velocity_p{100 * share:02.0f}"]
-        here = pipeline.margin(ds, ends["load"], ends)["probability"]
-        assert here.values[np.isfinite(here.values)] == pytest.approx(share, abs=1e-6)
+    shares = xr.DataArray([0.05, 0.5, 0.95], dims="share")
+    ends = [found[f"critical_velocity_p{100 * share:02.0f}"] for share in shares.values]
+    ends = xr.concat(ends, "share", combine_attrs="override")
+    here = pipeline.margin(ds, ends["load"], ends)["probability"]
+    assert (abs(here - shares) < 1e-6).where(here.notnull(), True).all()
+    assert here.notnull().any()
 
 
 @pytest.mark.parametrize("name", ["film", "pending"])
@@ -179,9 +177,11 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
     ds, _ = store(name)
     regions = {one.get_gid(): one.get_paths() for one in pipeline.plot(ds).axes[0].collections}
     rng, seen = np.random.default_rng(1), set()
-    loads, velocities = rng.uniform(205, 745, 120), rng.uniform(0.55, 3.95, 120)
+    loads, velocities = rng.uniform(210, 735, 120), rng.uniform(0.55, 3.95, 120)
     # The end of a region is known only to within a cell of the figure's grid.
-    around = [words(pipeline.margin(ds, k * loads, k * velocities)) for k in (0.99, 1.0, 1.01)]
+    nearby = xr.DataArray([0.99, 1.0, 1.01], dims="near")
+    at = (xr.DataArray(one, dims="place") * nearby for one in (loads, velocities))
+    around = words(pipeline.margin(ds, *at).transpose("near", "place")).reshape(3, -1)
     for load, velocity, *verdicts in zip(loads, velocities, *around, strict=True):
         if len({*verdicts}) == 1 and verdicts[0] not in ("unknown", "outside the model"):
             painted = [
@@ -243,13 +243,11 @@ def test_nothing_is_mild_that_is_no_easier_than_a_severe_test(film):
 # Arguments of every type
 
 N, M = "500 N", "2 m/s"
-SAME = {  # as load, or, in m/s, as velocity
-    "int": 400, "float": 400.0, "numpy": np.float32(400), "whole": np.int64(400),
-    "no dimension": np.array(400.0), "text": "400 N", "text of numpy": np.str_("400 N"),
-    "text of no dimension": np.array("400 N"), "kilo": "0.4 kN", "list": [400.0],
-    "tuple": (400,), "texts": ["400 N"], "mixed": ["0.4 kN", 400.0], "series": pd.Series([400.0]),
-    "texts of pandas": pd.Series(["400 N"]), "index": pd.Index([400.0]),
-    "array": xr.DataArray(400.0), "its unit": xr.DataArray([0.4], dims="a", attrs={"units": "kN"}),
+SAME = {
+    "int": 400, "numpy": np.float32(400), "no dimension": np.array(400.0), "text": "400 N",
+    "text of numpy": np.str_("400 N"), "kilo": "0.4 kN", "mixed": ["0.4 kN", 400.0],
+    "series": pd.Series([400.0]), "texts of pandas": pd.Series(["400 N"]),
+    "its unit": xr.DataArray([0.4], dims="a", attrs={"units": "kN"}),
     "variable": xr.Variable("a", [0.4], {"units": "kN"}), "its text": xr.DataArray("400 N"),
 }  # fmt: skip
 REFUSED = {
@@ -266,7 +264,7 @@ REFUSED = {
     "masked": (np.ma.masked_array([4.0, 5.0], [True, False]), "load has masked values"),
     "alone": (None, "give both a load and a velocity"),
 }  # fmt: skip
-UNKNOWN = {"nan": np.nan, "infinite": np.inf, "negative": -400.0, "zero": 0, "text": "-4 N"}
+UNKNOWN = np.nan, np.inf, -400.0, 0, "-4 N"
 
 
 @functools.cache
@@ -295,19 +293,19 @@ def test_what_is_no_load_is_refused_in_a_line(name):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("name", UNKNOWN)
-def test_a_load_that_no_contact_has_is_unknown_and_said(name):
-    found = pipeline.margin(plane(), [UNKNOWN[name], 400.0], 2.0)
-    assert words(found).tolist() == ["unknown", "undecided"]
-    assert "give a value inside it" in found["reason"].values[0]
-    assert np.isnan(found["probability"].values[0])
+def test_a_load_that_no_contact_has_is_unknown_and_said():
+    found = pipeline.margin(plane(), [*UNKNOWN, 400.0], 2.0)
+    assert words(found).tolist() == ["unknown"] * len(UNKNOWN) + ["undecided"]
+    reasons, chances = found["reason"].values[:-1], found["probability"].values[:-1]
+    for reason, chance in zip(reasons, chances, strict=True):
+        assert "give a value inside it" in reason
+        assert np.isnan(chance)
 
 
 OF_CONDITIONS = {
-    "share": ({"friction": "10 %"}, ""), "of numpy": ({"friction": np.float64(0.1)}, ""),
+    "share": ({"friction": "10 %"}, ""),
     "percent": ({"friction": xr.DataArray(10.0, attrs={"units": "%"})}, ""),
-    "one": ({"friction": xr.DataArray(0.1, attrs={"units": "1"})}, ""),
-    "celsius": ({"bulk_temperature": "25 degC"}, ""), "kelvin": ({"bulk_temperature": 298.15}, ""),
+    "kelvin": ({"bulk_temperature": 298.15}, ""),
     "its unit": ({"bulk_temperature": xr.DataArray(25.0, attrs={"units": "degC"})}, ""),
     "text of numpy": ({"bulk_temperature": np.array("25 °C")}, ""),
     "none": ({"critical_temperature": None}, ""),

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import pipeline
-from pipeline.constants import PRESET_BOUNDS, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import page_sweeps, synthetic
 from tests.helpers.answer_at import asked
@@ -40,48 +38,6 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
         assert result.critical_load == pytest.approx(critical, rel=1e-9)
 
 
-def surfaces(*rises, **told):
-    """Sweep on several surfaces, each with its own function of the rise."""
-    several = [synthetic.sweep(rise=rise, **told) for rise in rises]
-    labels = xr.Variable("realization", range(len(rises)))
-    return xr.concat(several, labels, combine_attrs="override")
-
-
-FACTORS = np.array([1.0, 1.05, 0.97, 1.2])
-
-
-def lifted(*, status=None):
-    """Sweep on four realizations whose rises differ by factors; some lack points."""
-    told = [{"status": {}} for _ in FACTORS]
-    if status:
-        told[status[0]]["status"] = status[1]
-    parts = [
-        synthetic.sweep(rise=lambda F, V, q=1.0, k=k: k * synthetic.rise(F, V, q), tests=(), **own)
-        for k, own in zip(FACTORS, told, strict=True)
-    ]
-    return xr.concat(parts, xr.Variable("realization", range(4)), combine_attrs="override")
-
-
-@pytest.mark.parametrize("share", [None, 0.5, 0.0])
-def test_the_rise_of_a_specimen_is_the_mean_of_its_realizations_and_the_highest_their_highest(
-    share,
-):
-    alone = synthetic.sweep(tests=())
-    found = asked(lifted(), 400.0, 2.0, critical_area_fraction=share)
-    factor = FACTORS.max() if share == 0 else np.exp(np.log(FACTORS).mean())
-    rise = asked(alone, 400.0, 2.0, critical_area_fraction=share).governing_temperature - 298.15
-    assert found.governing_temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
-    assert found.realizations == 4
-
-
-def test_a_realization_that_lacks_places_counts_by_its_difference_from_the_first():
-    whole = pipeline.boundary(lifted())
-    missing = {(400.0, v): PENDING for v in synthetic.VELOCITIES if v != 1.0}
-    found = pipeline.boundary(lifted(status=(3, missing)))
-    expected = whole["critical_velocity"].values
-    np.testing.assert_allclose(found["critical_velocity"], expected, rtol=1e-12)
-
-
 def wavy(load, velocity, quantile=1.0):
     return synthetic.rise(load, velocity, quantile) * (1 + 0.02 * np.sin(3 * velocity + load / 90))
 
@@ -110,19 +66,6 @@ def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, sid
         critical = here.governing_temperature + side * share * here.temperature_error
         judged = asked(ds, load, velocity, critical_temperature=critical)
         assert judged.verdict == expected
-
-
-@pytest.mark.parametrize("steeper", [0.0, 0.2])
-@pytest.mark.parametrize("preset", ["standard", "fine"])
-def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(preset, steeper):
-    def bent(load, velocity, quantile=1.0):
-        return synthetic.rise(load, velocity, quantile) * (velocity / 2) ** steeper
-
-    for load in (400.0, 425.0):
-        here = asked(synthetic.sweep(preset=preset, rise=bent), load, 2.0)
-        rise = here.governing_temperature - 298.15
-        share = RISE_SHARE * PRESET_BOUNDS[preset]
-        assert here.temperature_error_discretization == pytest.approx(rise * share, rel=1e-9)
 
 
 def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_undecides():
@@ -189,11 +132,6 @@ def test_what_is_continued_tells_its_error():
                 )
     assert len(missed) >= 5
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
-
-
-def test_the_caveat_of_a_scene_stands_beside_each_verdict():
-    ds = synthetic.sweep(note="Not validated: no test of this steel.")
-    assert asked(ds, 400.0, 2.0).notes[0] == "Not validated: no test of this steel."
 
 
 def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():

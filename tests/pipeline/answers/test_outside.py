@@ -1,4 +1,4 @@
-"""A place outside a sweep gets the command that simulates it, and this command works."""
+"""A place outside a sweep is unknown, and gets the command that simulates it, which works."""
 
 import shlex
 
@@ -6,8 +6,9 @@ import pytest
 
 import pipeline
 from pipeline.cli.values import setting
+from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
-from tests.helpers.answer_at import asked
+from tests.helpers.answer_at import asked, named
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -59,3 +60,26 @@ def test_no_command_is_given_for_a_place_that_cannot_be_simulated(place):
     is_possible = min(place) > 0 and max(place) < 1e10
     assert ("to extend the sweep: irg run" in here.reason) == is_possible
     assert is_possible or "give a value inside it" in here.reason
+
+
+@pytest.mark.parametrize("place", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])
+def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
+    ds = synthetic.sweep()
+    edge, here = asked(ds, 750.0, 4.0), asked(ds, *place)
+    assert here.probability == pytest.approx(edge.probability, rel=1e-6)
+    assert (here.load, here.velocity) == pytest.approx((750.0, 4.0), rel=1e-5)
+
+
+@pytest.mark.parametrize("place", [("751 N", "4 m/s"), ("750 N", "4.001 m/s")])
+def test_a_place_beyond_by_more_than_rounding_is_refused(place):
+    here = asked(synthetic.sweep(), *place)
+    assert here.verdict == "unknown"
+    assert "is outside the sweep" in here.reason
+
+
+def test_loads_without_a_point_that_is_done_are_unknown_beside_others_that_are_known():
+    later = [load for load in synthetic.LOADS.tolist() if load > 450]
+    waits = {(load, speed): PENDING for load in later for speed in synthetic.VELOCITIES.tolist()}
+    found = pipeline.boundary(synthetic.sweep(status=waits)).sel(load=later)
+    assert {*named(found["outcome_along_velocity"])} == {"unknown"}
+    assert found["critical_velocity"].isnull().all()

@@ -57,26 +57,57 @@ def factor(ds, **conditions):
     return (own / found) ** synthetic.VELOCITY_EXPONENT
 
 
-def test_a_realization_with_one_point_a_load_counts_along_all_of_its_velocities():
-    places = [(F, 2.0) for F in LOADS]
-    sparse = realizations(states={k: only(*places) for k in range(1, len(LIFTS))})
-    mean = math.exp(np.log(LIFTS).mean())
-    np.testing.assert_allclose(factor(sparse), mean, rtol=1e-12)
-    np.testing.assert_allclose(factor(realizations()), mean, rtol=1e-12)
+def mean(lifts):
+    return math.exp(np.log(lifts).mean())
 
 
-def test_a_load_of_one_realization_between_loads_of_several_follows_from_these():
-    """The plane of the first realization beside a run with an accuracy moves no load."""
-    lacks_400 = realizations((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2)
-    expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
-    np.testing.assert_allclose(factor(lacks_400), expected, rtol=1e-12)
+GROWING = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)  # mean of two, the second of which grows
+FAILED_THERE = {3: {(600.0, 4.0): FAILED}}
+SPECIMENS = {
+    "the mean of realizations": (realizations, mean(LIFTS)),
+    "a point a load tells of all velocities": (
+        lambda: realizations(
+            states={k: only(*((F, 2.0) for F in LOADS)) for k in range(1, len(LIFTS))}
+        ),
+        mean(LIFTS),
+    ),
+    "a load between loads of several follows from these": (
+        lambda: realizations((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2),
+        GROWING,
+    ),
+    "beyond the loads of several the first counts alone": (
+        lambda: realizations((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2),
+        [1.0, *GROWING[1:]],
+    ),
+    "a load that the first lacks is on the level of the others": (
+        lambda: realizations((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}}),
+        math.sqrt(1.1),
+    ),
+    "a first without a point hides no other": (
+        lambda: realizations(states={0: only()}),
+        mean(LIFTS[1:]),
+    ),
+    "one shown alone": (lambda: realizations().sel(realization=[2]), [np.nan, *LIFTS[2:3] * 2]),
+    "one that failed is left out if four stay": (
+        lambda: realizations(states=FAILED_THERE),
+        mean([*LIFTS[:3], LIFTS[4]]),
+    ),
+    "one that failed stays among four": (
+        lambda: realizations(LIFTS[:4], FAILED_THERE),
+        mean(LIFTS[:4]),
+    ),
+}
 
 
-def test_beyond_the_loads_of_several_realizations_the_first_counts_alone():
-    lacks_200 = realizations((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2)
-    expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
-    expected[0] = 1.0
-    np.testing.assert_allclose(factor(lacks_200), expected, rtol=1e-12)
+@pytest.mark.parametrize("name", SPECIMENS)
+def test_a_boundary_is_that_of_the_mean_of_realizations(name):
+    make, expected = SPECIMENS[name]
+    np.testing.assert_allclose(factor(make()), np.broadcast_to(expected, 3), rtol=1e-12)
+
+
+def test_where_the_highest_temperature_decides_the_hottest_realization_does():
+    found = factor(realizations(), critical_area_fraction=0.0)
+    np.testing.assert_allclose(found, max(LIFTS), rtol=1e-12)
 
 
 def test_at_a_load_without_a_point_realizations_differ_as_at_the_loads_beside():
@@ -86,41 +117,10 @@ def test_at_a_load_without_a_point_realizations_differ_as_at_the_loads_beside():
     assert found.realizations == beside.realizations == 2
 
 
-def test_a_place_that_the_first_realization_lacks_stands_on_the_level_of_the_others():
-    first_lacks = realizations((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}})
-    np.testing.assert_allclose(factor(first_lacks), math.sqrt(1.1), rtol=1e-12)
-
-
-def test_a_first_realization_without_a_point_does_not_hide_the_others():
-    np.testing.assert_allclose(factor(realizations(states={0: only()})), math.exp(
-        np.log(LIFTS[1:]).mean()
-    ), rtol=1e-12)  # fmt: skip
-
-
-def test_where_the_highest_temperature_decides_the_hottest_realization_does():
-    np.testing.assert_allclose(
-        factor(realizations(), critical_area_fraction=0.0), max(LIFTS), rtol=1e-12
-    )
-
-
-def test_one_realization_is_shown_alone():
-    one = realizations().sel(realization=[2])
-    np.testing.assert_allclose(factor(one)[1:], LIFTS[2], rtol=1e-12)
-    assert asked(one, 400.0, 2.0).realizations == 1
-
-
-def test_a_realization_that_failed_is_left_out_of_the_whole_plane_and_named_if_four_stay():
-    failed = {3: {(600.0, 4.0): FAILED}}
-    here = asked(realizations(states=failed), 400.0, 2.0)
+def test_a_realization_that_failed_is_named():
+    here = asked(realizations(states=FAILED_THERE), 400.0, 2.0)
     assert here.realizations == 4
     assert any("realizations 3" in line for line in here.notes)
-    rest = [lift for seed, lift in enumerate(LIFTS) if seed != 3]
-    np.testing.assert_allclose(
-        factor(realizations(states=failed)), math.exp(np.log(rest).mean()), rtol=1e-12
-    )
-    few = realizations(LIFTS[:4], failed)
-    assert asked(few, 400.0, 2.0).realizations == 4
-    np.testing.assert_allclose(factor(few), math.exp(np.log(LIFTS[:4]).mean()), rtol=1e-12)
 
 
 def test_a_failed_realization_stays_where_it_alone_has_points():

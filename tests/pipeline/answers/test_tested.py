@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import t as student
 
 import pipeline
 from pipeline.answers.field import Outcome as Along
@@ -172,41 +171,6 @@ def test_a_test_that_the_others_make_unlikely_is_named():
     (said,) = pipeline.boundary(swept(*tests, slip)).attrs["outliers"].split(" | ")
     assert said.startswith("outlier: test slip (severe, 400 N, ")
     assert pipeline.boundary(swept(*tests)).attrs["outliers"] == ""
-
-
-def inferring(*tests, critical=418.15):
-    conditions = synthetic.CONDITIONS | {"critical_temperature": critical}
-    return swept(*tests, conditions=conditions)
-
-
-@pytest.mark.parametrize("start", [380.0, 418.15, 520.0])
-def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_begins(start):
-    temperature = 298.15 + 90.0
-    tests = [
-        bare_test(load, float(synthetic.critical_velocity(load, 900.0)))
-        for load in (200.0, 300.0, 400.0, 600.0)
-    ]
-    found = pipeline.infer(inferring(*tests, critical=start))
-    assert found["critical_temperature"].item() == pytest.approx(temperature, abs=1.0)
-    assert np.isnan([found["at_least"], found["at_most"]]).all()
-    here = found["spread_this_rig"].item()
-    assert 2.0 < here < 5.0
-    bias = np.linspace(-30, 30, 60001)  # that and the critical temperature have Student's t
-    weights = student.pdf(bias / 0.15, 4) * student.pdf(math.log(90 / 120) + bias, 4)
-    of_bias = math.sqrt(np.average(np.square(bias), weights=weights))
-    another = math.hypot(here, 90.0 * of_bias)
-    assert found["spread_another_rig"].item() == pytest.approx(another, rel=0.01)  # of 1 K in 90
-
-
-def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
-    place = float(synthetic.critical_velocity(LOAD, LIMIT))
-    mild = pipeline.infer(inferring(bare_test(LOAD, place, outcome="mild")))
-    severe = pipeline.infer(inferring(bare_test(LOAD, place, outcome="severe")))
-    level = update((), Prior()).level(0.95)  # y at which a mild result has a probability of 5 %
-    low, high = (298.15 + 120.0 * math.exp(way) for way in (-level, level))
-    assert mild["at_least"].item() == pytest.approx(low, abs=1.0)  # of the grid of biases
-    assert severe["at_most"].item() == pytest.approx(high, abs=1.0)
-    assert np.isnan([mild["at_most"], severe["at_least"]]).all()
 
 
 def test_the_boundary_of_a_scene_without_a_crossing_is_mild_with_tests_or_without():

@@ -9,6 +9,7 @@ from pipeline.store.schema import FAILED, NOT_NEEDED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
+from tests.pipeline.figures.test_plot import labels, lines
 from tribo import InputError
 
 LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
@@ -37,9 +38,6 @@ def marks(axes, gid):
     """Set of (velocity, load) of the drawn points with this id."""
     found = [line for line in axes.lines if line.get_gid() == gid]
     return {(v, load) for line in found for v, load in zip(*line.get_data(), strict=True)}
-
-
-# Lines and areas
 
 
 def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
@@ -76,9 +74,6 @@ def surfaces(*factors):
     return xr.concat(several, labels, combine_attrs="override")
 
 
-# Points
-
-
 def test_points_that_are_not_done_are_marked():
     ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
     axes, words, legend = drawn(ds)
@@ -101,6 +96,29 @@ def test_points_that_no_run_simulates_have_no_mark():
     assert "pending" not in legend.get_title().get_text()
 
 
+def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
+    tests = (
+        bare_test(250.0, 1.5, outcome="mild"),
+        bare_test(500.0, 3.0, outcome="severe"),
+        bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
+        bare_test(901.0, 2.0, outcome="mild"),
+        bare_test(200.0, 9.0, outcome="mild"),
+    )
+    axes = pipeline.plot(sweep(tests=tests)).axes[0]
+    places = lines(axes)
+    colours = {line.get_gid(): line.get_markerfacecolor() for line in axes.lines}
+    assert places["test mild"].tolist() == [[1.5, 250.0]]
+    assert places["test severe"].tolist() == [[3.0, 500.0]]
+    assert places["test severe, elsewhere"].tolist() == [[2.5, 350.0]]
+    assert colours["test mild"] == "white"
+    assert colours["test severe"] == colours["test severe, elsewhere"] != "white"
+    numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
+    assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
+    (legend,) = axes.figure.legends
+    assert "not shown (outside the axes): tests 4, 5" in legend.get_title().get_text()
+    assert "test: mild, severe" in labels(legend)
+
+
 def test_operating_points_are_marked_as_pairs_with_their_numbers():
     axes = drawn(sweep(), load=["300 N", 500.0], velocity=[1.5, "3 m/s"])[0]
     assert marks(axes, "operating point") == {(1.5, 300.0), (3.0, 500.0)}
@@ -121,9 +139,6 @@ def test_the_heavy_line_is_the_boundary_with_tests_if_there_are_any():
     both, words = widths(sweep(tests=(bare_test(400.0, 2.25),)))
     assert words[1:3] == ["boundary with tests (50 %)", "computed boundary, numerical error"]
     assert both["boundary with tests"] == alone["boundary"] > 2 * both["boundary"]
-
-
-# One line, or several scenes
 
 
 def test_a_single_load_or_velocity_has_its_points_alone():
@@ -162,17 +177,23 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
     assert words == ["1 mm", "2 mm"]
-    lines = [vertices(axes, f"boundary {name}") for name in words]
-    assert lines[0][:, 0].max() < lines[1][:, 0].max()  # the cooler pin's boundary is faster
+    ends = [vertices(axes, f"boundary {name}")[:, 0].max() for name in words]
+    assert ends[0] < ends[1]  # the cooler pin's boundary is faster
     colours = [one.get_edgecolor()[0].tolist() for one in axes.collections]
     assert colours[0] != colours[1]
     keys = [line.get_color() for line in axes.figure.legends[0].get_lines()]
     assert [list(key) for key in keys] == colours
 
 
-def test_logarithmic_scales_leave_rest_out():
+def test_a_logarithmic_diagram_has_the_same_boundary_and_leaves_rest_out():
     ds = sweep(velocities=(0.0, 1.0, 2.0, 4.0))
-    axes = drawn(ds, log=True)[0]
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert axes.get_xlim()[0] == 1.0
-    assert drawn(ds)[0].get_xlim()[0] == 0.0
+    plain, log = drawn(ds)[0], drawn(ds, log=True)[0]
+    assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
+    assert (log.get_xlim()[0], plain.get_xlim()[0]) == (1.0, 0.0)
+    whole = vertices(plain, "boundary")
+    np.testing.assert_allclose(vertices(log, "boundary"), whole)
+    low, high = log.get_xlim()
+    shown = (one for one in log.get_xticklabels() if low <= one.get_position()[0] <= high)
+    assert [one.get_text() for one in shown] == ["1", "2", "3", "4"]
+    names = {text.get_text() for text in log.texts if text.get_gid() == "region"}
+    assert names == {"mild wear\n(I and II)", "severe adhesive wear\n(III* and III)"}

@@ -56,16 +56,6 @@ def of_height(rms):
     return replace(rough.roughness, ra=rough.roughness.ra * rms / heights.std())
 
 
-def contour(axes, gid):
-    return [
-        path.vertices
-        for artist in axes.collections
-        if artist.get_gid() == gid
-        for path in artist.get_paths()
-        if len(path.vertices)
-    ]
-
-
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
     lines = " ".join(legend.get_title().get_text().split())
@@ -139,6 +129,24 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         edges = mesh.get_coordinates()
         np.testing.assert_allclose(edges[0, 0], [-192.0, -6.0])
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
+
+
+def test_the_critical_temperature_is_outlined_in_the_contact():
+    ds = synthetic.sweep((200.0, 400.0, 600.0), (1.0, 2.0, 4.0), fields=True)
+    figure = pipeline.plot(ds, "fields", load=600.0, velocity=4.0)
+    panel = figure.axes[1]
+    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C]; outline at 145"
+    (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))
+    here = ds.sel(load=600.0, velocity=4.0)
+    temperature = 25.0 + 0.1 * here["rise"]
+    for path in outline.get_paths():
+        for x, y in path.vertices[:: max(1, len(path.vertices) // 5)]:
+            at = {"x": 1e-6 * x, "y": 1e-6 * y}
+            assert temperature.interp(**at).item() == pytest.approx(145.0, abs=6.0)
+    assert [axes.get_ylabel() for axes in figure.axes[:3]] == ["y [µm]", "", ""]
+    narrow = pipeline.plot(ds, "fields", width="8.5 cm")  # panels below each other
+    assert [axes.get_xlabel() for axes in narrow.axes[:3]] == ["", "", "x, along sliding [µm]"]
+    assert narrow.axes[1].collections[0].get_cmap().name == "inferno"  # bright where hot
 
 
 def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_given(sweep):

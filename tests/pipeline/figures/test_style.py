@@ -1,11 +1,9 @@
 """One style sheet for all figures, which a user's figures can take, too."""
 
-import ast
 import errno
 import io
 import os
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 from matplotlib import pyplot as plt
@@ -15,35 +13,6 @@ import pipeline
 from pipeline.figures import style
 from tests.helpers import synthetic
 from tribo import InputError
-
-ROOT = Path(__file__).parents[3]
-DRAWING = sorted(
-    path
-    for folder in ("pipeline", "workflows/paper")
-    for path in (ROOT / folder).rglob("*.py")
-    if "figsize=" in (text := path.read_text(encoding="utf-8")) or "style.canvas(" in text
-)
-
-
-@pytest.mark.parametrize("path", DRAWING, ids=lambda path: path.stem)
-def test_every_function_that_makes_a_figure_draws_in_the_house_style(path):
-    if path.stem == "style":
-        return
-    makers = 0
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if not isinstance(node, ast.FunctionDef):
-            continue
-        names = {getattr(c.func, "id", getattr(c.func, "attr", "")) for c in calls(node)}
-        if names & {"Figure", "Picture", "canvas"}:
-            makers += 1
-            decorators = {getattr(d, "id", getattr(d, "attr", "")) for d in node.decorator_list}
-            within_diagram = node.name in ("_scene_diagram", "_scenes_diagram")  # by `diagram`
-            assert "house_style" in decorators or within_diagram, node.name
-    assert makers
-
-
-def calls(node):
-    return (inner for inner in ast.walk(node) if isinstance(inner, ast.Call))
 
 
 def test_a_user_can_take_the_style_by_its_name():
@@ -85,7 +54,8 @@ PLACES = {
 
 
 def test_a_figure_is_the_same_in_any_style_and_thread_of_its_caller():
-    store, before = synthetic.sweep(), dict(plt.rcParams)
+    store = synthetic.sweep((200.0, 400.0, 750.0), (1.0, 2.0, 4.0))
+    before = dict(plt.rcParams)
     usual = _drawn(store, lambda draw: draw())
     for name, where in PLACES.items():
         assert _drawn(store, where) == usual, name

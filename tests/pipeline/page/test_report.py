@@ -1,6 +1,5 @@
 """The report: what stands in it is what the answers say, escaped, without scripts."""
 
-import io
 import json
 import re
 from base64 import b64decode, b64encode
@@ -13,7 +12,6 @@ import pipeline
 from pipeline.answers.frames import boundary_frame
 from pipeline.answers.words import probability_text, verdict_text
 from pipeline.figures.rows import deciding_row
-from pipeline.figures.style import fitted
 from pipeline.frames import cells_of
 from pipeline.page import report as parts
 from pipeline.page.report import HEADLINES
@@ -27,15 +25,9 @@ from tribo import InputError
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror=alert(2)> & 'a'"
 PAYLOADS = (
     "<script>alert(1)</script>", "</title><script>alert(1)</script>",
-    "<img src=x onerror=alert(1)>", "\"><svg onload=alert(1)>", "' onmouseover='alert(1)",
-    "\" onfocus=alert(1) autofocus=\"", "<iframe src=javascript:alert(1)>", "javascript:alert(1)",
-    "<a href='javascript:alert(1)'>x</a>", "<style>*{display:none}</style>",
-    "</style><script>alert(1)</script>", "<!--", "--><b>x</b>", "<base href=//evil>",
-    "<meta http-equiv=refresh content=0>", "<form action=//evil><button>",
-    "<link rel=stylesheet href=//evil>", "<object data=x>", "<math><mtext><script>1</script>",
-    "{{ 7 * 7 }}", "{% for x in y %}", "{{ config }}", "${alert(1)}", "&lt;script&gt;",
-    "&#60;b&#62;", "]]><script>alert(1)</script>", "<?php echo 1 ?>", "$\\frac{1}{0}$",
-    "<plaintext>", "<textarea></main>", "%3Cscript%3E",
+    "\"><svg onload=alert(1)>", "' onmouseover='alert(1)", "<iframe src=javascript:alert(1)>",
+    "</style><script>alert(1)</script>", "--><b>x</b>", "<base href=//evil>", "{{ 7 * 7 }}",
+    "&lt;script&gt;", "]]><script>alert(1)</script>", "$\\frac{1}{0}$", "<textarea></main>",
 )  # fmt: skip
 VOID = {"meta", "img", "source", "br", "link"}
 TESTS = (
@@ -105,16 +97,12 @@ def page(sweep):
 
 
 @pytest.fixture
-def drawn_once(monkeypatch):
-    """Draw each picture for usual screens alone; `page` has those for narrow ones, too."""
-
-    def picture_of(draw, caption, alt):
-        with fitted(plain=True):
-            draw().savefig(written := io.BytesIO(), format="svg")
-        text = f"data:image/svg+xml;base64,{b64encode(written.getvalue()).decode()}"
-        return parts.Picture(text, text, alt, caption)
-
-    monkeypatch.setattr(parts, "picture_of", picture_of)
+def undrawn(monkeypatch):
+    """Leave the pictures of a report empty, which take seconds; `page` has its own."""
+    empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
+    monkeypatch.setattr(
+        parts, "picture_of", lambda _, caption, alt: parts.Picture(empty, empty, alt, caption)
+    )
 
 
 def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
@@ -145,11 +133,7 @@ def test_nothing_of_a_user_is_read_as_html(page):
     assert "https:" not in page
 
 
-def test_titles_authors_labels_and_paths_are_text(monkeypatch):
-    drawn = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"  # other tests draw
-    monkeypatch.setattr(
-        parts, "picture_of", lambda _, caption, alt: parts.Picture(drawn, drawn, alt, caption)
-    )
+def test_titles_authors_labels_and_paths_are_text(undrawn):
     hostile = " ".join(PAYLOADS)
     tests = [bare_test(250.0, 1.5, outcome="mild", number=one) for one in PAYLOADS]
     inputs = "\n".join(f"{json.dumps(one)} = 1" for one in PAYLOADS)  # names of entries
@@ -180,51 +164,44 @@ def half_done():
     return plane(status=later)
 
 
-@pytest.mark.parametrize(
-    ("make", "asked", "said"),
-    [
+ONE_ROW = {
+    "case": ["wear specific wear rate 1.2e-06 mm³/(N m)"], "load [N]": [300.0],
+    "velocity [m/s]": [2.0],
+}  # fmt: skip
+REPORTS = {
+    "boundary": (
+        plane, {},
+        ("Severe wear is 50 % probable at", ", and where severe wear is 5 and 95 % probable"),
+    ),
+    "point": (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
+    "mild": (
+        plane, {"critical_temperature": "900 degC"}, ("Wear is mild over the whole sweep",),
+    ),
+    "frictions": (plane, {"friction": [0.1, 0.12]}, ("Boundary between mild and severe wear",)),
+    "half done": (
+        half_done, {},
         (
-            plane,
-            {},
-            ("Severe wear is 50 % probable at", ", and where severe wear is 5 and 95 % probable"),
+            "500 N: unknown because too few points are done",
+            "(5 %: 2.25 m/s); at 2.07 m/s at 400 N", "×: 10 points that are pending or failed",
         ),
-        (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
-        (plane, {"critical_temperature": "900 degC"}, ("Wear is mild over the whole sweep",)),
-        (plane, {"friction": [0.1, 0.12]}, ("Boundary between mild and severe wear",)),
-        (
-            half_done,
-            {},
-            (
-                "500 N: unknown because too few points are done",
-                "(5 %: 2.25 m/s); at 2.07 m/s at 400 N",
-                "×: 10 points that are pending or failed",
-            ),
-        ),
-        (
-            two_pins,
-            {"load": 300.0, "velocity": 4.0},
-            ("most critical operating point: pin radius 1", "Critical velocity as computed"),
-        ),
-        (
-            plane,
-            {
-                "points": {
-                    "case": ["wear specific wear rate 1.2e-06 mm³/(N m)"],
-                    "load [N]": [300.0],
-                    "velocity [m/s]": [2.0],
-                }
-            },
-            ("critical operating point: wear specific",),
-        ),
-    ],
-)
-def test_a_report_of_any_sweep_is_sound_and_says_what_matters(drawn_once, make, asked, said):
+    ),
+    "two pins": (
+        two_pins, {"load": 300.0, "velocity": 4.0},
+        ("most critical operating point: pin radius 1", "Critical velocity as computed"),
+    ),
+    "a row": (plane, {"points": ONE_ROW}, ("critical operating point: wear specific",)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
+    make, asked, said = REPORTS[name]
     found = checked(pipeline.report(make(), **asked))
     for words in said:
         assert words in found.words or words in found.of("img")[0]["alt"]
 
 
-def test_rows_are_judged_and_the_deciding_one_is_bold(drawn_once, sweep):
+def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)
     assert deciding_row(table) == 1
@@ -233,7 +210,7 @@ def test_rows_are_judged_and_the_deciding_one_is_bold(drawn_once, sweep):
     assert re.search(r'<tr class="bold"><th scope="row">full</th>', page)
 
 
-def test_rows_without_a_verdict_leave_the_headline_open(drawn_once, sweep):
+def test_rows_without_a_verdict_leave_the_headline_open(undrawn, sweep):
     points = {"case": ["idle", "beyond"], "load [N]": [200, 9000], "velocity [m/s]": [1, 4]}
     found = checked(pipeline.report(sweep, points=points))
     (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
@@ -241,7 +218,7 @@ def test_rows_without_a_verdict_leave_the_headline_open(drawn_once, sweep):
     assert "1 of 2 operating points have a verdict; mild at the most critical" in found.words
 
 
-def test_without_a_point_the_boundary_is_told(drawn_once, sweep, tmp_path):
+def test_without_a_point_the_boundary_is_told(undrawn, sweep, tmp_path):
     path = pipeline.report(sweep, out=tmp_path / "a.html")
     text = path.read_text(encoding="utf-8")
     assert text.startswith("<!DOCTYPE html>")

@@ -1,16 +1,15 @@
-"""Sweeps over several random surfaces, and the band of their boundaries."""
+"""Sweeps over several random surfaces."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline import run_sweep
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
-from tests.helpers import synthetic, tiny
+from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 
@@ -35,9 +34,6 @@ def swept(tmp_path_factory):
     return path
 
 
-# The sweep and its store
-
-
 def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
     ds = pipeline.open_sweep(swept)
     assert ds["realization"].values.tolist() == sorted(SEEDS)
@@ -54,31 +50,6 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
                 assert stored[name].isnull().all()
     first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS)
     assert not np.array_equal(first, second, equal_nan=True)
-
-
-# The band
-
-
-LIFTS = {0: 1.0, 1: 1.1, 2: 0.9, 3: 1.05}
-
-
-def test_the_boundary_of_a_specimen_is_that_of_the_mean_of_its_realizations():
-    sweeps = [
-        synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q))
-        for lift in LIFTS.values()
-    ]
-    seeds = xr.Variable("realization", list(LIFTS))
-    ds = xr.concat(sweeps, seeds, combine_attrs="override")
-    found = pipeline.boundary(ds)["critical_velocity"]
-    lift = np.exp(np.log([*LIFTS.values()]).mean())
-    expected = synthetic.critical_velocity(found["load"].values, synthetic.limit() / lift)
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
-    one = pipeline.boundary(ds.sel(realization=[[*LIFTS][1]]))["critical_velocity"]
-    own = synthetic.critical_velocity(600.0, synthetic.limit() / [*LIFTS.values()][1])
-    assert one.sel(load=600.0).item() == pytest.approx(float(own), rel=1e-12)
-
-
-# Commands
 
 
 def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
