@@ -23,7 +23,6 @@ def pytest_configure(config):
 
 # Tests that take minutes begin first, so that no process is left alone with one at the end.
 LONG = {"workflows", "run", "page", "test_verify.py"}
-LONG |= {"test_printed_numbers.py"}
 
 
 def pytest_collection_modifyitems(config, items):

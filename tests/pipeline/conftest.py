@@ -1,13 +1,11 @@
 import json
 import re
 import shutil
-from argparse import Namespace
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pipeline.cli import main, output
+from pipeline.cli import main
 from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
@@ -65,27 +63,5 @@ def irg(capsys):
         if "--json" in arguments:
             return json.loads(printed.out)
         return printed.out + _PROGRESS.sub("", printed.err)
-
-    return run_command
-
-
-@pytest.fixture
-def irg_both(irg, capsys, monkeypatch):
-    """Function that runs a command once, and returns its result as text and as document."""
-    show = output.show
-
-    def run_command(*arguments, code=0):
-        said = []
-
-        def show_both(options, result):
-            text = replace(result, text=[*result.text])
-            show(Namespace(**vars(options) | {"json": False}), text)
-            said.extend(capsys.readouterr())
-            show(options, text)
-
-        with monkeypatch.context() as patched:
-            patched.setattr(output, "show", show_both)
-            document = irg(*arguments, "--json", code=code)
-        return "".join(said), document
 
     return run_command

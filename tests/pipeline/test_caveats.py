@@ -1,11 +1,14 @@
 """What a reader of a verdict must know is said by every door, each line once."""
 
+import re
+
 import pandas as pd
 import pytest
 
 import pipeline
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
+from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
 OWN = "Not validated: no test of this steel."
@@ -21,20 +24,6 @@ def store(tmp_path):
     return tmp_path / "out.zarr"
 
 
-def doors(irg, store, tmp_path):
-    """Yield, for each command and page, the caveats to expect, those told as data, and its text."""
-    answer = asked(store, 400.0, 2.0)
-    lines = [*answer.notes, answer.not_included]
-    place = "--load=400 N", "--velocity=2 m/s"
-    for command in (("margin", store, *place), ("boundary", store)):
-        out = tmp_path / f"{command[0]}.csv"
-        text = irg(*command, "-o", out)
-        for record in irg(*command, "--json"):
-            yield lines, told_in(record), text
-        for _, row in pd.read_csv(out).iterrows():
-            yield lines, told_in(row), text
-
-
 def told_in(row):
     """The caveats in a row of a table."""
     return [*row["notes"].split(" | "), row["not_included"]]
@@ -45,10 +34,13 @@ def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
     assert expected.notes[0] == OWN
     for part in ("sharp pin ends", "uncertain inputs"):
         assert expected.not_included.count(part) == 1
-    for lines, told, text in doors(irg, store, tmp_path):
-        assert told == lines
-        said = " ".join(text.split())
+    lines = [*expected.notes, expected.not_included]
+    place = "--load=400 N", "--velocity=2 m/s"
+    for command in (("margin", store, *place), ("boundary", store)):
+        said = " ".join(irg(*command, "-o", tmp_path / "out.csv").split())
         assert [said.count(line) for line in lines] == [1] * len(lines)
+        rows = pd.read_csv(tmp_path / "out.csv").to_dict("records")
+        assert all(told_in(row) == lines for row in (*irg(*command, "--json"), *rows))
 
 
 def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
@@ -60,7 +52,58 @@ def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
     assert said == {"standard": False, None: True}
 
 
-def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():
-    for preset in ("standard", None):
-        for line in asked(synthetic.sweep(preset=preset), 400.0, 2.0).notes:
-            assert len(line) <= 100
+# What a scene is doubted for stands in every answer on it, once.
+
+HARD = "materials.steel.hardness: 3.14 times the elastic modulus, where 0.001 to 0.2 times"
+PLACE = ["--load", "300 N", "--velocity", "1.5 m/s"]
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory):
+    """Scene file of steel with slips in its moduli, with its store beside."""
+    path = tmp_path_factory.mktemp("odd") / "odd.toml"
+    text = SCENE.replace("increments = 10", "increments = 1").replace("210 GPa", "21 GPa")
+    path.write_text(text.replace("6.6 GPa", "66 GPa"))
+    commit_all(path.with_suffix(".zarr"), pipeline.load_scene(path))
+    return path
+
+
+def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
+    store, figure = odd.with_suffix(".zarr"), tmp_path / "a.svg"
+    doors = {
+        "check": irg("check", odd),
+        "run": irg("run", odd, "-o", store, "-q"),
+        "boundary": irg("boundary", store),
+        "margin": irg("margin", store, *PLACE),
+        "one point": irg("point", odd, *PLACE),
+        "JSON": irg("margin", store, *PLACE, "--json")[0]["notes"],
+        "Python": " ".join(asked(store, "300 N", "1.5 m/s").notes),
+        "attributes": pipeline.boundary(store).attrs["notes"],
+    }
+    for door, said in doors.items():
+        assert " ".join(said.split()).count(HARD) == 1, door
+    assert "are usual" not in (store / "about" / "zarr.json").read_text()  # codes are stored
+    irg("plot", store, "-o", figure)
+    assert "3.14 times the elastic modulus" in " ".join(figure.read_text().split())
+
+
+def test_at_most_three_doubts_are_said_the_gravest_first(odd, irg):
+    more = {
+        "loading.reference_load": "90 kN", "materials.steel.thermal_conductivity": "450 W/(m K)",
+        "materials.steel.density": "78 kg/m^3", "friction.coefficient": 1.2,
+    }  # fmt: skip
+    sets = [word for path, value in more.items() for word in ("--set", f"{path}={value}")]
+    said = irg("point", odd, *PLACE, *sets)
+    lines = " ".join(said.split())
+    assert lines.count("are usual: check the number and unit") == 3
+    assert "friction.coefficient: 1.2, where" in lines
+    assert re.search(r"\d more warnings: irg check odd.toml", lines)
+
+
+def test_values_of_all_cases_are_doubted(odd, irg):
+    over = 'sweep.over={"pin.radius"=["2 mm","400 nm","8 mm"]}'
+    said = " ".join(irg("check", odd, "--set", over).split())
+    assert "pin.radius: 1 of 3 values unusual: 0.0004 mm, where 0.1 to 1000 mm are usual" in said
+    over = 'sweep.over={"materials.steel.hardness"=["2 GPa","66 GPa"]}'
+    said = " ".join(irg("check", odd, "--set", over).split())
+    assert f"{HARD} the elastic modulus are usual: check the number and unit (in 66 GPa)" in said

@@ -1,56 +1,118 @@
-"""Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
+"""What acts beside the simulated rise: conditions that cost no simulation, one for all answers."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 import tribo
-from pipeline import Conditions
-from tests.helpers import tiny
+from pipeline import Conditions, run_point
+from pipeline.answers.results import sweep_of
+from tests.helpers import synthetic, tiny
+from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
+from tribo import Corrections, Friction
 
-STEEL = tiny.sweep().scene.disk
+RISE, ADDED = {"added_rise_fraction": "+6 %"}, 1.06
+LINE = "+6 % is added to the rise for effects outside the model (irg help physics)"
+
+
+def without_tests(ds):
+    """The sweep without tests: a measured friction would not follow another one of the scene."""
+    return with_fields(ds, tests=())
+
+
+def falling():
+    """Sweep whose friction depends on velocity."""
+    curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (4.0, 0.9))))
+    ds = synthetic.sweep()
+    conditions = replace(sweep_of(ds).conditions, corrections=curve)
+    return without_tests(with_fields(ds, conditions=conditions))
+
+
+KINDS = {
+    "one bulk": lambda: without_tests(synthetic.sweep()),
+    "friction by velocity": falling,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_acts_as_more_friction_does(kind):
+    ds = KINDS[kind]()
+    rubbed = {"friction": ADDED * sweep_of(ds).conditions.friction}
+    plain, boundary, like = (pipeline.boundary(ds, **own) for own in ({}, RISE, rubbed))
+    for name in ("critical_velocity", "critical_load", "critical_velocity_p50"):
+        np.testing.assert_allclose(boundary[name], like[name], rtol=1e-12)
+        assert not plain[name].equals(boundary[name])
+    margin, same = (asked(ds, 600.0, 1.2, **own) for own in (RISE, rubbed))
+    for name in ("governing_temperature", "temperature_margin", "probability", "probability_high"):
+        assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-9)
+    both = pipeline.temperatures(ds, **RISE), pipeline.temperatures(ds, **rubbed)
+    xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)
+
+
+def test_each_answer_names_it_where_it_is_not_zero(irg, monkeypatch, tmp_path):
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: synthetic.sweep())
+    place = "--load=600 N", "--velocity=2 m/s"
+    at = "--at", "model.rise=+6 %"
+    for command in (("boundary", "a.zarr"), ("margin", "a.zarr", *place)):
+        assert irg(*command, *at).count(LINE) == 1
+        for none in ((), ("--at", "model.rise=0")):
+            assert "outside the model" not in irg(*command, *none)
+    assert "25 °C, rise +6 %" in irg("boundary", "a.zarr", *at)
+    assert "rise −5 %" in irg("boundary", "a.zarr", "--at", "model.rise=-5 %")
+    (tmp_path / "own.toml").write_text(SCENE)
+    assert LINE in irg("point", tmp_path / "own.toml", *place, "--set", "model.rise=+6 %")
+
+
+def test_a_critical_temperature_from_tests_contains_it():
+    ds = synthetic.sweep()
+    plain, added = (
+        pipeline.infer(ds, **own)["critical_temperature"].item() - 298.15 for own in ({}, RISE)
+    )
+    assert added == pytest.approx(ADDED * plain, rel=0.01)  # the prior stays where it is
+
+
+def test_check_says_what_is_not_counted_unless_transitions_or_the_entry_count_it(irg, tmp_path):
+    said = "heating through pin holder and surface films is not modelled; model.rise adds it"
+    assert said not in irg("check", "first_try")
+    assert LINE in irg("check", "first_try", "--set", "model.rise=+6 %")
+    (tmp_path / "own.toml").write_text('extends = "first_try"\nwithout = ["tests"]\n')
+    assert irg("check", tmp_path / "own.toml").count(said) == 1
+    added = irg("check", tmp_path / "own.toml", "--set", "model.rise=+6 %")
+    assert said not in added
+    assert LINE in added
+
+
+# Physics beside the half-spaces: entries that cost no simulation, one for all answers.
+
+PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
 ALL = tribo.Corrections(
     friction=tribo.Friction(by_velocity=((0.5, 1.1), (1.5, 0.9))),
-    track=tribo.Track.under(tiny.sweep().scene.pin, STEEL, 0.34),
+    track=tribo.Track.under(PIN, STEEL, 0.34),
 )
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
-BESIDE = """extends = "plain.toml"
-disk.track_length = "34 cm"
-friction.by_velocity = [
-  { velocity = "1.5 m/s", coefficient = 0.09 }, { velocity = "50 cm/s", coefficient = 0.11 },
-]
-"""
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory):
-    store = tmp_path_factory.mktemp("corrected") / "tiny.zarr"
-    commit_all(store, tiny.full(conditions=CONDITIONS))
-    return store
-
-
-def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(store):
-    ds = with_fields(pipeline.open_sweep(store), conditions=replace(CONDITIONS, corrections=ALL))
+def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(alone):
+    ds = with_fields(pipeline.open_sweep(alone), conditions=replace(CONDITIONS, corrections=ALL))
     hottest = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)[-1].item()
     figure = pipeline.plot(ds, "fields", load=600.0, velocity=1.0)
     _, temperature, _ = (axes.collections[0].get_array() for axes in figure.axes[:3])
     assert temperature.max() == pytest.approx(hottest - 273.15)
 
 
-def test_corrections_cost_no_point_and_change_no_stored_number(store):
-    plain = pipeline.open_sweep(store).load()
+def test_corrections_cost_no_point_and_change_no_stored_number(copy):
+    plain = pipeline.open_sweep(copy).load()
     sweep = tiny.full(conditions=replace(CONDITIONS, corrections=ALL))
-    assert not pipeline.run_sweep(sweep, store, workers=1).computed
-    ds = pipeline.open_sweep(store)
-    stored = [one.drop_attrs() for one in (ds, plain)]
-    assert stored[0].equals(stored[1])
+    assert not pipeline.run_sweep(sweep, copy, workers=1).computed
+    ds = pipeline.open_sweep(copy)
+    assert ds.drop_attrs().equals(plain.drop_attrs())
     assert "; " in pipeline.boundary(ds).attrs["conditions"]
-    commit_all(store, tiny.full(conditions=CONDITIONS))
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
@@ -71,3 +133,45 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
         assert problem in str(error.value)
+
+
+# Heat that stays in the bodies depends on all of the load before, whatever a store keeps of it.
+
+TRACK = tribo.Track.under(PIN, STEEL, 0.3)
+STAYS = tribo.Corrections(track=TRACK)
+ROLLING = tribo.Motion(slide_roll_ratio=0.5, track_length=0.3)
+TIMES = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 20.0, 21.0])
+LOADS = np.array([0.0, 500.0, 500.0, 100.0, 100.0, 0.0, 400.0, 750.0])
+RECORD = tribo.MeasuredLoad(TIMES, LOADS)
+LOADINGS = {
+    "ramp": tribo.Ramp(150.0, 750.0),
+    "hold": tribo.Ramp(150.0, 750.0, hold=20.0),
+    "record": RECORD,
+}
+LOAD, VELOCITY = 600.0, 1.0
+
+
+def sweep_under(loading, motion=None, **changes):
+    parts = replace(STAYS, motion=motion, pin_track=TRACK if motion else None)
+    conditions = replace(CONDITIONS, corrections=parts)
+    places = {"loads": (250.0, LOAD), "velocities": (VELOCITY,)}
+    little = tribo.Wear(1e-19)  # the contact hardly widens, so that the end is the hottest time
+    return tiny.sweep(
+        conditions=conditions, loading=loading, motion=motion, wear=little, **places, **changes
+    )
+
+
+@pytest.mark.parametrize(
+    ("loading", "steps", "motion"),
+    [
+        ("ramp", "course", ROLLING), ("hold", "end", None), ("hold", "course", ROLLING),
+        ("record", "end", None), ("record", "course", ROLLING),
+    ],
+)  # fmt: skip
+def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
+    sweep = sweep_under(LOADINGS[loading], motion, steps=steps)
+    commit_all(tmp_path / "a.zarr", sweep)
+    margin = asked(tmp_path / "a.zarr", LOAD, VELOCITY)
+    point = run_point(sweep_under(LOADINGS[loading], motion), LOAD, VELOCITY)
+    verdict = point.verdict(sweep.conditions)
+    assert margin.governing_temperature == pytest.approx(verdict.governing_temperature, rel=1e-9)

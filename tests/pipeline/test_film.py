@@ -10,10 +10,11 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
+from pipeline.page import report
+from pipeline.page.parts import Picture
 from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
-from tests.helpers.entries import bare_test
 from tribo.simulation.film import film_excess, film_inlet
 
 SAID = "Outside the model, and not safe by this: the oil film carries more than 20 % of the load"
@@ -55,13 +56,10 @@ def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too(
     assert found == pytest.approx(-0.325, abs=0.02)  # with the contact solved to 0.01
 
 
-def test_a_ball_has_no_inlet_of_this_kind():
+def test_of_a_ball_and_between_smooth_bodies_the_inlet_is_not_known():
     ball = pipeline.load_scene("ball_on_disk", preset="standard")
     *_, state = tribo.simulate(ball.scene, min(ball.loads), ball.velocities[0])
     assert np.isnan(film_inlet(ball.scene, state)).all()
-
-
-def test_between_smooth_bodies_the_inlet_is_not_known():
     smooth = scene_of("fig4").scene
     *_, state = tribo.simulate(smooth, 200.0, 1.0)
     inlet, pressure = film_inlet(smooth, state)
@@ -114,8 +112,6 @@ def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg,
     assert named(found["outcome_along_velocity"].sel(load=200.0)) == "outside_model"
     # A velocity at which the whole line of loads is outside has no outcome, either.
     fastest = float(found["velocity"][-1])
-    ends = found["load"].values[[0, -1]]
-    assert {asked(store, float(load), fastest).verdict for load in ends} == {"outside_model"}
     assert named(found["outcome_along_load"].sel(velocity=fastest)) == "outside_model"
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
@@ -140,23 +136,8 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     assert "(transition, 200 N, 3.75 m/s) is not used: an oil film" in said
 
 
-def test_a_severe_test_in_a_film_rules_mild_wear_out_and_a_mild_one_in_a_film_nothing():
-    """It was severe in spite of a film, which is thinner where the oil is warmer."""
-    cold = {"load": 200.0, "velocity": 1.4, "bulk_temperature": 278.15}
-    for outcome in ("severe", "mild"):
-        test = bare_test(cold["load"], cold["velocity"], outcome=outcome, bulk_temperature=278.15)
-        ds = filmed(inlet=1e9, tests=(test,))
-        plane = {name: ds[name] * 0 + 1e-6 for name in ("film_inlet",)}  # no film in the plane
-        here = asked(ds.assign(plane), 200.0, 1.5)
-        without = asked(ds.assign(plane).assign_attrs(without_tests="yes"), 200.0, 1.5)
-        assert without.verdict == "mild"
-        assert here.verdict == ("undecided" if outcome == "severe" else "mild")
-        assert ("rules it out" in here.reason) == (outcome == "severe")
-
-
-@pytest.mark.parametrize("inlet", [-1.0, np.nan])  # as stored for smooth bodies
-def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(inlet, irg, monkeypatch):
-    ds = filmed(inlet=inlet)
+def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypatch):
+    ds = filmed(inlet=np.nan)  # as stored for smooth bodies
     known = filmed(inlet=1e-6)
     here, there = (asked(one, 400.0, 1.0) for one in (ds, known))
     assert "film_unknown" in here.flags
@@ -167,6 +148,7 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(inlet, irg, m
     for words in (("margin", "out.zarr", *at), ("boundary", "out.zarr")):
         said = " ".join(irg(*words).split())
         assert "an oil film that carries load (unknown here), uncertain inputs" in said
-    for place in ({}, {"load": 400.0, "velocity": 1.0}):
-        verdict, _, _ = pipeline.report(ds, **place).partition("</section>")
-        assert "an oil film that carries load (unknown here), uncertain inputs" in verdict
+    # Its pictures take seconds to draw.
+    monkeypatch.setattr(report, "picture_of", lambda draw, *texts: Picture("", "", *texts))
+    verdict, _, _ = pipeline.report(ds, load=400.0, velocity=1.0).partition("</section>")
+    assert "an oil film that carries load (unknown here), uncertain inputs" in verdict

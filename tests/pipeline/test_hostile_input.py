@@ -4,18 +4,16 @@ import csv
 import json
 import os
 import re
-import resource
 import subprocess
 import sys
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import tribo
-from pipeline import open_sweep
+from pipeline import load_scene, open_sweep
 from pipeline.cli import main
 from pipeline.frames import write_frames
 from pipeline.operating_points import OperatingPoints
@@ -23,29 +21,23 @@ from pipeline.store.store import opened
 from pipeline.surface.scan import read_scan
 from tests.helpers import tiny
 from tests.helpers.processes import python
+from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit
 
 
-@pytest.fixture
-def fifo(tmp_path):
-    def made(name):
-        os.mkfifo(tmp_path / name)
-        return tmp_path / name
-
-    return made
-
-
-def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
-    for read in (
-        lambda: read_scan(fifo("a.npy"), 1.0),
-        lambda: OperatingPoints.read(fifo("a.csv")),
-        lambda: read_scan(fifo("a.x3p")),
-    ):
-        with pytest.raises(tribo.InputError, match="not a file"):
-            read()
-    for scene in (fifo("a.toml"), "/dev/zero"):
-        assert main(["check", str(scene)]) == 2
-        assert "not a file" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [
+        ("a.npy", lambda file: read_scan(file, 1.0)),
+        ("a.x3p", read_scan),
+        ("a.csv", OperatingPoints.read),
+        ("a.toml", load_scene),
+    ],
+)
+def test_a_pipe_is_no_surface_load_record_or_scene(tmp_path, name, read):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(tribo.TriboError, match="not a file"):
+        read(tmp_path / name)
 
 
 def a_pipe(file):
@@ -61,8 +53,9 @@ def huge(file):
     os.truncate(file, 10**12)
 
 
-@pytest.mark.parametrize("lay", [a_pipe, no_end, huge])
-@pytest.mark.parametrize("name", ["status", "rise_quantile"])
+@pytest.mark.parametrize(
+    ("lay", "name"), [(a_pipe, "status"), (no_end, "rise_quantile"), (huge, "rise_quantile")]
+)
 def test_a_chunk_that_is_no_file_of_its_size_is_named_at_once(lay, name, copy, irg):
     (chunk,) = sorted((copy / name).glob("c.*"))[:1]
     chunk.unlink()
@@ -70,11 +63,6 @@ def test_a_chunk_that_is_no_file_of_its_size_is_named_at_once(lay, name, copy, i
     said = "it has 1e+06 MB; at most 0." if lay is huge else "it is not a file"
     assert f"{chunk} cannot be read: {said}" in irg("verify", copy, code=2)
     assert re.search(f"{name}.* cannot be read", irg("boundary", copy, code=2))
-
-
-def test_a_cell_of_200_000_letters_is_refused_in_a_line(tmp_path, irg):
-    (tmp_path / "a.txt").write_text("x" * 200_000 + " 1 2\n3 4\n")
-    assert irg("surface", tmp_path / "a.txt", code=2).count("\n") == 1
 
 
 def test_what_a_spreadsheet_would_compute_is_written_as_text(tmp_path):
@@ -88,7 +76,7 @@ def test_what_a_spreadsheet_would_compute_is_written_as_text(tmp_path):
 
 def test_a_command_without_a_standard_stream_ends_with_its_code(alone, tmp_path):
     run = 'exec "$0" -m pipeline boundary "$1" '
-    for closed, code, store in (("2>&-", 0, alone), (">&- 2>&-", 2, tmp_path), ("<&-", 0, alone)):
+    for closed, code, store in (("<&- 2>&-", 0, alone), (">&- 2>&-", 2, tmp_path)):
         done = subprocess.run(["sh", "-c", run + closed, sys.executable, store], check=False)
         assert done.returncode == code, closed
 
@@ -100,48 +88,8 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     output = capsys.readouterr().out
     assert output.replace("\n", "").isprintable()
     assert len(output) < 5000
-    assert main(["status", str(path), "--json"]) == 0
-    assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
     assert open_sweep(path).attrs["title"] == opened(path).sweep.title == title
-
-
-def test_what_cannot_be_looked_into_is_left_out_of_a_folder_s_stores(tmp_path, capsys):
-    (tmp_path / "endless").symlink_to("a" * 300)
-    (tmp_path / "lost.zarr").mkdir()
-    (tmp_path / "lost.zarr" / "zarr.json").write_text("{}")
-    assert main(["status", str(tmp_path)]) == 0
-    assert "lost.zarr" in capsys.readouterr().out
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
-def test_an_answer_that_finds_no_room_is_an_error_in_a_line():
-    with open("/dev/full", "w") as full:  # noqa: PTH123
-        streams = {"stdout": full, "stderr": subprocess.PIPE, "capture_output": False}
-        done = python("-m", "pipeline", "help", **streams)
-    assert done.returncode == 2
-    assert done.stderr.startswith("irg: cannot continue: [Errno 28] No space left")
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")
-def test_where_memory_is_short_a_line_says_so(alone, tmp_path):
-    """Below 650 MB OpenBLAS, or a thread that cannot start, may wait for ever.
-
-    Where OpenBLAS itself finds no memory, it prints a line of its own and exits with code 1.
-    """
-    done = python(
-        *("-m", "pipeline", "plot", alone, "-o", "a.png"),
-        variables={"OPENBLAS_NUM_THREADS": "2"},
-        cwd=tmp_path,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (720 * 2**20,) * 2),
-    )
-    assert "Traceback" not in done.stderr
-    assert (done.returncode == 0) == (tmp_path / "a.png").exists()
-    if done.returncode:
-        said = "OpenBLAS error: Memory" if done.returncode == 1 else "irg: out of memory"
-        assert done.stderr.startswith(said)
-        assert done.stderr.count("\n") == 1
 
 
 _VALUES = {"pin.radius": "mm", "pin.length": "mm", "loading.rate": "N/s"}
@@ -197,3 +145,34 @@ def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(
     code, megabytes = done.stdout.split()[-2:]
     assert code == "2"
     assert int(megabytes) < 300
+
+
+# Scenes and stores of strangers: nothing that they name is imported, run or called.
+
+PAYLOAD = """
+import pathlib
+
+pathlib.Path("ran").touch()
+
+class Law:
+    pattern = "swept"
+"""
+NAMING = {
+    "wear": 'without = ["wear"]\nwear = { law = "payload:Law" }\n',
+    "surface": 'without = ["disk.roughness"]\ndisk.surface = { law = "payload:Law" }\n',
+}
+
+
+@pytest.mark.parametrize("entry", NAMING)
+def test_a_scene_that_names_code_is_refused_and_runs_nothing(tmp_path, monkeypatch, irg, entry):
+    """A file `ran` would appear."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))  # as python -m pipeline does
+    (tmp_path / "payload.py").write_text(PAYLOAD)
+    (tmp_path / "small.toml").write_text(SCENE)
+    (tmp_path / "named.toml").write_text(f'extends = "small.toml"\n{NAMING[entry]}')
+    (tmp_path / "extends.toml").write_text('extends = "named.toml"\ntitle = "Harmless"\n')
+    for scene in ("named.toml", "extends.toml"):
+        assert "unknown" in irg("run", scene, "-o", "out.zarr", code=2)
+    assert "payload" not in sys.modules
+    assert {"ran", "out.zarr"}.isdisjoint(file.name for file in tmp_path.iterdir())

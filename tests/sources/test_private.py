@@ -8,10 +8,8 @@ _ALLOWED = {
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "pipeline/run/test_cluster.py _hash_of_code": "a worker with other code is named by its hash",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
-    "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "helpers/stores.py _digest": "a forged root has the right digest",
-    "pipeline/scene/test_every_entry_in_rows.py _FIXED": "entries that rows may not have",
     "workflows/paper/test_reproduce.py _CHANGES": "a study runs with two of its changes",
     "workflows/paper/test_reproduce.py _fit": "a fit of known data shows that it fits",
 }

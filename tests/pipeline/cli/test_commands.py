@@ -5,25 +5,29 @@ import json
 import re
 import shutil
 
+import numpy as np
 import pytest
+import xarray as xr
 
+import pipeline
 from pipeline.cli import main
+from pipeline.constants import PRESET_BOUNDS
+from pipeline.store.create import writing
+from pipeline.store.store import opened
+from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
+from tests.helpers.stores import fail
 
 # The numerical error of a preset is known.
 STANDARD = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
-
-
-def run(*arguments):
-    return main([str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cli")
     (folder / "small.toml").write_text(STANDARD)
-    out = folder / "small.zarr"
-    assert run("run", folder / "small.toml", "-o", out, "--workers", 1) == 0
+    command = ["run", folder / "small.toml", "-o", folder / "small.zarr", "--workers", 1]
+    assert main([str(word) for word in command]) == 0
     return folder
 
 
@@ -50,24 +54,72 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
     assert "6 of 9 points done" in said
     assert said.count("failed: 7e+06 N") == 3
     assert "to simulate failed points again, add --retry-failed" in said
-    irg("status", tmp_path / "heavy.zarr", code=1)
 
 
-def test_status_counts_done_points_that_the_scene_no_longer_asks_for(scene, store, tmp_path, irg):
-    said = irg("status", store)
-    assert "9 points: 9 done, 0 failed, 0 pending" in said
+def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg):
     copy = shutil.copytree(store, tmp_path / "small.zarr")
-    irg("run", scene, "--set", 'sweep.loads=["200 N"]', "-o", copy, "-q", "--workers", 1)
-    said = irg("status", copy)
-    assert "9 points: 9 done, 0 failed, 0 pending" in said
-    (record,) = irg("status", copy, "--json")
-    assert (record["done"], record["pending"], record["preset"]) == (9, 0, "standard")
+    sweep = opened(copy).sweep
+    with writing(copy, sweep) as half:
+        half.forget(points(sweep)[3:6:2])
+    fail(copy, sweep, points(sweep)[3], "out of memory")
+    (record,) = irg("status", copy, "--json", code=1)
+    assert [record[name] for name in ("points", "done", "failed", "pending")] == [9, 7, 1, 1]
+    assert (record["title"], record["preset"]) == ("A small sweep", "standard")
+    said = irg("status", copy, code=1)
+    assert "9 points: 7 done, 1 failed, 1 pending" in said
+    assert said.count(": out of memory\n") == said.count("failed: ") == 1
+    assert f"of critical velocities at most {100 * PRESET_BOUNDS['standard']:g} %" in said
+    ds = xr.open_zarr(copy, chunks=None)
+    flags = ds["warning_flags"].where(ds["status"] == 1, 0).values.astype(int)
+    by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
+    (kinds,) = re.findall(r"a warning \((.*?)\)", " ".join(said.split()))
+    found = sorted(int(number) for number in re.findall(r": (\d+)", kinds))
+    assert found == sorted(filter(None, by_bit)) != []
+    assert f"{np.count_nonzero(flags)} points carry" in said
+    assert irg("verify", copy, "--json")["points"] == {"done": 7, "damaged": 0}
+    assert "points: 7 done and undamaged, 0 damaged" in irg("verify", copy)
 
 
-def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
+def both(irg, folder, *words):
+    """Text and document of a command, which is run once."""
+    said = irg(*words, "-o", folder / "both.json")
+    return said, json.loads((folder / "both.json").read_text())
+
+
+def test_a_point_alone_is_the_point_of_the_store(scene, store, tmp_path, irg):
+    ds = pipeline.open_sweep(store).sel(load=400, velocity=4, step=0)
+    said, (row,) = both(irg, tmp_path, "point", scene, "--load=400 N", "--velocity=4 m/s")
+    quantiles, highest = ds["rise_quantile"], 298.15 + 0.1 * ds["max_rise"].item()
+    temperature = 298.15 + 0.1 * quantiles.sel(area_fraction_below=0.9).item()
+    assert row["governing temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
+    assert row["temperature margin [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
+    assert f"governing temperature   {temperature - 273.15:.4g} °C, simulated at this point" in said
+    for words, value in {
+        "highest temperature [°C]": highest - 273.15,
+        "heat into the pin [%]": 100 * ds["pin_heat_share"].item(),
+        "contact width [µm]": 1e6 * ds["contact_width"].item(),
+        "real contact area of the window [%]": 100 * ds["contact_fraction"].item(),
+        "mean pressure [GPa]": 1e-9 * ds["mean_pressure"].item(),
+        "highest pressure [GPa]": 1e-9 * ds["max_pressure"].item(),
+        "wear depth [µm]": 1e6 * ds["wear_depth_max"].item(),
+        "wear volume [mm³]": 1e9 * ds["wear_volume"].item(),
+        "time [s]": ds["time"].item(),
+        "sliding distance [m]": ds["sliding_distance"].item(),
+        "failed area fraction [%]": row["failed area fraction [%]"],
+    }.items():
+        assert row[words] == pytest.approx(value, rel=1e-9)
+        assert re.search(rf"^{re.escape(words)} +{re.escape(f'{value:.4g}')}$", said, re.MULTILINE)
+    cooler = np.interp(1200.0, quantiles.values, quantiles["area_fraction_below"].values)
+    assert row["failed area fraction [%]"] == pytest.approx(100 * (1 - cooler), abs=2)
+
+
+def test_a_point_takes_conditions_in_place_of_the_scenes_own_and_is_a_table(scene, tmp_path, irg):
+    point = ("point", scene, "--load", "600 N", "--velocity", "4 m/s")
+    own = ("--friction=0.13", "--bulk-temperature=50 degC", "--critical-area-fraction=0.05")
+    same = ("friction.coefficient=0.13", "temperature.bulk=50 degC",
+            "temperature.critical_area_fraction=0.05")  # fmt: skip
     out = tmp_path / "point.csv"
-    place = ("--load", "600 N", "--velocity", "4 m/s", "--friction", 0.15, "--preset", "standard")
-    said = irg("point", scene, *place, "--set", "note=of no rig", "-o", out)
+    said = irg(*point, *own, "--set", "note=of no rig", "-o", out)
     assert said.startswith("Severe: probability of severe wear ")
     assert "  numerical error (95 %)  ± " in said
     (held,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
@@ -75,95 +127,60 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     notes = held["notes"].split(" | ")
     assert notes[0] == "of no rig"
     assert said.count("\n".join(notes)) == 1
-    width = float(held["contact width [µm]"])
-    assert re.search(rf"contact width \[µm\] +{width:.4g}\n", said)
-    said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", code=2)
-    assert "velocity is -1 m/s; it must be above 0" in said
+    (row,) = irg(*point, *(f"--set={entry}" for entry in same), "--json")
+    assert row["governing temperature [°C]"] == pytest.approx(
+        float(held["governing temperature [°C]"]), rel=1e-5
+    )
+    (row,) = irg(*point, "--friction", 0, "--json")
+    assert row["highest temperature [°C]"] == row["governing temperature [°C]"] == 25
+    assert (row["failed area fraction [%]"], row["verdict"]) == (0, "mild")
 
 
-TESTS = """
-[[tests]]
-load = "200 N"
-velocity = "1 m/s"
-outcome = "severe"
-
-[[tests]]
-load = "600 N"
-velocity = "4 m/s"
-outcome = "severe"
-"""
+TESTS = "".join(
+    f'\n[[tests]]\nload = "{load} N"\nvelocity = "{velocity} m/s"\noutcome = "severe"\n'
+    for load, velocity in ((200, 1), (600, 4))
+)
 
 
 def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
-    scene, tmp_path, irg, irg_both, monkeypatch
+    scene, tmp_path, irg, monkeypatch
 ):
     """Two severe tests where the model is mild make a place likelier severe."""
     monkeypatch.chdir(tmp_path)
     tested = tmp_path / "tested.toml"
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
-    said, (other,) = irg_both(*point)
-    alone, (row,) = irg_both(*point, "--without-tests")
+    said, (other,) = both(irg, tmp_path, *point)
+    alone, (row,) = both(irg, tmp_path, *point, "--without-tests")
     assert re.search(
-        r"model error   .* of the temperature rise \(90 % range, from [12] tests? and", said
+        r"model error  .* of the temperature rise \(90 % range, from [12] tests?", said
     )
     assert "(90 % range, from the prior)" in alone.replace("\n    ", " ")
-    assert "some verdicts are withheld" not in alone
-    other_surface = irg(*point, "--set", "sweep.realizations=[3, 4]", "--realization", 4)
-    assert re.search(r"\(90 % range, from [12] tests? and the", other_surface)
     assert other["probability"] > row["probability"]
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
-    irg("run", tested, "-o", "results/tested.zarr")
+    irg("run", tested, "-o", "results/tested.zarr", "--workers", 1)
     (stored,) = irg(*point, "--json")  # the tests are those of the store
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 
 
-def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
-    point = ("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
-    options = (
-        "--friction",
-        0.13,
-        "--bulk-temperature",
-        "50 degC",
-        "--critical-area-fraction",
-        0.05,
-    )
-    same = (
-        "friction.coefficient=0.13",
-        "temperature.bulk=50 degC",
-        "temperature.critical_area_fraction=0.05",
-    )
-    by_option, by_setting = (
-        irg(*point, *words)[0] for words in (options, [f"--set={entry}" for entry in same])
-    )
-    assert by_option == by_setting
-    assert by_option["failed area fraction [%]"] > 5
-    (document,) = irg(*point, "--friction", 0)
-    assert document["highest temperature [°C]"] == document["governing temperature [°C]"] == 25
-    assert (document["failed area fraction [%]"], document["verdict"]) == (0, "mild")
+MEANT = {
+    "check scen.toml": "scene.toml",
+    "check first_tri": "first_try",
+    "boundary result/scene.zarr": "results/scene.zarr",
+    "margin results/scene.zarr --points dutty.csv": "duty.csv",
+}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["check", "scen.toml"], 'scene.toml"?)'),
-        (["check", "first_tri"], 'did you mean "first_try"?'),
-        (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
-        (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
-    ],
-)
-def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
-    store, tmp_path, monkeypatch, capsys, arguments, said
-):
+def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(store, tmp_path, monkeypatch, irg):
     (tmp_path / "results").mkdir()
     (tmp_path / "results/scene.zarr").symlink_to(store)
     for name in ("scene.toml", "duty.csv"):
         (tmp_path / name).touch()
     monkeypatch.chdir(tmp_path)
-    assert main(arguments) == 2
-    words = capsys.readouterr().err
-    assert said in words
-    assert "did you mean" in words
+    for words, meant in MEANT.items():
+        said = irg(*words.split(), code=2)
+        assert "did you mean" in said
+        assert f'{meant}"?' in said
 
 
 def untimed(said):
@@ -195,6 +212,9 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
             *ask, "-o", tmp_path / f"table{suffix}"
         )
     assert json.loads((tmp_path / "table.json").read_text()) == document
+    critical = pipeline.boundary(store)["critical_load"].values
+    printed = np.array([row["critical load [N]"] for row in document], float)
+    np.testing.assert_allclose(printed, critical, 1e-12)
     held = list(csv.DictReader((tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()))
     assert [float(row["velocity [m/s]"]) for row in held] == [1.0, 2.0, 4.0]
     assert len((tmp_path / "table.md").read_text(encoding="utf-8").splitlines()) == 2 + len(held)
@@ -205,38 +225,3 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
     assert (rows[0][0], rows[0][-1]) == (rows[1][0], rows[1][-1])
     assert "7 more rows: use --all, or -o TABLE.csv" in few
     assert max(map(len, few.splitlines())) <= 100
-    refused = irg("boundary", store, "--by", "test", code=2)
-    assert "the scene has no tests" in refused
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["run"], "SCENE.toml"),
-        (["sing", "scene.toml"], "sing"),
-        (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
-        (["margin", "out.zarr", "--load", "5 N"], "give --velocity, too"),
-        (["plot", "out.zarr", "--width", "8,5 cm"], "decimals with a point"),
-        (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
-        (["run", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
-        (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
-        (["boundry", "out.zarr"], 'command is "boundry"; did you mean "boundary"?'),
-        (["plot", "out.zarr", "--kind", "ram"], '--kind is "ram"; did you mean "ramp"?'),
-        (["version"], 'command is "version"; did you mean "--version"?'),
-        (["init"], 'command is "init"; did you mean "new"?'),
-        (
-            ["margin", "a.zarr", "--force", "3 N", "--speed=2 m/s"],
-            'mean "--load" and "--velocity"?',
-        ),
-        (["--Version"], 'did you mean "--version"?'),
-        (["run", "first_try", "--speed", "2"], 'did you mean "--set sweep.velocities=…"?'),
-        (["check", "first_try", "--friction", "0.1"], '"--set friction.coefficient=…"?'),
-        (["status", "out.zarr", "--force"], "unknown option or argument: --force; see"),
-        (["--quiet", "status"], "options stand after the command: irg status … --quiet"),
-        (["margin", "a.zarr", "--load", "3 N", "--load", "5 N"], "--load is given twice; give it"),
-    ],
-)
-def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
-    words = irg(*arguments, code=2)
-    assert said in words
-    assert words.count("\n") == 1

@@ -1,11 +1,9 @@
 """Options of figures, and how pages are printed."""
 
-import re
-
 import pytest
 
 import pipeline
-from pipeline.cli import begin, given
+from pipeline.cli import given
 from pipeline.shipped import shipped_pages
 
 
@@ -33,10 +31,6 @@ def drawn(monkeypatch):
         (["--kind", "ramp", "--load", "400 N", "--velocity", "2 m/s", "--show", "wear_volume"],
          "ramp", "a/out_ramp.png",
          {"load": [400.0], "velocity": [2.0], "show": "wear_volume"}),
-        (["--load", "400 N", "--load", "500 N", "--velocity", "2 m/s", "--velocity", "3 m/s"],
-         None, "a/out_diagram.png", {"load": [400.0, 500.0], "velocity": [2.0, 3.0]}),
-        (["--title", "Pump", "--dpi", "300"], None, "a/out_diagram.png",
-         {"title": "Pump", "dpi": 300}),
         (["--kind", "fields", "--realization", "0", "--load", "1 kN", "--velocity", "1 m/s"],
          "fields", "a/out_fields.png",
          {"load": [1e3], "velocity": [1.0], "realization": 0}),
@@ -61,19 +55,6 @@ def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     assert irg("help", "first-hour") == f"{text.removesuffix(chr(10))}\n"
     assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
     assert irg("help", "run") == irg("run", "--help")
-    assert irg("help", "first-houre", code=2).endswith(
-        '"first-houre" (did you mean "first-hour"?); irg help lists all\n'
-    )
-    said = irg("help", "qqqq", code=2)
-    assert said.endswith('there is no page or command "qqqq"; irg help lists all\n')
-
-
-def test_shipped_scenes_are_listed_with_their_titles(irg, monkeypatch):
-    scene = begin.shipped_scenes()["first_try"]
-    monkeypatch.setattr(begin, "shipped_scenes", lambda: {"first_try": scene})
-    (title,) = re.findall('(?m)^title = "(.+)"', scene.read_text("utf-8"))
-    assert irg("new", "--list", "--json") == {"first_try": title}
-    assert irg("new", "--list") == f"first_try        {title}\n"
 
 
 @pytest.mark.parametrize(

@@ -95,11 +95,31 @@ REFUSALS = {
     "record": (recorded, "--duration applies to load ramps; a recorded load has its own duration"),
     "new": (irg("new"), "give the name of the file to write"),
     "help": (irg("help", "boundry"), 'there is no page or command "boundry" (did you mean'),
+    "velocity": (irg("point", "first_try", "--load=200 N", "--velocity=-1 m/s"),
+                 "velocity is -1 m/s; it must be above 0"),
+    "at value": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3 mm"),
+                 "run the scene with pin.radius = 3 mm into another store"),
+    # words that are not understood
+    "nothing": (irg("run"), "SCENE.toml"),
+    "a command": (irg("boundry", "a.zarr"), 'command is "boundry"; did you mean "boundary"?'),
+    "version": (irg("version"), 'command is "version"; did you mean "--version"?'),
+    "Version": (irg("--Version"), 'did you mean "--version"?'),
+    "init": (irg("init"), 'command is "init"; did you mean "new"?'),
+    "a kind": (irg("plot", "a.zarr", "--kind", "ram"), '--kind is "ram"; did you mean "ramp"?'),
+    "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "decimals with a point"),
+    "option": (irg("run", "a.toml", "--acuracy=2%"), 'did you mean "--accuracy"?'),
+    "options": (irg("margin", "a.zarr", "--force", "3 N", "--speed=2 m/s"),
+                'mean "--load" and "--velocity"?'),
+    "entry": (irg("run", "first_try", "--speed", "2"), 'mean "--set sweep.velocities=…"?'),
+    "condition": (irg("check", "first_try", "--friction", "0.1"), "--set friction.coefficient=…"),
+    "of another": (irg("status", "a.zarr", "--friction", "0.1"),
+                   "unknown option or argument: --friction 0.1"),
+    "order": (irg("--quiet", "status"), "options stand after the command: irg status … --quiet"),
+    "both": (irg("run", "a.toml", "--workers", "2", "--scheduler", "tcp://a:1"), "not allowed"),
 }  # fmt: skip
 
 ELSEWHERE = {
     "given.select_entry InputError": "tests/pipeline/test_over.py",
-    "points.point InputError": "test_commands.py, at rest",
     "check.check InputError": "test_check.py, with the meaning that is printed before",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
 }

@@ -12,10 +12,8 @@ import pytest
 from pipeline import load_scene, new_scene
 from pipeline.shipped import WORKFLOWS, shipped_scenes
 from tests.sources import reference
-from tests.sources.sections import all_keys, sections
+from tests.sources.sections import all_keys
 from tribo import InputError
-
-KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118
 
 
 def test_the_page_is_what_the_format_says():
@@ -56,13 +54,6 @@ def test_every_entry_is_set_by_a_shipped_scene_or_by_the_paper_and_its_evidence(
     used = {path for scene in scenes for path in paths_of(scene)}
     used |= {path for file in evidence for path in set_by_code(file)}
     assert {path for path, _ in all_keys()} - used == set()
-
-
-def test_the_head_of_each_shipped_scene_says_what_it_shows_and_costs():
-    for file in shipped_scenes().values():
-        head, _, _ = file.read_text("utf-8").partition("\n\n")
-        missing = [word for word in ("Shows", "Expect", "Costs") if f"\n# {word} " not in head]
-        assert (file.name, missing) == (file.name, [])
 
 
 def test_the_page_has_at_most_80_entries():

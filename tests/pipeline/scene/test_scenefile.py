@@ -1,26 +1,20 @@
 """Scene files: the sweep that they give, and every fault at once."""
 
-import copy
 import math
 import pickle
-import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 import tribo
-from pipeline import Conditions, SceneFileError, Sweep, load_scene, to_si
-from pipeline.scene.toml import text_of
-from tests.helpers.entries import bare_test
+from pipeline import Conditions, SceneFileError, load_scene, to_si
+from tests.helpers.entries import bare_test, changed
+from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.sweeps import sweep_of_fields
-from tests.pipeline.scene.conftest import PAPER, ROUGHNESS, TEXT, WORKFLOWS
+from tests.pipeline.scene.conftest import MEASURED_SURFACE, PAPER, ROUGHNESS, TEXT, WORKFLOWS
 
 LOADS = '["200 N", "400 N", "600 N", "750 N"]'
-SMOOTH = ("[disk.roughness]\n" + ROUGHNESS, "")
-BALL = ('shape = "cylinder"', 'shape = "ball"'), ('length = "3.4 mm"\n', "")
 
 
 def test_the_scene_of_the_paper_holds_the_papers_numbers():
@@ -62,39 +56,59 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
 
 
 @pytest.mark.parametrize("path", sorted(WORKFLOWS.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_shipped_scene_loads_and_says_what_it_shows(path):
+def test_every_shipped_scene_loads_says_what_it_shows_and_comes_back_from_a_store(path):
     sweep = load_scene(path)
-    assert sweep.name == path.stem
     header = path.read_text(encoding="utf-8").split("\n\n")[0]
     assert all(word in header for word in ("# Shows", "# Expect", "# Costs"))
-    assert pickle.loads(pickle.dumps(sweep)) == sweep
-    assert hash(sweep) == hash(load_scene(path))
+    again = parse_sweep(sweep_text(sweep), file_contents(sweep))
+    for other in (pickle.loads(pickle.dumps(sweep)), again):
+        assert (other, hash(other.scene)) == (sweep, hash(sweep.scene))
 
 
 def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
     sweep = read((written, 'from = "0 m/s", to = "2 m/s", step = "0.1 m/s"'))
     assert sweep.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
-    assert 0.3 in sweep.velocities
-    assert 0.7 in sweep.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
     sweep = read((written, 'from = "1 m/s", to = "4 m/s", count = 3'))
     assert sweep.velocities == (1.0, 2.5, 4.0)
 
 
+PINS = {  # pin, and whether the window is periodic along y and the contact swept over
+    "cylinder": ({}, lambda steel: tribo.Cylinder(2e-3, 3.4e-3, steel), True, False),
+    "ball": ({"without": "pin.length", "wear": {"pattern": "local"}},
+             lambda steel: tribo.Ball(2e-3, steel), False, False),
+    "crowned": ({"without": "pin.length", "pin.crown_radius": "8 cm"},
+                lambda steel: tribo.Crowned(2e-3, 80e-3, steel), False, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", PINS)
+def test_a_pin_has_a_free_or_periodic_window_and_is_swept_over(read, shape):
+    entries, pin, is_periodic, is_swept = PINS[shape]
+    scene = read(overrides=entries | {"pin.shape": shape}).scene
+    assert scene.pin == pin(scene.disk)
+    assert scene.pixels.periodic == (False, is_periodic)
+    assert scene.sweeps_over == is_swept
+
+
+def seeds(wanted, **entries):
+    scene = load_scene("first_try", overrides={"sweep.realizations": wanted} | entries)
+    names = [dict(name)["realization"] for name in scene.case_table.names]
+    return names, scene.scene.roughness.seed
+
+
+def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
+    assert seeds(3, **{"disk.roughness.seed": 5}) == ([5, 6, 7], 5)
+    assert seeds(2, without=["disk.roughness.seed"]) == ([0, 1], 0)
+    assert seeds([9, 4], **{"disk.roughness.seed": 5}) == ([4, 9], 4)
+
+
 def test_what_may_be_left_out_takes_its_default(read):
-    sweep = read(
-        (TEXT[TEXT.index("title =") : TEXT.index("[materials")], ""),
-        ('hardness = "6.6 GPa"\n', ""),
-        SMOOTH,
-        (TEXT[TEXT.index("[wear]") : TEXT.index("[friction]")], ""),
-        ("band = [0.09, 0.103]\n", ""),
-        ("critical_area_fraction = 0.1\n", ""),
-        (TEXT[TEXT.index("[fidelity]") : TEXT.index("[sweep]")], ""),
-        ("fields = true\n", ""),
-        (TEXT[TEXT.index("[[tests]]") :], ""),
-    )
+    paths = ["title", "materials.steel.hardness", "disk.roughness", "wear", "friction.band",
+             "temperature.critical_area_fraction", "fidelity", "sweep.fields", "tests"]  # fmt: skip
+    sweep = read(overrides={"without": paths})
     assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
     assert sweep.scene.roughness is sweep.scene.wear is sweep.base.friction_band is None
@@ -104,58 +118,24 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.tests == ()
 
 
-def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
-    local = ('"swept"', '"local"')
-    assert read().scene.pixels.periodic == (False, True)
-    assert read(*BALL, local).scene.pixels.periodic == (False, False)
-    assert isinstance(read(*BALL, local).scene.pin, tribo.Ball)
-
-
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
-    entries = (
-        'preset = "standard"',
-        'preset = "standard"\nincrements = 30\nheat_model = "history"',
-    )
-    assert read().preset == "standard"
-    sweep = read(entries)
-    own = {"increments": 30, "heat_model": "history"}
-    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **own)
-    assert sweep.preset is None
-    sweep = read(entries, preset="standard")
-    assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
-    sweep = read(entries, preset="standard", overrides={"increments": 40})
-    assert (sweep.preset, sweep.scene.fidelity.increments) == (None, 40)
-    same = tribo.PRESETS["standard"].contact_tolerance
-    assert read(overrides={"contact_tolerance": same}).preset == "standard"
+    standard = tribo.PRESETS["standard"]
+    own = 'preset = "standard"', 'preset = "standard"\nincrements = 30\nheat_model = "history"'
+    for changes, given, preset, fidelity in (
+        ([], {}, "standard", {}),
+        ([own], {}, None, {"increments": 30, "heat_model": "history"}),
+        ([own], {"preset": "standard"}, "standard", {}),
+        ([own], {"preset": "standard", "overrides": {"increments": 40}}, None, {"increments": 40}),
+        ([], {"overrides": {"contact_tolerance": standard.contact_tolerance}}, "standard", {}),
+    ):
+        sweep = read(*changes, **given)
+        assert (sweep.preset, sweep.scene.fidelity) == (preset, replace(standard, **fidelity))
 
 
-def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
-    overrides = {
-        "wear.pattern": "local",
-        "sweep.loads": ["300 N", "500 N"],
-        "fidelity.increments": 30,
-        "heat_model": "history",
-    }
-    changed = read(overrides=overrides)
-    expected = read(
-        ('"swept"', '"local"'),
-        (LOADS, '["300 N", "500 N"]'),
-        ('"standard"', '"standard"\nincrements = 30\nheat_model = "history"'),
-    )
-    assert changed == expected
-    # A single numerical choice precedes the preset given in the same call.
-    assert read(preset="standard", overrides=overrides).scene.fidelity.increments == 30
+def test_any_entry_may_be_given_in_place_of_the_files(read):
+    changed = read(overrides={"wear.pattern": "local", "sweep.loads": ["300 N", "500 N"]})
+    assert changed == read(('"swept"', '"local"'), (LOADS, '["300 N", "500 N"]'))
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
-    overrides = {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3}
-    messages = faults(overrides=overrides)
-    paths = ["incremnts", "realizations", "title", "waer"]
-    assert sorted(line.split(": ")[0] for line in messages) == paths
-    said = "\n".join(messages)
-    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', "a table is not text"):
-        assert hint in said
-
-
-CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": "8 cm"}
 
 
 def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
@@ -174,118 +154,30 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     (fault,) = faults((ramp, record.replace("500", "900")))
     assert fault.startswith("loading.file: ")
     assert "reaches 800 N" in fault
-    (tmp_path / "record.csv").write_text(rows + "4000, 0.8\n")
-    (fault,) = faults((ramp, record))
-    assert "row 5: time 4 s after 5 s" in fault
 
 
-def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
-    sweep = read(overrides=CROWNED)
-    assert sweep.scene.pin == tribo.Crowned(2e-3, 80e-3, sweep.scene.disk)
-    assert sweep.scene.pixels.periodic == (False, False)
-    assert sweep.scene.sweeps_over
-    assert not read(overrides=CROWNED | {"wear.pattern": "local"}).scene.sweeps_over
+FAULTS = {  # scene, other entries, and the keys that are named
+    "empty": ("", {}, "pin disk window loading friction temperature sweep"),
+    "slips": (TEXT, {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3},
+              "incremnts realizations title waer"),
+    "pixels": (TEXT, {"window.pixels": [33, 33], "pin.radius": "2 N"}, "window.pixels pin.radius"),
+    "elements": (TEXT, {"pixels_per_element": 7, "pin.lenght": "1 mm"}, "window.pixels pin.lenght"),
+    "disk": (TEXT, {"disk.diameter": "20 mm", "pin.radius": "2 N"}, "disk.width pin.radius"),
+}  # fmt: skip
 
 
-def test_an_empty_file_lacks_every_table(tmp_path):
-    (tmp_path / "empty.toml").touch()
-    with pytest.raises(SceneFileError) as caught:
-        load_scene(tmp_path / "empty.toml")
-    needed = ["pin", "disk", "window", "loading", "friction", "temperature", "sweep"]
-    assert [line.partition(": missing; give a")[0] for line in caught.value.faults] == needed
-
-
-@pytest.mark.parametrize(
-    ("overrides", "keys"),
-    [
-        ({"window.pixels": [33, 33], "pin.radius": "2 N"}, {"window.pixels", "pin.radius"}),
-        ({"pixels_per_element": 5, "pin.lenght": "1 mm"}, {"window.pixels", "pin.lenght"}),
-        ({"disk.diameter": "20 mm", "pin.radius": "2 N"}, {"disk.width", "pin.radius"}),
-    ],
-)
-def test_conflicts_of_entries_are_named_beside_other_mistakes(overrides, keys):
-    with pytest.raises(SceneFileError) as caught:
-        load_scene("first_try", overrides=overrides)
-    assert {fault.partition(":")[0].partition(" ")[0] for fault in caught.value.faults} == keys
+@pytest.mark.parametrize("kind", FAULTS)
+def test_all_faults_are_named_at_once(faults, kind):
+    text, overrides, keys = FAULTS[kind]
+    said = faults(text=text, overrides=overrides)
+    found = [one.partition(":")[0].partition(" ")[0] for one in said]
+    assert sorted(found) == sorted(keys.split())
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "irg_transition.toml"
     path.write_bytes(b"\xef\xbb\xbf" + PAPER.replace("\n", "\r\n").encode())
     assert load_scene(path) == load_scene(WORKFLOWS / "irg_transition.toml")
-
-
-def places(value):
-    """Yield (container, key) of each value in a nested document."""
-    for key, part in list(value.items() if isinstance(value, dict) else enumerate(value)):
-        yield value, key
-        if isinstance(part, dict | list):
-            yield from places(part)
-
-
-units = st.sampled_from(["um", "N", "N/s", "GPa", "degC", "K", "m/s", "furlong", "m^99", "", "µ"])
-numbers = st.integers() | st.floats() | st.sampled_from([0, -1, 10**400, 1e308, 5e-324])
-words = st.text(st.characters(codec="utf-8"), max_size=8)
-quantities = st.builds("{} {}".format, numbers, units)
-values = st.recursive(
-    numbers | words | quantities | st.booleans() | st.sampled_from(["ball", "local", "steel"]),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(words, inner, max_size=3),
-    max_leaves=6,
-)
-unhurried = settings(
-    deadline=None, max_examples=16, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-
-
-def faults_of(path, text):
-    """Faults of a scene file; [] if it is valid, None for any other result."""
-    path.write_text(text, encoding="utf-8", newline="")
-    try:
-        return [] if isinstance(load_scene(path), Sweep) else None
-    except SceneFileError as error:
-        return error.faults or None
-
-
-@unhurried
-@given(st.data())
-def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, data):
-    (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
-    document = copy.deepcopy(tomllib.loads(TEXT))
-    if data.draw(st.booleans()):
-        document |= {"extends": "base.toml", "without": ["wear.pattern", "tests"]}
-        for key in data.draw(st.lists(st.sampled_from(sorted(document)), unique=True)):
-            del document[key]
-    for _ in range(data.draw(st.integers(1, 3))):
-        holder, key = data.draw(st.sampled_from(list(places(document)) or [(document, "pin")]))
-        match data.draw(st.sampled_from(["drop", "replace", "rename"])):
-            case "drop":
-                holder.pop(key, None) if isinstance(holder, dict) else holder.pop(key)
-            case "replace":
-                holder[key] = data.draw(values)
-            case "rename" if isinstance(holder, dict) and key in holder:
-                holder[data.draw(words)] = holder.pop(key)
-        if not document:
-            break
-    faults = faults_of(tmp_path / "scene.toml", text_of(document))
-    assert all(len(line.splitlines()) == 1 for line in faults)
-
-
-@unhurried
-@given(st.data())
-def test_a_scene_of_garbled_text_is_read_or_refused(tmp_path, data):
-    start, end = sorted(data.draw(st.tuples(*[st.integers(0, len(TEXT))] * 2)))
-    end = min(end, start + data.draw(st.sampled_from([0, 1, 2, 10, 1000])))
-    insert = data.draw(st.text(st.characters(codec="utf-8"), max_size=5))
-    faults = faults_of(tmp_path / "scene.toml", TEXT[:start] + insert + TEXT[end:])
-    assert all(len(line.splitlines()) == 1 for line in faults)
-
-
-def test_both_bodies_may_move(read):
-    moving = [("[wear]", '[motion]\nslide_roll_ratio = 0.5\ntrack_length = "30 mm"\n\n[wear]')]
-    sweep = read(*moving)
-    assert sweep.scene.motion == tribo.Motion(slide_roll_ratio=0.5, track_length=30e-3)
-    assert sweep.scene.velocities_at(1.0) == (1.5, 2.5)
-    assert read().scene.motion is None
 
 
 @pytest.mark.parametrize(
@@ -298,3 +190,82 @@ def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
     assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
     (note,) = [note.text for note in sweep.notes if "hardness" in note.text]
     assert f"{taken}, its middle, is taken" in note
+
+
+# A scene that extends another is the scene written in full.
+
+EXTENDS = 'extends = "base.toml"\n'
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write scenes; return the path of the last one."""
+    (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
+
+    def write(**texts):
+        for name, text in texts.items():
+            path = tmp_path / f"{name}.toml"
+            path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def faults_of(path, **arguments):
+    with pytest.raises(SceneFileError) as caught:
+        load_scene(path, **arguments)
+    return caught.value.faults
+
+
+def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
+    sweep = load_scene(write(own=EXTENDS))
+    assert sweep == changed(load_scene(write(base=TEXT)), name="own")
+
+
+def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
+    counted = EXTENDS + '[sweep]\nvelocities = { to = "4 m/s", count = 3 }'
+    assert load_scene(write(own=counted)).velocities == (1.0, 2.5, 4.0)
+    fault, *_ = faults_of(write(own=EXTENDS + '[disk.roughness]\nfile = "scan.npy"'))
+    assert fault.startswith("disk.roughness.ra (in ")
+    assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
+
+
+def test_entries_may_be_left_out(write):
+    keys = '"wear", "friction.band", "tests", "materials.steel.hardness", "disk.roughness.seed"'
+    sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
+    assert sweep.scene.wear is sweep.base.friction_band is None
+    assert sweep.tests == ()
+    assert sweep.scene.hardness == np.inf
+    assert sweep.scene.disk.elastic_modulus == 210e9
+
+
+def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
+    write(base=TEXT.replace('preset = "standard"', "increments = 7"))
+    sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
+    assert sweep.scene.fidelity == tribo.PRESETS["fine"]
+    sweep = load_scene(write(own=f"{EXTENDS}[fidelity]\nfewest_elements = 50"))
+    own = {"increments": 7, "fewest_elements": 50}
+    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **own)
+
+
+def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
+    folder = tmp_path / "surfaces"
+    folder.mkdir()
+    np.save(folder / "surface.npy", np.eye(480))
+    measured = TEXT.replace(ROUGHNESS, MEASURED_SURFACE)
+    (folder / "base.toml").write_text(measured, encoding="utf-8")
+    sweep = load_scene(write(own='extends = "surfaces/base.toml"'))
+    np.testing.assert_array_equal(sweep.scene.roughness.array, np.eye(480) * 1e-6)
+    fault, *_ = faults_of(
+        write(own='extends = "surfaces/base.toml"\n[disk.roughness]\nfile = "surface.npy"')
+    )
+    assert str(tmp_path / "surface.npy") in fault
+
+
+def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shipped = load_scene("first_try")
+    (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
+    assert load_scene("mine.toml").loads == shipped.loads
+    (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # files precede shipped scenes
+    assert load_scene("first_try").scene.motion is not None

@@ -1,5 +1,6 @@
 """A store is a closed tree: nothing is written, locked or removed by way of its links."""
 
+import os
 import shutil
 import tracemalloc
 from contextlib import suppress
@@ -17,7 +18,7 @@ from pipeline.store.files import PARTIAL
 from pipeline.store.place import LOCK
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.stores import commit, opened, record
+from tests.helpers.stores import record
 
 SWEEP = tiny.full()
 FIELD, CHUNK = "fields/rise/c.0.0.0", "mean_rise/c.0.0.0"
@@ -53,14 +54,11 @@ def link(path, target):
 
 LINKS = {
     "lock": lambda store, out: link(store / LOCK, out / "key"),
-    "folder of the lock": lambda store, out: link(store / "status", out / "status"),
+    "pipe for a lock": lambda store, out: ((store / LOCK).unlink(), os.mkfifo(store / LOCK)),
     "folder of chunks": lambda store, out: link(store / "mean_rise", out / "mean_rise"),
     "folder with a file half written": lambda store, out: link(store / "load", out / "load"),
     "root": lambda store, out: link(store / "zarr.json", out / "key"),
     "chunk": lambda store, out: link(store / CHUNK, out / "key"),
-    "metadata": lambda store, out: link(store / "load/zarr.json", out / "load/zarr.json"),
-    "file half written": lambda store, out: link(store / f"{CHUNK}{PARTIAL}", out / "key"),
-    "what is kept": lambda store, out: link(store / "status/kept-answer", out / "key"),
 }
 
 
@@ -88,50 +86,17 @@ def test_a_link_that_is_laid_while_a_run_writes_is_not_followed(path, outside):
         assert tree(outside) == before
 
 
-def strangers(store, outside):
-    """Add users' files and links to a store; return a function that reads them again."""
-    for folder in (store, store / "load", store / "fields" / "rise", store / "status"):
-        (folder / "notes.txt").write_text("mine")
-        (folder / ".#notes.txt").symlink_to("me@machine.123:456")
-        (folder / "c.0.partial").write_text("mine, too")
-        (folder / "zarr.json.partial").symlink_to(outside / "key")
-        (folder / "aside").symlink_to(outside)
-        (folder / "figures").mkdir()
-        (folder / "figures" / "1.png").write_text("mine as well")
-    names = {".#notes.txt", "notes.txt", "c.0.partial", "zarr.json.partial", "aside", "1.png"}
-    return lambda: {key: value for key, value in tree(store).items() if key.name in names}
-
-
-def test_what_has_other_names_stays_and_is_in_nobody_s_way(copy, outside, irg):
-    kept = strangers(copy, outside)
-    before, beyond = kept(), tree(outside)
-    assert len(before) == 24
-    assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
-    with pytest.raises(StoreError, match="which is not of this program, would be lost; write a"):
-        commit(copy, tiny.full(loads=(700.0,)), [])
-    for command in ("status", "verify", "boundary"):
-        irg(command, copy)
-    assert "tiny.zarr" in irg("status", copy.parent)
-    assert (kept(), tree(outside)) == (before, beyond)
-
-
 ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
 BOMBS = {
     "larger": lambda content: ZEROS,
     "larger behind the chunk": lambda content: content + ZEROS,
     "of unknown size": lambda content: ZEROS[:4] + b"\x04\x58" + ZEROS[9:],
-    "no frame": lambda content: bytes(100),
-    "empty": lambda content: b"",
 }
 
 
 @pytest.mark.parametrize(
     ("name", "bomb"),
-    [
-        *((CHUNK, bomb) for bomb in BOMBS),
-        ("about/message/c.0.0", "larger"),
-        ("status/c.0.0", "larger"),
-    ],
+    [*((CHUNK, bomb) for bomb in BOMBS), ("about/message/c.0.0", "larger")],
 )
 def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bomb):
     (copy / name).write_bytes(BOMBS[bomb]((copy / name).read_bytes()))
@@ -144,19 +109,3 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
     finally:
         tracemalloc.stop()
     assert peak < 100e6  # unpacked it would take 268 MB
-
-
-def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    (tmp_path / "home").mkdir()
-    monkeypatch.chdir(tmp_path)
-    scene, *_ = pipeline.new_scene("~/mine.toml", like="first_try")
-    assert scene == tmp_path / "home" / "mine.toml"
-    assert pipeline.load_scene("~/mine.toml").loads
-    commit("~/a.zarr", SWEEP)
-    assert pipeline.summary("~/a.zarr").done == len(opened("~/a.zarr").flags.flat)
-    irg("boundary", "~/a.zarr", "-o", "~/table.csv")
-    assert (tmp_path / "home" / "table.csv").exists()
-    assert [entry.name for entry in tmp_path.iterdir()] == ["home"]
-    with pytest.raises(StoreError, match=r"~nobody-of-this-name/a\.zarr"):
-        pipeline.summary("~nobody-of-this-name/a.zarr")

@@ -6,12 +6,9 @@ import http.server
 import os
 import shutil
 import stat
-import subprocess
-import sys
 import threading
-from contextlib import contextmanager
+import warnings
 
-import fsspec
 import numpy as np
 import pytest
 import xarray as xr
@@ -27,7 +24,7 @@ from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
 from pipeline.store.root import FACTS
-from pipeline.store.schema import FIELDS, FORMAT
+from pipeline.store.schema import FIELDS
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -39,7 +36,6 @@ from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
     contents,
-    forge,
     killed_after,
     make,
     opened,
@@ -64,38 +60,24 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     texts = "Conventions", "title", "source", "history", "license", "scene", "stored_steps"
     assert ds.attrs.keys() == {*texts}
     assert opened(path).sweep == sweep
-    assert pipeline.open_sweep(path).attrs.keys() == {*ds.attrs, "sweep"}
     assert zarr.open_group(path, use_consolidated=False)["about"].attrs["history"] == [
         ds.attrs["history"]
     ]
     assert f"numpy {np.__version__}" in ds.attrs["history"]
 
 
-@pytest.mark.parametrize(("changes", "steps"), [({}, 5), ({"steps": "end"}, 1)])
-def test_a_store_has_the_steps_of_its_points(path, changes, steps):
-    make(path, tiny.full(**changes))
-    with xr.open_zarr(path, chunks=None) as ds:
-        assert ds["step"].values.tolist() == [*range(1 - steps, 1)]
-
-
 def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
-    command = f"""if True:
-        import warnings; warnings.simplefilter("error")
-        import xarray as xr
-        ds = xr.open_zarr({str(alone)!r})
-        quantiles = ds["rise_quantile"].sel(load=600, velocity=1.5)
-        assert quantiles.dims == ("step", "area_fraction_below")
-        assert ds["status"].attrs["flag_meanings"] == "not_needed done failed pending"
-        ds.load()
-        for name, variable in ds.variables.items():
-            assert "long_name" in variable.attrs, name
-            without = "status", "warning_flags"
-            assert "units" in variable.attrs or name in without, name
-    """
-    subprocess.run([sys.executable, "-c", command], check=True, cwd="/", timeout=60)
+    with warnings.catch_warnings(action="error"):
+        ds = xr.open_zarr(alone).load()
+    quantiles = ds["rise_quantile"].sel(load=600, velocity=1.5)
+    assert quantiles.dims == ("step", "area_fraction_below")
+    assert ds["status"].attrs["flag_meanings"] == "not_needed done failed pending"
+    for name, variable in ds.variables.items():
+        assert "long_name" in variable.attrs, name
+        assert "units" in variable.attrs or name in ("status", "warning_flags"), name
 
 
-@pytest.mark.parametrize("files", [1, 20, 39])
+@pytest.mark.parametrize("files", [1, 20])
 def test_a_creation_cut_short_leaves_no_store(path, monkeypatch, files):
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, SWEEP, [POINT])
@@ -114,17 +96,19 @@ def test_a_creation_cut_short_leaves_no_store(path, monkeypatch, files):
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
-def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, monkeypatch):
-    sync = os.fsync
+def test_the_names_of_new_folders_are_on_the_disk_too_if_it_can_sync_them(path, monkeypatch):
+    synced, fsync = [], os.fsync
 
-    def refused(descriptor):
-        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
+    def logged(descriptor):
+        fsync(descriptor)
+        synced.append(os.fstat(descriptor).st_ino)
+        if path.exists() and stat.S_ISDIR(os.fstat(descriptor).st_mode):
             raise OSError(errno.EINVAL, "Invalid argument")
-        sync(descriptor)
 
-    monkeypatch.setattr(os, "fsync", refused)
-    commit(path, SWEEP, [POINT])
-    assert_is_as_computed(path, [POINT])
+    monkeypatch.setattr(os, "fsync", logged)
+    commit(path / "new.zarr", SWEEP, [POINT])
+    assert {folder.stat().st_ino for folder in (path.parent, path)} <= set(synced)
+    assert_is_as_computed(path / "new.zarr", [POINT])
 
 
 # Growth
@@ -151,20 +135,19 @@ def test_points_of_earlier_runs_count_if_they_are_done(path):
         assert now.warned == warned.sum()
 
 
-@pytest.mark.parametrize("files", [1, 30, 10**6])
+@pytest.mark.parametrize("files", [1, 30])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, LARGER, [ADDED])
-    assert bool(was_killed) == (files < 100)
+    assert was_killed
     with open_sweep(path) as ds:
-        assert ds.sizes["load"] == (3 if was_killed else 5)
-        ds.load()
-    assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
+        assert ds.load().sizes["load"] == 3
+    assert_is_as_computed(path, [POINT])
     assert verify_store(path).is_clean
     other = Point(1500.0, 3.0)  # a selection other than the interrupted one
     commit(path, tiny.full(loads=(1500.0,), velocities=(3.0,)), [other])
-    assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
+    assert_is_as_computed(path, [POINT, other])
     assert verify_store(path).is_clean
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
@@ -226,7 +209,7 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
     first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
     commit(path, first)
     kept = [opened_plainly()]
-    for load in (200.0, 100.0, 170.0, 2000.0):  # indices of points change, and change back
+    for load in (200.0, 100.0):  # indices of points change, and change back
         commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
         now = [one.load() for one in opened_plainly()]
         for plane, fields, about in kept:
@@ -268,39 +251,34 @@ def test_a_store_grows_only_if_its_disk_has_room(path, monkeypatch):
     assert contents(path) == before
 
 
-def test_only_the_first_surface_of_a_case_has_fields(path):
-    sweep = tiny.full(case_table=surfaces((1, 2)), loads=(150.0,), velocities=(0.5,))
-    with writing(path, sweep) as store:
-        store.commit(run_point(sweep, point).record(with_fields=True) for point in points(sweep))
-    assert xr.open_zarr(path, group="fields")["rise"].dims == ("point", "x", "y")
-    assert len(files_of_fields(path)) == 3
-    ds = open_sweep(path)
-    assert ds["rise"].dims == ("realization", "load", "velocity", "x", "y")
-    first, second = ds["rise"].squeeze()
-    expected = run_point(sweep, points(sweep)[0]).fields["rise"]
-    np.testing.assert_array_equal(first, expected.astype(np.float32))
-    assert second.isnull().all()
-    assert ds["rise"].isel(realization=[1], x=0, y=[1, 2]).isnull().all()
-    assert ds["rise"].isel(realization=slice(0, 1), load=0, x=3).notnull().all()
-    assert verify_store(path).is_clean
-
-
-@pytest.mark.parametrize("seeds", [(1,), (1, 7), None])
-def test_a_smaller_seed_that_comes_later_leaves_the_fields_where_they_are(path, seeds):
+@pytest.mark.parametrize("seeds", [(1, 7), None])
+def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fields(
+    path, monkeypatch, seeds
+):
     place = {"loads": (150.0,), "velocities": (0.5,)}
     sweep = tiny.full(**place, **{"case_table": surfaces(seeds)} if seeds else {})
     with writing(path, sweep) as store:
         fields = [(one, store.fields_of(one.case) is True) for one in points(sweep)]
         store.commit(run_point(sweep, one).record(with_fields=has) for one, has in fields)
-    first = open_sweep(path)["rise"].values.reshape(-1, *sweep.scene.grid.shape)[0]
+    before = open_sweep(path).load()
     more = tiny.full(**place, case_table=surfaces((0, 1, 7)))
+    with killed_after(monkeypatch, 8), writing(path, more):
+        pass
+    assert open_sweep(path).load().drop_attrs().equals(before.drop_attrs())
     with writing(path, more) as store:
+        assert len(store.pending()) == 3 - len(fields)
         assert not any(store.fields_of(one.case) for one in store.pending())
         rest = [run_point(more, one).record(with_fields=False) for one in store.pending()]
         store.commit(rest)
     ds = open_sweep(path)
-    np.testing.assert_array_equal(ds["rise"].sel(realization=1).squeeze(), first)
+    expected = run_point(more, Point(150.0, 0.5, (("realization", 1),))).fields["rise"]
+    assert xr.open_zarr(path, group="fields")["rise"].dims == ("point", "x", "y")
+    assert len(files_of_fields(path)) == 3
+    np.testing.assert_array_equal(
+        ds["rise"].sel(realization=1).squeeze(), expected.astype(np.float32)
+    )
     assert ds["rise"].sel(realization=[0, 7]).isnull().all()
+    assert ds["rise"].isel(realization=[2], x=0, y=[1, 2]).isnull().all()
     assert verify_store(path).is_clean
     pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
 
@@ -330,24 +308,6 @@ def several(**changes):
     return tiny.sweep(**{"loads": (150.0,), "velocities": (0.5, 1.0)} | changes)
 
 
-def test_surfaces_are_added_to_those_that_are_there(path, monkeypatch):
-    fewer, more = (several(case_table=surfaces(seeds)) for seeds in ((4, 1), (7, 1, 4)))
-    chosen = points(fewer)[1::2]
-    with writing(path, fewer) as store:
-        store.commit(run_point(fewer, point).record(with_fields=False) for point in chosen)
-    before = open_sweep(path).load()
-    with killed_after(monkeypatch, 8), writing(path, more):
-        pass
-    with open_sweep(path) as ds:
-        (name,) = more.case_table.axes
-        after = ds.sel({name: before[name]}).load()
-    for name in before.data_vars:
-        np.testing.assert_array_equal(after[name].values, before[name].values)
-    with writing(path, more) as store:
-        assert len(store.pending()) == len(points(more)) - len(chosen)
-    assert verify_store(path).is_clean
-
-
 # Refusals
 
 
@@ -364,58 +324,37 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     assert contents(alone) == before
 
 
-@pytest.mark.parametrize(
-    ("made", "asked", "complaint"),
-    [
-        ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
-        ({}, {"case_table": surfaces((9,))}, "none in the store, realization in"),
-        ({"case_table": surfaces((0, 1))}, {}, "realization in the store, none in"),
-        (
-            {},
-            {"loads": (150.0, 150.0 * (1 + 1e-12))},
-            r"loads: 150.00000000\d+ in the scene equals 150.0 in the store within rounding",
-        ),
-    ],
-    ids=["fields later", "other surfaces", "fewer surfaces", "equal within rounding"],
-)
-def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
-    commit(path, several(**made), ())
+MISFITS = {
+    "fields later": ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
+    "other surfaces": ({}, {"case_table": surfaces((9,))}, "none in the store, realization in"),
+    "fewer surfaces": (
+        {"case_table": surfaces((0, 1))}, {}, "realization in the store, none in"
+    ),
+    "equal within rounding": (
+        {}, {"loads": (150.0, 150.0 * (1 + 1e-12))},
+        r"loads: 150.00000000\d+ in the scene equals 150.0 in the store within rounding",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MISFITS)
+def test_a_sweep_that_does_not_fit_the_store_is_refused(path, kind):
+    made, asked, complaint = MISFITS[kind]
+    make(path, several(**made))
     before = contents(path)
     with pytest.raises(StoreMismatchError, match=complaint):
-        commit(path, several(**asked), ())
+        make(path, several(**asked))
     assert contents(path) == before
 
 
-def test_surfaces_may_come_later_and_points_on_the_first_are_kept(path):
-    with writing(path, several()) as store:
-        store.commit(run_point(several(), one).record(False) for one in points(several())[:1])
-    more = several(case_table=surfaces((several().scene.roughness.seed, 7)))
-    with writing(path, more) as store:
-        assert store.axes["realization"] == [several().scene.roughness.seed, 7]
-        assert len(store.pending()) == len(points(more)) - 1
+def laid(name):
+    """Function that writes a file of a user at a name below the path."""
 
+    def lay(path):
+        (path / name).parent.mkdir(parents=True, exist_ok=True)
+        (path / name).write_text("years of work")
 
-def test_a_whole_number_is_the_same_as_its_float(path):
-    commit(path, tiny.sweep(loading=tribo.Ramp(150, 750)), ())
-    commit(path, tiny.sweep(loading=tribo.Ramp(150.0, 750.0)), ())
-
-
-def a_file(path):
-    path.write_text("years of work")
-
-
-def a_folder(path):
-    path.mkdir()
-    (path / "thesis.tex").write_text("years of work")
-
-
-def a_folder_named_like_a_variable(path):
-    (path / "load").mkdir(parents=True)
-    (path / "load" / "mine.csv").write_text("years of work")
-
-
-def a_group_of_somebody_else(path):
-    zarr.create_group(path, attributes={"title": "something else"})
+    return lay
 
 
 def without_facts(path):
@@ -423,20 +362,13 @@ def without_facts(path):
     (path / FACTS).unlink()
 
 
-def of_another_format(path):
-    commit(path, SWEEP, [POINT])
-    forge(path, lambda _, facts: facts.update(format=99))
-
-
 @pytest.mark.parametrize(
     ("make", "complaint"),
     [
-        (a_file, "is no store"),
-        (a_folder, "is no store: it is a folder with other files"),
-        (a_folder_named_like_a_variable, "is no store"),
-        (a_group_of_somebody_else, "it is of another program, or has lost its about/zarr.json"),
+        (laid(""), "is no store"),
+        (laid("thesis.tex"), "is no store: it is a folder with other files"),
+        (laid("load/mine.csv"), "is no store"),
         (without_facts, "has lost its about/zarr.json; restore it from a backup, or run the scene"),
-        (of_another_format, f"is of format 99, and this program reads {FORMAT}"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):
@@ -445,83 +377,30 @@ def test_nothing_is_written_over(path, make, complaint):
     for sweep in (SWEEP, tiny.sweep(increments=7)):
         with pytest.raises(StoreError, match=complaint):
             commit(path, sweep, ())
-    if path.exists():
-        with pytest.raises(StoreError, match=complaint):
-            summary(path)
     assert contents(path.parent) == before
 
 
-def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
-    synced, fsync = [], os.fsync
-
-    def logged(descriptor):
-        synced.append(os.fstat(descriptor).st_ino)
-        fsync(descriptor)
-
-    monkeypatch.setattr(os, "fsync", logged)
-    make(tmp_path / "new" / "tiny.zarr", SWEEP)
-    assert {folder.stat().st_ino for folder in (tmp_path, tmp_path / "new")} <= set(synced)
-
-
-def test_a_store_at_another_address_has_a_fixed_plane(tmp_path):
-    commit(f"file://{tmp_path}/tiny.zarr", SWEEP, [POINT])
-    assert summary(tmp_path / "tiny.zarr").done == 1
-    address = f"memory://{os.getpid()}/tiny.zarr"
-    memory = fsspec.filesystem("memory")
-    memory.put(str(tmp_path / "tiny.zarr"), f"/{os.getpid()}/tiny.zarr", recursive=True)
-    assert summary(address).done == 1
-    assert verify_store(address).is_clean
-    with pytest.raises(StoreError, match="on an object store a plane is fixed; write a new store"):
-        commit(address, LARGER, [ADDED])
-    with open_sweep(address) as ds, xr.open_zarr(address, chunks=None) as plain:
-        np.testing.assert_array_equal(ds["status"], plain["status"])
-
-
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves a folder without a word."""
+class Unlisted(http.server.SimpleHTTPRequestHandler):
+    """Serves files without a word, and lists none."""
 
     def log_message(self, *_):
         pass
-
-
-class Unlisted(Quiet):
-    """Serves files, and lists none."""
 
     def list_directory(self, _):
         self.send_error(404)
 
 
-@contextmanager
-def web(handler, folder):
-    """Context manager: the address of a folder on a web server of this machine."""
-    handler = functools.partial(handler, directory=folder)
+def test_a_web_address_is_read_as_the_store_is_though_it_lists_no_files(copy):
+    handler = functools.partial(Unlisted, directory=copy.parent)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}"
+        place = f"http://127.0.0.1:{server.server_port}/{copy.name}"
+        xr.testing.assert_identical(pipeline.boundary(place), pipeline.boundary(copy))
+        assert verify_store(place) == verify_store(copy)
         server.shutdown()
 
 
-@pytest.mark.parametrize("server", ["Quiet", "Unlisted"])
-def test_a_web_address_is_read_as_the_store_is_whether_it_lists_its_files_or_not(copy, server):
+def test_a_store_without_its_fields_answers(copy):
     right = pipeline.boundary(copy)
-    with web(globals()[server], copy.parent) as address:
-        place = f"{address}/{copy.name}"
-        xr.testing.assert_identical(pipeline.boundary(place), right)
-        assert verify_store(place) == verify_store(copy)
-        with pytest.raises(StoreError, match="can only be read; write to a folder, or to s3:"):
-            commit(place, LARGER, [ADDED])
-
-
-def test_a_name_that_is_too_long_is_a_store_error(tmp_path):
-    with pytest.raises(StoreError, match="File name too long"):
-        summary(tmp_path / ("a" * 265))
-
-
-def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
-    right = pipeline.boundary(copy)["critical_velocity"].values
     shutil.rmtree(copy / "fields")
-    np.testing.assert_array_equal(pipeline.boundary(copy)["critical_velocity"].values, right)
-    shutil.rmtree(copy / "status")
-    for ask in (pipeline.boundary, summary):
-        with pytest.raises(StoreError, match="status cannot be read; irg verify names"):
-            ask(copy)
+    xr.testing.assert_identical(pipeline.boundary(copy), right)

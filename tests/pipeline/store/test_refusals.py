@@ -92,11 +92,6 @@ def with_a_file():
     commit("a.zarr", tiny.full(loads=(700.0,)), ())
 
 
-def by_xarray():
-    open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
-    commit("a.zarr", SWEEP, ())
-
-
 def below_file():
     Path("file").touch()
     commit("file/a.zarr", SWEEP, ())
@@ -114,17 +109,11 @@ def folder():
     return summary("mine")
 
 
-def file():
-    Path("mine").touch()
-    return summary("mine")
-
-
 REFUSALS = {
     # paths
     "top": (lambda: place_of("/"), "/ cannot be a store; give a folder below it"),
     "below": (below_file, "cannot be written: File exists"),
     "nothing": (lambda: summary("a.zarr"), "there is no store at "),
-    "file": (file, "mine is no store"),
     "folder": (folder, "mine is no store: it is a folder with other files"),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
@@ -146,11 +135,9 @@ REFUSALS = {
     "sweep": (changed(forged(lambda sweep, _: sweep.update(loads=3))), "Sweep.loads is 3"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "radius is -1"),
-    "axes": (changed(forged(lambda sweep, _: sweep.update(loads=[2.0, 1.0]))), "that ascend"),
     "order": (changed(forged(lambda _, facts: facts.update(order=[0, 0]))),
               "the order of its fields"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
-    "copy": (by_xarray, "it is of another program, or has lost its about/zarr.json"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),

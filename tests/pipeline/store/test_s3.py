@@ -2,7 +2,6 @@
 
 import functools
 import os
-import sys
 
 import boto3
 import pytest
@@ -105,16 +104,13 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
 LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(
-    address, tmp_path, monkeypatch, count
-):
-    left, synced = [count], Bucket.sync
+def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_path, monkeypatch):
+    left, synced = [1], Bucket.sync
 
     def killed(self):
-        if left[0] == 0:
+        if left.pop() == 0:
             raise Killed
-        left[0] -= 1
+        left.append(0)
         synced(self)
 
     with monkeypatch.context() as patch:
@@ -141,8 +137,6 @@ def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
 
 
 def test_what_is_no_store_is_refused(address):
-    with pytest.raises(StoreError, match="there is no store at"):
-        summary(address)
     with pytest.raises(StoreError, match=r"cannot be (read|written)"):
         commit("s3://no-such-bucket/tiny.zarr", SWEEP, ())
     put(f"{address}/thesis.tex", b"years of work")
@@ -150,12 +144,6 @@ def test_what_is_no_store_is_refused(address):
     with pytest.raises(StoreError, match="is no store: it is a folder with other files"):
         commit(address, SWEEP, ())
     assert len(keys(address)) == 2
-
-
-def test_without_s3fs_it_says_what_to_install(monkeypatch, irg):
-    monkeypatch.setitem(sys.modules, "s3fs", None)
-    monkeypatch.delitem(sys.modules["fsspec.registry"]._registry, "s3", raising=False)
-    assert "Install s3fs to access S3" in irg("status", "s3://irg/tiny.zarr", code=2)
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):

@@ -54,17 +54,13 @@ TESTS = {"a": {}, "b": {}}
     ("case_table", "time", "distance", "status"),
     [
         (CaseTable(), "load", "load velocity", "load velocity"),
-        (surfaces((1, 2)), "load", "load velocity", "realization load velocity"),
-        (RAMPS, "ramp load", "ramp load velocity", "ramp load velocity"),
         (surfaces((1, 2)) * RAMPS, "ramp load", "ramp load velocity",
          "realization ramp load velocity"),
         (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
-        (rows("test", TESTS, loads=(200.0, 300.0)), "test", "test velocity", "test velocity"),
         (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
         (placed_rows((200.0, 0.5), (300.0, 1.0)), "case", "case", "case"),
     ],
-    ids=["plane", "surfaces", "ramps", "surfaces and ramps", "velocities", "loads", "places",
-         "rows"],
+    ids=["plane", "surfaces and ramps", "velocities", "places", "rows"],
 )  # fmt: skip
 def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
     case_table, time, distance, status

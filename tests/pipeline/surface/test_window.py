@@ -8,7 +8,6 @@ import pytest
 from pipeline import SceneFileError, load_scene, to_si
 from pipeline.surface.scan import Scan
 from pipeline.surface.window import filled
-from tribo import InputError
 from tribo.surface.areal import remove_form
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
@@ -91,11 +90,6 @@ def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
     for case, part in zip(wide.cases, (HEIGHTS[:, :20], HEIGHTS[:, 20:]), strict=True):
         np.testing.assert_array_equal(case.scene.roughness.array[:48], part)
         np.testing.assert_array_equal(case.scene.roughness.array[48:], part[::-1])
-
-
-def test_other_disks_have_no_areas(scene):
-    with pytest.raises(InputError, match="the disk of the scene is smooth"):
-        load_scene("first_try", overrides={"without": "disk.roughness"})._take_surface(1)
 
 
 def test_ra_and_rsm_of_a_profile_make_a_table(irg):

@@ -1,7 +1,6 @@
 """Points, tasks and the computation of one point (pipeline/sweep/plan.py)."""
 
 from dataclasses import replace
-from itertools import groupby
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import surfaces
-from pipeline.sweep.plan import choose_stored_steps, points, tasks
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
@@ -29,16 +28,6 @@ def same(first, second):
     for name, values in (first.columns | first.fields).items():
         assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
     return first.warnings == second.warnings
-
-
-def test_tasks_of_a_ramp_ascend_in_load():
-    assert len(set(points(SWEEP))) == 9
-    every = [*tasks(reversed(points(SWEEP)), SWEEP)]
-    assert [task.point for task in every] == [
-        Point(load, velocity) for velocity in tiny.VELOCITIES for load in tiny.LOADS
-    ]
-    # 150 N is below a quarter of the reference load, so it has its own ramp of smaller increments.
-    assert [len(list(same)) for _, same in groupby(every, key=lambda task: task.ramp)] == 3 * [1, 2]
 
 
 @pytest.mark.parametrize(("load", "count"), [(150.0, 3), (400.0, 4)])
@@ -60,17 +49,12 @@ PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
     "measured load": {"loading": RECORD},
-    "few elements": {"pixels": WIDE, "fidelity": SMALLER, "loading": RAMP},
     "few elements and heat of the past": {
         "pixels": WIDE,
         "fidelity": SMALLER | {"heat_model": "history"},
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
-    "steps with a short end and heat of the past": {
-        "fidelity": {"heat_model": "history"},
-        "wear": tribo.Wear(1e-14),
-    },
     "as published": {"fidelity": {"as_published": True, "partition": "uniform"}},
     "ball": {
         "pin": tribo.Ball(8e-3, STEEL),
@@ -85,14 +69,13 @@ def _few_positions(monkeypatch):
     monkeypatch.setattr(disk_positions, "MOST_POSITIONS", 3)
 
 
-@pytest.mark.parametrize("steps", ["course", "end"])
 @pytest.mark.parametrize("physics", PHYSICS)
-def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
+def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics):
     """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
-    sweep, alone = tiny.sweep(steps=steps, **PHYSICS[physics]), {}
+    sweep, alone = tiny.sweep(steps="end", **PHYSICS[physics]), {}
     large, none = RampCache(2**28), RampCache(0)
-    order = (150.0, 250.0, 600.0, 625.0, 250.0)
-    for load, ramp_cache in (*((load, large) for load in order), (600.0, none), (250.0, none)):
+    order = (250.0, 600.0, 625.0, 250.0)
+    for load, ramp_cache in (*((load, large) for load in order), (600.0, none)):
         result = run_alone(sweep, Point(load, 1.0), ramp_cache)
         if load not in alone:
             alone[load] = run_point(sweep, load, 1.0)
@@ -101,18 +84,6 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
             choose_stored_steps(sweep).kept(sweep.scene, load)
         )
         assert all(np.isfinite(values).all() for values in result.columns.values())
-
-
-@pytest.mark.parametrize("physics", PHYSICS)
-def test_the_course_changes_no_bit_of_the_end(physics):
-    course, end = (
-        run_point(tiny.sweep(steps=steps, **PHYSICS[physics]), 600.0, 1.0)
-        for steps in ("course", "end")
-    )
-    assert len(end.columns["time"]) < len(course.columns["time"])
-    for name, values in end.columns.items():
-        assert values[-1].tobytes() == course.columns[name][-1].tobytes(), name
-    assert same(replace(end, columns={}), replace(course, columns={}))
 
 
 @pytest.mark.parametrize("physics", sorted(PHYSICS.keys() - {"measured load"}))
@@ -125,41 +96,34 @@ def test_a_step_is_the_end_of_the_point_at_its_load(physics):
         for load in (250.0, 600.0)
     )
     assert higher.columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
+    end = run_point(replace(sweep, steps="end"), 600.0, 1.0)
     for name, values in higher.columns.items():
         assert values[1].tobytes() == lower.columns[name][-1].tobytes(), name
+        assert values[-1].tobytes() == end.columns[name][-1].tobytes(), name
+    assert same(replace(end, columns={}), replace(higher, columns={}))
 
 
-def test_a_contact_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
-    def failing(levels, before, after, step, velocity):
-        if step.normal_load == 250.0:
-            raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return refine_step(levels, before, after, step, velocity)
+@pytest.mark.parametrize(
+    ("room", "function", "place"), [(contact_ramp, refine_step, 3), (plan, heat, 1)]
+)
+def test_what_is_not_found_at_an_increment_costs_no_end(monkeypatch, room, function, place):
+    """Where the contact is not found, only the time and the path of the step are known."""
+
+    def failing(*arguments):
+        if arguments[place].normal_load == 250.0:
+            raise tribo.ConvergenceError("it did not converge", solution=None)
+        return function(*arguments)
 
     whole = run_point(SWEEP, 600.0, 1.0).columns
-    monkeypatch.setattr(contact_ramp, "refine_step", failing)
+    monkeypatch.setattr(room, function.__name__, failing)
     columns = run_point(SWEEP, 600.0, 1.0).columns
-    assert columns["normal_load"].tolist() == whole["normal_load"].tolist()
     for name, values in columns.items():
-        assert name in ("time", "normal_load", "sliding_distance") or np.isnan(values[1]).all()
-        others = [0, 2, 3, 4]
-        assert values[others].tobytes() == whole[name][others].tobytes()
-    with pytest.raises(tribo.ConvergenceError, match="the contact did not converge"):
+        assert values[[0, 2, 3, 4]].tobytes() == whole[name][[0, 2, 3, 4]].tobytes(), name
+    assert np.isnan(columns["max_rise"][1])
+    assert np.isnan(columns["wear_volume"][1]) == (room is contact_ramp)
+    assert columns["normal_load"].tolist() == whole["normal_load"].tolist()
+    with pytest.raises(tribo.ConvergenceError, match="it did not converge"):
         run_point(SWEEP, 250.0, 1.0)
-
-
-def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
-    def failing(scene, state, velocity, is_sampled):
-        if state.normal_load == 250.0:
-            raise tribo.ConvergenceError("the heat did not converge", solution=None)
-        return heat(scene, state, velocity, is_sampled)
-
-    whole = run_point(SWEEP, 600.0, 1.0).columns
-    monkeypatch.setattr(plan, "heat", failing)
-    columns = run_point(SWEEP, 600.0, 1.0).columns
-    assert np.isnan(columns["max_rise"]).tolist() == [False, True, False, False, False]
-    for name, values in whole.items():
-        assert columns[name][[0, 2, 3, 4]].tobytes() == values[[0, 2, 3, 4]].tobytes(), name
-    assert columns["wear_volume"].tobytes() == whole["wear_volume"].tobytes()
 
 
 def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
@@ -181,31 +145,23 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert every["normal_load"].tolist() == [125.0, 250.0, 250.0]
 
 
-def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
-    lower, higher = (
-        [warning.text for warning in run_point(SWEEP, load, 1.0).warnings]
-        for load in (150.0, 600.0)
-    )
-    assert not any("edge" in text for text in lower)
-    assert any("reaches the x edge of the window" in text for text in higher)
+STEPS = {
+    "ramp": ({}, "course"),
+    "no wear": ({"wear": None}, "end"),
+    "hold": ({"loading": RAMP}, "end"),
+    "record": ({"loading": RECORD}, "end"),
+    "shared contacts": (
+        {"case_table": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"
+    ),
+    "surfaces": ({"case_table": surfaces([1, 2])}, "course"),
+    "one that wears": (
+        {"case_table": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"
+    ),
+    "one that is held": ({"case_table": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("changes", "steps"),
-    [
-        ({}, "course"),
-        ({"wear": None}, "end"),
-        ({"loading": RAMP}, "end"),
-        ({"loading": RECORD}, "end"),
-        ({"case_table": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
-        ({"case_table": surfaces([1, 2])}, "course"),
-        ({"case_table": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
-        ({"case_table": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
-    ],
-    ids=[
-        *("ramp", "no wear", "hold", "record", "shared contacts", "surfaces"),
-        *("one that wears", "one that is held"),
-    ],
-)
-def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
+@pytest.mark.parametrize("kind", STEPS)
+def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(kind):
+    changes, steps = STEPS[kind]
     assert choose_stored_steps(tiny.sweep(**changes)).steps == steps

@@ -19,7 +19,6 @@ from tribo.surface.areal import areal_roughness, remove_form
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
-CURVE = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.0), (2.0, 1.1))))
 
 
 def conditions(**changes):
@@ -44,12 +43,9 @@ FAR = {
 }  # fmt: skip
 REFUSALS = {
     # conditions
-    "friction": (conditions(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),
     "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one finite"),
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
-    "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
-    "share": (conditions(critical_area_fraction=1.0), "critical area fraction is 1.0"),
     "share nan": (conditions(critical_area_fraction=math.nan), "fraction is nan; it must be one"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
@@ -68,7 +64,6 @@ REFUSALS = {
         surfaces((2,)) * rows("pin", {"b": {}})), "missing, realization 1, pin b"),
     # data of sweeps
     "class": (data(warnings=[{"is": "os"}]), "'os': 'os'"),
-    "number": (data(loads=[{"is": "number", "text": "1"}]), "'number': '1'"),
     "fields": (data(warnings=[{"is": "SceneWarning"}]), "SceneWarning.cases is missing"),
     "values": (data(warnings=[FAR]), "the warning far_test has other values: (1.0,)"),
     "type": (data(title=3), "Sweep.title is 3"),

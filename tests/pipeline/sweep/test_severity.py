@@ -1,6 +1,5 @@
 """When wear is severe (pipeline/sweep/severity.py)."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +7,10 @@ import pytest
 
 import tribo
 from pipeline import Conditions, run_point
+from pipeline.answers.discretization_error import has_unknown_error, preset_bound, velocity_error
 from pipeline.sweep.conditions import allowable_rise
-from tests.helpers import tiny
-from tribo import QUANTILES
+from tests.helpers import synthetic, tiny
+from tribo import PRESETS, QUANTILES
 from tribo.simulation.severity import corrected_columns, relative_sampling, worst_rises
 from tribo.simulation.verdict import verdict
 from tribo.thermal import failed_share
@@ -59,15 +59,6 @@ def test_each_critical_area_fraction_decides_by_its_own_temperature_everywhere(s
     assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-9)
 
 
-def test_without_friction_nothing_is_warm_and_nothing_severe():
-    conditions = replace(OWN, friction=0.0)
-    judged = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
-    assert allowable_rise(conditions) == math.inf
-    assert not judged.is_severe
-    assert judged.failed_area_fraction == 0
-    assert judged.max_temperature == judged.governing_temperature == conditions.bulk_temperature
-
-
 def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     rises = (factor * EVEN for factor in (9.0, 0.5, 0.7, 0.6))
     judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
@@ -95,3 +86,42 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
     known = columns(3 * EVEN, EVEN, loads=[300.0, 600.0])
     known["rise_realization_std"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
     assert relative_sampling(known, OWN) == pytest.approx(0.05, rel=1e-6)
+
+
+# What is said of points, inputs, surfaces and durations, in the words that users read.
+
+
+@pytest.mark.parametrize(
+    ("preset", "changes", "error"),
+    [
+        ("standard", {}, 0.011),
+        ("fine", {}, 0.0055),
+        ("standard", {"increments": 9}, None),
+        ("standard", {"contact_tolerance": 1e-3}, None),
+        ("standard", {"pixels_per_element": 1}, None),
+        ("standard", {"partition": "uniform"}, None),
+        ("standard", {"fewest_elements": 0}, None),
+        # How heat acts is no numerical choice.
+        ("standard", {"heat_model": "history"}, 0.011),
+    ],
+)
+def test_only_a_preset_has_a_known_error(preset, changes, error):
+    own = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
+    assert velocity_error(own) == error
+    assert has_unknown_error(own) == (error is None)
+
+
+@pytest.mark.parametrize(
+    ("share", "error"),
+    [
+        (0.05, 0.011),
+        (0.2, 0.011),
+        (0.01, 0.05),
+        (0.0, 0.05),
+        (0.3, 0.03),
+    ],
+)
+def test_a_preset_promises_less_where_the_highest_or_most_of_the_contact_decides(share, error):
+    assert preset_bound("standard", share) == error
+    assert preset_bound("fine", share) == 0.0055
+    assert preset_bound("own", share) is None

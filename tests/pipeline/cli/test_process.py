@@ -1,0 +1,261 @@
+"""How a command starts, tells its progress, and ends."""
+
+import argparse
+import errno
+import io
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import pipeline
+from pipeline.cli import exit_code_of, main, output
+from pipeline.cli.output import Result
+from pipeline.cli.parser import commands, function_of, parse
+from pipeline.interrupts import keyboard_interrupts
+from pipeline.progress import Progress, silent
+from pipeline.run.tally import shown_progress
+from tests.helpers.processes import python
+from tests.helpers.scenes import MEASURED, SCENE
+from tribo import InputError
+
+
+def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
+    """Workers, too, import the installed packages, not files in the user's folder."""
+    (tmp_path / "scene.toml").write_text(SCENE)
+    for name in ("pipeline", "tribo", "numpy"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('not this one')")
+    done = subprocess.run(
+        [
+            Path(sys.executable).with_name("irg"),
+            *("run", "scene.toml", "-o", "out.zarr", "--set", 'sweep.loads=["200 N"]'),
+            *("--workers", "1", "--preset", "standard", "--set", 'sweep.velocities=["1 m/s"]'),
+        ],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "not this one" not in done.stdout + done.stderr
+
+
+def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
+    (tmp_path / "small.toml").write_text(SCENE)
+    arguments = [str(tmp_path / "small.toml"), "--set", "increments=2", "--workers", "1"]
+    arguments += ["-o", str(tmp_path / "small.zarr"), "--set", 'sweep.loads=["200 N"]']
+    assert main(["run", *arguments, "--quiet"]) == 0
+    streams = capsys.readouterr()
+    assert "3 of 3 points done" in streams.out
+    doubts = streams.err.splitlines()  # without the progress
+    assert len(doubts) == 1
+    assert doubts[0].startswith("irg: warning: pin.length: the pin's sharp ends are not modelled")
+    assert (
+        main(["boundary", str(tmp_path / "small.zarr"), "-q", "--critical-area-fraction", "3"]) == 2
+    )
+    assert "critical area fraction is 3" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", commands(), ids=[command.name for command in commands()])
+def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
+    said = irg(command.name, "--help")
+    assert f"{command.purpose[0].upper()}{command.purpose[1:]}." in " ".join(said.split())
+    program, *words = shlex.split(said.splitlines()[-1])
+    assert program == "irg"
+    options = parse(words)
+    assert callable(function_of(options))
+    assert parse([*words, "--json"]).json
+    assert not options.json
+
+
+def test_the_version_is_printed_before_any_command(irg):
+    assert re.fullmatch(r"irg \d+\.\d+\.\S+\n", irg("--version"))
+
+
+_LOADED = """
+import sys
+from pipeline.cli import main
+for words in sys.argv[2:]:
+    assert main(words.split()) == 0
+slow = [name for name in sys.argv[1].split(",") if name in sys.modules]
+print("loaded:", *slow, *(name for name in sys.modules if name.startswith("pipeline.scene")))
+"""
+ANSWERS = ("status {}", "verify {}", "boundary {}", "margin {} --load 400N --velocity 1.2m/s")
+
+
+def test_an_answer_on_a_store_waits_for_no_library_and_no_reader_of_scenes(alone):
+    slow = "dask,pint,distributed,matplotlib"
+    done = python("-c", _LOADED, slow, *(words.format(alone) for words in ANSWERS))
+    assert done.stdout.endswith("loaded:\n"), done.stdout[-200:] + done.stderr
+
+
+def test_a_check_waits_for_no_library_of_stores():
+    slow = "dask,pint,distributed,xarray,zarr,scipy.ndimage"
+    done = python("-c", _LOADED, slow, "check first_try")
+    (loaded,) = [line for line in done.stdout.splitlines() if line.startswith("loaded:")]
+    assert {*loaded.split()}.isdisjoint(slow.split(",")), loaded + done.stderr
+
+
+# Progress on stderr, and faults that are found before the work begins.
+
+
+def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
+    monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
+    with output.run_line() as show:
+        for done in range(8):
+            show(Progress("", done, 8, 0, 4.0 * done, 4.0 * (8 - done)))
+            show(Progress(f"note {done}"))
+        show(Progress("", 8, 8, 0, 32.0, 0.0))
+    said = capsys.readouterr().err
+    assert "\r" not in said
+    notes, states = (re.findall(rf"irg: {kind}.*", said) for kind in ("note", r"\d"))
+    assert notes == [f"irg: note {done}" for done in range(8)]  # each note, without delay
+    assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
+    assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
+    assert 3 <= len(states) <= 6
+
+
+def fail(*_, **__):
+    raise AssertionError("work was begun that cannot succeed")
+
+
+def test_a_figure_that_cannot_be_written_is_refused_first(tmp_path, irg, monkeypatch):
+    (tmp_path / "small.toml").write_text(SCENE + MEASURED)
+    monkeypatch.setattr("tribo.simulation.contact_ramp.advance", fail)
+    out = tmp_path / "nowhere" / "figure.png"
+    assert f"cannot write {out}" in irg("trade", tmp_path / "small.toml", "-o", out, code=2)
+
+
+def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_none(
+    capsys, monkeypatch
+):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with output.run_line() as show:
+        show(Progress("", 0, 8, 0, 0.0))
+        show(Progress("a note"))
+        time.sleep(0.11)  # tqdm draws every 0.1 s at most
+        show(Progress("", 4, 8, 0, 8.0, 8.0))
+    said = capsys.readouterr().err
+    assert "irg: a note\n" in said
+    assert re.search(r"\r4 of 8 points done, 0 failed, 8 s so far, 8 s to go \|█{10} {10}\|", said)
+    assert said.endswith("\n")
+
+
+# Scenes, points and figures as a notebook shows them.
+
+
+def test_a_notebook_shows_one_line_of_progress(monkeypatch):
+    assert shown_progress(None) is silent
+    monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
+    assert shown_progress(print) is print
+    texts = []
+    line = SimpleNamespace(update=lambda data, raw: texts.append(data["text/plain"]))
+    monkeypatch.setattr("IPython.display.display", lambda *data, **options: line)
+    report = shown_progress(None)
+    report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
+    report(Progress(done=9, failed=0, total=9, elapsed=65.0, time_to_go=0.0))
+    assert texts[0].startswith("3 of 9 points done, 1 failed, ")
+    assert texts[0].endswith("2 min to go")
+    assert re.fullmatch("9 of 9 points done, 0 failed, (65 s|1 min) so far", texts[1])
+
+
+# How a command ends: its exit code, its words on an error, and what it does not begin.
+
+
+def carry_out(result=None, command="stores:status", **options):
+    """Exit code of a command whose function returns a result, raises it, or warns of it."""
+
+    def function(_):
+        if isinstance(result, BaseException):
+            raise result
+        if isinstance(result, str):
+            warnings.warn(result, stacklevel=1)
+        return result if isinstance(result, Result) else Result({}, ["a line"])
+
+    usual = {"quiet": False, "json": False, "output": None, "command": command}
+    return exit_code_of(argparse.Namespace(**usual | options), function)
+
+
+def error_of(module):
+    """A `ValueError` raised in a module of this name."""
+    with pytest.raises(ValueError, match="qt9") as caught:
+        exec("raise ValueError('qt9 is unknown')", {"__name__": module})
+    return caught.value
+
+
+SAFE = "; finished points are saved"
+
+
+@pytest.mark.parametrize(
+    ("result", "command", "code", "said"),
+    [
+        (Result({}, ["a line"], code=1), "stores:status", 1, ""),
+        ("few nodes", "stores:status", 0, "irg: note: few nodes\n"),
+        (InputError("no such scene"), "stores:status", 2, "irg: no such scene\n"),
+        (pipeline.StoreMismatchError("another"), "sweeps:run", 3, "irg: another\n"),
+        (KeyboardInterrupt(), "stores:status", 130, "irg: interrupted\n"),
+        (KeyboardInterrupt(), "sweeps:run", 130,
+         f"irg: interrupted{SAFE}: run the same command again to go on\n"),
+        (MemoryError(), "sweeps:run", 2,
+         "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+         f"{SAFE}: use fewer workers or a coarser grid\n"),
+        (RuntimeError("can't start new thread"), "stores:status", 2,
+         "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+         ": use fewer workers or a coarser grid\n"),
+        (error_of("matplotlib"), "stores:status", 2,
+         "irg: the variable MPLBACKEND (irg needs no backend) is wrong: qt9 is unknown\n"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("always")
+def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
+    capsys, result, command, code, said
+):
+    assert carry_out(result, command) == code
+    assert capsys.readouterr().err == said
+
+
+def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():
+    with pytest.raises(RuntimeError, match="a fault"):
+        carry_out(RuntimeError("a fault"))
+
+
+def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_again(
+    tmp_path, monkeypatch, capsys
+):
+    def fail(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(output, "show", fail)
+    with (tmp_path / "full").open("w") as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert carry_out(command="sweeps:run") == 2
+        assert os.path.samestat(os.fstat(out.fileno()), Path(os.devnull).stat())
+    no_space = f"[Errno {errno.ENOSPC}] No space left on device"
+    assert capsys.readouterr().err == f"irg: cannot continue: {no_space}{SAFE}\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_each_signal_ends_a_command_once_and_acts_as_before_afterwards(number):
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        with pytest.raises(KeyboardInterrupt), keyboard_interrupts():
+            signal.raise_signal(number)
+        assert signal.getsignal(number) == signal.SIG_DFL
+    finally:
+        signal.signal(number, before)
+
+
+def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):
+    closed = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", closed)
+    assert carry_out(BrokenPipeError()) == 0
+    assert closed.closed

@@ -1,0 +1,172 @@
+"""Tests that change entries of the scene, and steps of transitions."""
+
+from dataclasses import replace
+
+import pytest
+
+import pipeline
+import tribo
+from pipeline.store.resume import mismatches
+from tests.helpers.scenes import SCENE
+from tests.helpers.stored import parse_sweep, sweep_text
+from tribo import Stages
+
+WEAR = 'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }'
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load_tests(*tests, top=""):
+        listed = "".join(f"\n[[tests]]\n{entries}\n" for entries in tests)
+        scene = f'extends = "first_try"\nwithout = ["tests"]\n{top}{listed}'
+        (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
+        return pipeline.load_scene(tmp_path / "lab.toml")
+
+    return load_tests
+
+
+def transition(*entries, outcome="transition"):
+    return "\n".join(['load = "400 N"', 'velocity = "2 m/s"', f'outcome = "{outcome}"', *entries])
+
+
+BY_LOAD = 'velocity = "2 m/s"\nmild_up_to = "400 N"\nsevere_at = "450 N"\nnumber = 7'
+BY_VELOCITY = 'load = "300 N"\nmild_up_to = "2 m/s"\nsevere_at = "150 m/min"\nnumber = "b"'
+BEYOND = 'velocity = "2 m/s"\nmild_up_to = "700 N"\nfriction = 0.1'
+
+
+def test_a_run_by_stages_is_its_last_mild_test_and_its_severe_one_or_one_of_them(load):
+    tests = load(BY_LOAD, BY_VELOCITY, BEYOND).tests
+    found = [(test.normal_load, test.velocity, test.outcome, test.number) for test in tests]
+    assert found == [
+        (400.0, 2.0, "mild", "7"),
+        (450.0, 2.0, "severe", "7"),
+        (300.0, 2.0, "mild", "b"),
+        (300.0, 2.5, "severe", "b"),
+        (700.0, 2.0, "mild", tests[-1].number),
+    ]
+    assert tests[-1].friction == 0.1
+
+
+def test_a_test_has_the_scene_with_its_own_entries(load):
+    own = transition(WEAR, "friction = 0.12", 'bulk_temperature = "60 degC"')
+    changed, plain = load(own, transition()).tests
+    scene = pipeline.load_scene("first_try")
+    with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")
+    assert changed.case.scene == with_wear.scene
+    conditions = changed.case.conditions
+    assert (conditions.friction, conditions.bulk_temperature) == (0.12, 333.15)
+    assert plain.case.scene == scene.scene
+    assert plain.case.conditions == replace(scene.conditions, critical_temperature=None)
+
+
+def test_a_test_is_of_the_scene_without_its_rows_and_surfaces(load):
+    rows = '[sweep]\nover = { "pin.radius" = ["3 mm", "1 mm"] }\nrealizations = [7, 5]\n'
+    (test,) = load(transition(), top=rows).tests
+    assert (test.case.scene.pin.radius, test.case.scene.roughness.seed) == (0.002, 5)
+
+
+@pytest.mark.parametrize(
+    ("step", "before"), [("0.25 m/s", (400.0, 1.75)), ("50 N", (350.0, 2.0)), (None, None)]
+)
+def test_a_step_leads_from_the_last_mild_place_to_the_transition(load, step, before):
+    (test,) = load(transition(*([f'step = "{step}"'] if step else []))).tests
+    assert test.places == ((before,) if before else ()) + ((400.0, 2.0),)
+
+
+def test_a_measured_friction_replaces_the_curve_of_the_scene(load):
+    curve = (
+        '[friction]\ncoefficient = 0.1\nby_velocity = [{ velocity = "1 m/s", coefficient = 0.2 }]\n'
+    )
+    own, others = load(transition("friction = 0.12"), transition(), top=curve).tests
+    assert own.case.conditions.friction_at(1.0) == pytest.approx(0.12)
+    assert others.case.conditions.friction_at(1.0) == pytest.approx(0.2)
+
+
+def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
+    own = 'with = { "pin.material" = "100Cr6", "fidelity.preset" = "fine" }'
+    sweep = load(
+        transition(own, 'step = "0.5 m/s"'),
+        f'load = "300 N"\nvelocity = "1 m/s"\noutcome = "mild"\n{WEAR}',
+    )
+    stored = parse_sweep(sweep_text(sweep), {})
+    assert stored == sweep
+    assert [test.case for test in stored.tests] == [test.case for test in sweep.tests]
+    assert stored.tests[0].case.scene.fidelity == tribo.PRESETS["fine"]
+    assert sweep_text(stored) == sweep_text(sweep)
+
+
+# Stages of one specimen in a scene: how they are written, read, stored and refused.
+
+RAMP = '[loading]\nrate = "150 N/s"\nreference_load = "750 N"'
+EVEN = '[loading]\nrate = "150 N/s"\nstages = { first = "200 N", step = "200 N", hold = "5 s" }'
+LISTED = (
+    '[loading]\nrate = "150 N/s"\nstages = [["200 N", "5 s"], ["400 N", "5 s"], ["600 N", "1 min"]]'
+)
+WINDOW = "pixels = [48, 16]"
+
+
+@pytest.fixture
+def staged(tmp_path):
+    def read(loading=EVEN, *tests, change=("", "")):
+        text = SCENE.replace(RAMP, loading).replace(*change)
+        text += "".join(f"\n[[tests]]\n{test}\n" for test in tests)
+        (tmp_path / "lab.toml").write_text(text, encoding="utf-8")
+        return pipeline.load_scene(tmp_path / "lab.toml")
+
+    return read
+
+
+def test_stages_are_read_in_both_forms(staged):
+    even, listed = staged(), staged(LISTED)
+    loads = 200.0, 400.0, 600.0
+    assert even.scene.loading == Stages(loads, (5.0,) * 3, 150.0)
+    assert listed.scene.loading == Stages(loads, (5.0, 5.0, 60.0), 150.0)
+    # The reference load of a scene that this one extends is not used.
+    assert staged(f'{EVEN}\nreference_load = "750 N"') == even
+
+
+def test_the_window_is_as_wide_as_the_stages_wear_the_pin(staged):
+    sweep = staged()  # up to 600 N and 4 m/s
+    volume = 1.2e-15 * sweep.scene.loading.worn_impulse(4.0) / 3.4e-3
+    chord = (12 * 2e-3 * volume) ** (1 / 3)
+    side = sweep.scene.pixels.size[0]
+    assert 384e-6 < 1.25 * chord <= side < 1.4 * chord
+    wider = staged(change=(WINDOW, "pixels = [300, 16]"))
+    assert wider.scene.pixels.shape == (300, 16)
+
+
+def test_the_stages_of_a_test_are_one_specimen_up_to_its_last_stage_and_are_stored(staged):
+    by_load = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\nvelocity = "2 m/s"\n'
+    by_velocity = 'stages = [["1 m/s", "60 s"], ["1.5 m/s", "90 s"], ["2 m/s", "60 s"]]\n'
+    sweep = staged(
+        RAMP,
+        f'{by_load}mild_up_to = "200 N"\nsevere_at = "300 N"',
+        f'{by_velocity}load = "400 N"\nmild_up_to = "1.5 m/s"',
+    )
+    mild, severe, other = sweep.tests
+    assert mild.case.scene == severe.case.scene
+    assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
+    assert other.case.scene.loading == Stages((400.0,), (60.0, 90.0), 150.0, velocities=(1.0, 1.5))
+    again = parse_sweep(sweep_text(sweep), {})
+    assert [test.case.scene for test in again.tests] == [test.case.scene for test in sweep.tests]
+
+
+def test_a_test_without_stages_of_its_own_has_those_of_the_scene(staged):
+    single = 'load = "{} N"\nvelocity = "2 m/s"\noutcome = "mild"'
+    inside, above = staged(EVEN, single.format(400), single.format(1000)).tests
+    assert inside.case.scene.loading.loads == (200.0, 400.0, 600.0)
+    assert above.case.scene.loading.loads == (200.0, 400.0, 600.0, 800.0, 1000.0)
+
+
+def test_stages_of_velocity_are_refused_beside_the_whole_history(staged):
+    test = 'stages = [["1 m/s", "5 s"], ["2 m/s", "5 s"]]\nload = "400 N"\nsevere_at = "2 m/s"'
+    with pytest.raises(pipeline.SceneFileError, match="heat_model is 'history'"):
+        staged(RAMP, test, change=("increments = 10", 'increments = 10\nheat_model = "history"'))
+
+
+def test_a_store_of_a_ramp_does_not_take_stages(staged):
+    stored = parse_sweep(sweep_text(staged(RAMP)), {})
+    words = "; ".join(mismatches(stored, staged(EVEN)))
+    assert "loading: Ramp in the store, Stages in the scene" in words
+    assert "loading.hold" not in words
+    assert list(mismatches(parse_sweep(sweep_text(staged(EVEN)), {}), staged(EVEN))) == []
