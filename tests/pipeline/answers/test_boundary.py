@@ -39,19 +39,17 @@ def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
 
 
 def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per_second():
-    ds = synthetic.sweep(rise=curved)
-
-    def missed(name, **place):
-        """Relative error of a computed boundary, if the true one is at this load and velocity."""
-        critical = 298.15 + 0.1 * curved(*place.values(), 0.9)
-        crossings = boundary(ds, critical_temperature=critical)[f"critical_{name}"]
-        (other,) = (axis for axis in place if axis != name)
-        return float(crossings.sel({other: place[other]})) / place[name] - 1
-
-    error = [missed("velocity", load=400.0, velocity=v) for v in np.linspace(1.05, 3.6, 5)]
-    assert np.abs(error).max() < 8e-6  # measured 4.1e-6; straight lines give 2.3e-3
-    error = [missed("load", load=F, velocity=2.0) for F in np.linspace(210.0, 740.0, 5)]
-    assert np.abs(error).max() < 6e-5  # measured 3.2e-5; straight lines give 3.2e-3
+    velocities, loads = np.linspace(1.05, 3.6, 5), np.linspace(210.0, 740.0, 5)
+    places = {"velocity": (400.0, velocities), "load": (loads, 2.0)}
+    # measured 4.1e-6 and 3.2e-5; straight lines give 2.3e-3 and 3.2e-3
+    for name, most in (("velocity", 8e-6), ("load", 6e-5)):
+        load, velocity = np.broadcast_arrays(*places[name])
+        critical = (298.15 + 0.1 * curved(load, velocity, 0.9)).tolist()
+        found = boundary(synthetic.sweep(rise=curved), critical_temperature=critical)
+        there = {"load": 400.0} if name == "velocity" else {"velocity": 2.0}
+        lines = found[f"critical_{name}"].sel(there)
+        expected = velocities if name == "velocity" else loads
+        np.testing.assert_allclose(lines, expected, rtol=most)
 
 
 def test_nan_where_the_sweep_does_not_cross(sweep):

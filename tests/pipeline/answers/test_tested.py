@@ -24,7 +24,8 @@ def at(y, outcome="transition", **own):
 
 
 def swept(*tests, **told):
-    return synthetic.sweep(tests=tests, **told)
+    plane = (200.0, 300.0, 450.0, 600.0, 750.0), (0.5, 1.0, 2.0, 3.0, 4.0)
+    return synthetic.sweep(*plane, tests=tests, **told)
 
 
 def chances(ds, *ys):

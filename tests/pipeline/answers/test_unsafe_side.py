@@ -28,10 +28,8 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
         synthetic.sweep(velocities=v, tests=TESTS, conditions=law, preset="standard")
         for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
     )
-    for load in (200.0, 310.0, 600.0):
-        for velocity in (1.0, 1.3, 2.5):
-            one, other = (pipeline.margin(ds, load, velocity) for ds in (moving, rest))
-            xr.testing.assert_identical(one, other)
+    at = np.repeat([200.0, 310.0, 600.0], 3), np.tile([1.0, 1.3, 2.5], 3)
+    xr.testing.assert_identical(*(pipeline.margin(ds, *at) for ds in (moving, rest)))
     both = [boundary(ds).drop_attrs() for ds in (moving, rest)]
     xr.testing.assert_identical(*both)
 

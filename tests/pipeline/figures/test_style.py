@@ -14,6 +14,8 @@ from pipeline.figures import style
 from tests.helpers import synthetic
 from tribo import InputError
 
+SMALL = (200.0, 400.0, 750.0), (1.0, 2.0, 4.0)
+
 
 def test_a_user_can_take_the_style_by_its_name():
     with plt.style.context("pipeline.figures.irg"):
@@ -26,7 +28,7 @@ def _drawn(store, where):
 
     def draw(_=None):
         written = io.BytesIO()
-        pipeline.plot(store).savefig(written, format="png")
+        pipeline.plot(store).savefig(written, format="png", dpi=40)
         return written.getvalue()
 
     return where(draw)
@@ -41,8 +43,8 @@ def _with(settings):
 
 
 def _in_threads(draw):
-    with ThreadPoolExecutor(3) as threads:
-        (one,) = {*threads.map(draw, range(4))}
+    with ThreadPoolExecutor(2) as threads:
+        (one,) = {*threads.map(draw, range(2))}
     return one
 
 
@@ -54,7 +56,7 @@ PLACES = {
 
 
 def test_a_figure_is_the_same_in_any_style_and_thread_of_its_caller():
-    store = synthetic.sweep((200.0, 400.0, 750.0), (1.0, 2.0, 4.0))
+    store = synthetic.sweep(*SMALL)
     before = dict(plt.rcParams)
     usual = _drawn(store, lambda draw: draw())
     for name, where in PLACES.items():
@@ -80,9 +82,9 @@ def test_a_full_disk_leaves_the_figure_that_was_there(ending, tmp_path, monkeypa
 
 def test_a_figure_has_the_title_and_the_resolution_that_a_user_gives(tmp_path):
     out = tmp_path / "a.png"
-    pipeline.plot(synthetic.sweep(), out=out, dpi=60, title="Pump, 2 $")
+    pipeline.plot(synthetic.sweep(*SMALL), out=out, dpi=60, title="Pump, 2 $")
     with out.open("rb") as file:
         head = file.read(24)
     assert int.from_bytes(head[16:20]) == 8 * 60  # a diagram is 8 inches wide
-    drawn = pipeline.plot(synthetic.sweep(), title="Pump, 2 $")
+    drawn = pipeline.plot(synthetic.sweep(*SMALL), title="Pump, 2 $")
     assert drawn.axes[0].get_title() == r"Pump, 2 \$"
