@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.answers.error import interpolation_errors, rise_errors, total, velocity_errors
+from pipeline.answers.error import interpolation_errors
 from pipeline.answers.specimen import merged
 
 
@@ -81,28 +81,6 @@ def test_points_far_away_never_change_an_error():
             for one in (known, np.ones_like(known))
         )
         np.testing.assert_allclose(more, few, rtol=1e-9)
-
-
-def test_errors_of_critical_velocities_seldom_grow_as_their_slopes_are_known_better():
-    larger = count = 0
-    for seed in range(15):
-        loads, velocities, y, rng = plane(seed, rough=0.0)  # no point lies beyond a bound
-        known = rng.uniform(size=y.shape) < 0.6
-        before, after = (
-            _of_boundary(specimen(loads, velocities, y, k)) for k in (known, np.ones_like(known))
-        )
-        is_known = np.isfinite(before) & np.isfinite(after)
-        larger += (after > 1.02 * before + 1e-4)[is_known].sum()
-        count += is_known.sum()
-    assert count > 50
-    assert larger < 0.07 * count
-
-
-def _of_boundary(one):
-    loads = one.field.loads
-    critical = one.field.along_velocity(loads, np.full(len(loads), np.log(1200.0))).critical
-    parts = rise_errors(one, 0.015, loads, critical)
-    return total(velocity_errors(one.field, parts, 0.015, loads, critical))
 
 
 def test_a_plane_beyond_the_bounds_is_told_so():

@@ -1,13 +1,24 @@
-"""A result is not read from a damaged point in silence."""
+"""What would count severe wear mild, understate an error, or hide a damage."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+import xarray as xr
 
+import pipeline
+from pipeline import boundary
 from pipeline.cli import main
+from tests.helpers import synthetic
+from tests.helpers.answer_at import asked
+from tests.helpers.entries import bare_test
 from tests.helpers.stores import contents
+from tribo import Corrections, Friction, WarningKind
 
 
-@pytest.mark.parametrize("command", ["boundary", "plot", "margin"])
-@pytest.mark.parametrize("harm", ["flipped", "missing"])
+@pytest.mark.parametrize(
+    ("command", "harm"), [("boundary", "missing"), ("plot", "flipped"), ("margin", "flipped")]
+)
 def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys, command, harm):
     chunk = copy / "rise_quantile" / "c.0.0.0.0"
     content = bytearray(chunk.read_bytes())
@@ -16,8 +27,7 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
     if harm == "missing":
         chunk.unlink()
     place = ["--load", "300 N", "--velocity", "1.1 m/s"] if command == "margin" else []
-    out = []
-    out = ["-o", str(tmp_path / "a.png")] if command == "plot" else out
+    out = ["-o", str(tmp_path / "a.png")] if command == "plot" else []
     assert main([command, str(copy), *place, *out]) == 2
     missing = "is missing at 150 N, 0.5 m/s and at 8 more"
     words = {"flipped": "cannot be read", "missing": missing}[harm]
@@ -31,3 +41,32 @@ def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
     irg("margin", copy, "--load", "300 N", "--velocity", "1.1 m/s")
     irg("plot", copy, "-o", tmp_path / "a.png")
     assert contents(copy) == before
+
+
+FALLING = Corrections(friction=Friction(by_velocity=((0.5, 1.0), (4.0, 0.8))))
+TESTS = (bare_test(600.0, 1.5), bare_test(400.0, 1.2, outcome="severe"))
+
+
+@pytest.mark.parametrize("corrections", [None, FALLING])
+def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on(corrections):
+    law = replace(synthetic.conditions(), corrections=corrections)
+    moving, rest = (
+        synthetic.sweep(velocities=v, tests=TESTS, conditions=law, preset="standard")
+        for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
+    )
+    at = np.repeat([200.0, 310.0, 600.0], 3), np.tile([1.0, 1.3, 2.5], 3)
+    xr.testing.assert_identical(*(pipeline.margin(ds, *at) for ds in (moving, rest)))
+    both = [boundary(ds).drop_attrs() for ds in (moving, rest)]
+    xr.testing.assert_identical(*both)
+
+
+def test_an_error_that_one_realization_does_not_know_decides_nothing():
+    ds = synthetic.sweep(tests=(), preset="standard")
+    unstable = ds.copy(deep=True)
+    unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)
+    assert asked(ds, 400.0, 0.75).verdict == "mild"
+    for surfaces in ([ds, unstable], [unstable, ds]):
+        both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
+        found = asked(both, 400.0, 0.75)
+        assert np.isnan(found.temperature_error)
+        assert found.verdict == "undecided"

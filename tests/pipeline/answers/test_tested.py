@@ -15,6 +15,7 @@ from tests.helpers.entries import bare_test
 
 LIMIT = synthetic.limit()
 LOAD = 400.0
+CRITICAL = float(synthetic.critical_velocity(LOAD, LIMIT))
 
 
 def at(y, outcome="transition", **own):
@@ -55,6 +56,14 @@ SPECIMENS = {
         Outcome(0.0, 0.2),
     ),
     "a transition has no width": ([at(-0.1)], Outcome(-0.1, -0.1)),
+    "one with a step is the interval of the step": (
+        [bare_test(LOAD, CRITICAL, velocity_step=CRITICAL / 5)],
+        Outcome(0.0, synthetic.VELOCITY_EXPONENT * math.log(0.8)),
+    ),
+    "one outside the plane counts as one inside": (
+        [bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))],
+        Outcome(math.log(0.9), math.log(0.9)),
+    ),
 }
 
 
@@ -64,22 +73,6 @@ def test_rows_of_one_specimen_are_one_result(name):
     ys = np.array([-0.25, -0.05, 0.1, 0.2])
     expected = update((result,), Prior()).probability(ys)
     assert chances(swept(*tests), *ys) == pytest.approx(expected, abs=1e-6)
-
-
-def test_a_transition_with_a_step_is_the_interval_of_the_step():
-    test = at(0.0)
-    stepped = bare_test(LOAD, test.velocity, velocity_step=0.5)
-    low = math.log((test.velocity - 0.5) / test.velocity) * synthetic.VELOCITY_EXPONENT
-    expected = update((Outcome(0.0, low),), Prior()).probability(np.array([-0.1, 0.1]))
-    assert chances(swept(stepped), -0.1, 0.1) == pytest.approx(expected, abs=1e-6)
-
-
-def test_a_test_outside_the_plane_counts_as_one_inside():
-    outside = bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
-    inside = at(math.log(0.9))
-    assert chances(swept(outside), -0.2, 0.1) == pytest.approx(
-        chances(swept(inside), -0.2, 0.1), abs=1e-9
-    )
 
 
 @pytest.mark.parametrize("state", [PENDING, FAILED])
@@ -141,29 +134,18 @@ def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
     assert asked(ds, 750.0, 4.0).verdict == "severe"
 
 
-def test_friction_and_bulk_move_the_place_alone_and_the_oil_moves_its_tests_too():
-    ds = swept(at(-0.1), at(0.0))
-    y = np.array([-0.1, 0.0, 0.1])
-    plain = chances(ds, *y)
+def test_friction_moves_the_place_alone_and_another_critical_temperature_its_tests_too():
+    ds, y = swept(at(-0.1), at(0.0)), np.array([-0.1, 0.0, 0.1])
+    results = tuple(Outcome(y, y) for y in (-0.1, 0.0))
+    assert chances(ds, *y) == pytest.approx(update(results, Prior()).probability(y), abs=1e-6)
     hotter = asked(ds, 500.0, 1.0, friction=0.1 * math.exp(0.1)).probability
-    cooler = asked(ds, 500.0, 1.0).probability
-    assert hotter > cooler
-    moved = asked(ds, 400.0, 2.2, critical_temperature=438.15)
-    twice = swept(
-        *(at(y - math.log(140 / 120)) for y in (-0.1, 0.0)),
-        conditions=synthetic.CONDITIONS | {"critical_temperature": 438.15},
-    )
-    assert plain == pytest.approx(
-        update(tuple(Outcome(y, y) for y in (-0.1, 0.0)), Prior()).probability(y),
-        abs=1e-6,
-    )
-    shifted = [math.log(140 / 120)] * 2
-    results = tuple(Outcome(y - way, y - way) for y, way in zip((-0.1, 0.0), shifted, strict=True))
-    rise = synthetic.rise(400.0, 2.2, 0.9)
-    place = math.log(rise / synthetic.limit(critical=438.15))
+    assert hotter > asked(ds, 500.0, 1.0).probability
+    moved = asked(ds, 400.0, 2.2, critical_temperature=438.15).probability
+    shift = math.log(140 / 120)
+    results = tuple(Outcome(y - shift, y - shift) for y in (-0.1, 0.0))
+    place = math.log(synthetic.rise(400.0, 2.2, 0.9) / synthetic.limit(critical=438.15))
     (expected,) = update(results, Prior()).probability(np.array([place]))
-    assert moved.probability == pytest.approx(expected, abs=1e-6)
-    assert twice["status"].size
+    assert moved == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_test_that_the_others_make_unlikely_is_named():

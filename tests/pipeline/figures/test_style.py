@@ -2,16 +2,21 @@
 
 import errno
 import io
+import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.text import Text
 
 import pipeline
 from pipeline.figures import style
+from pipeline.figures.plot import KINDS
 from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
 from tribo import InputError
 
 SMALL = (200.0, 400.0, 750.0), (1.0, 2.0, 4.0)
@@ -88,3 +93,27 @@ def test_a_figure_has_the_title_and_the_resolution_that_a_user_gives(tmp_path):
     assert int.from_bytes(head[16:20]) == 8 * 60  # a diagram is 8 inches wide
     drawn = pipeline.plot(synthetic.sweep(*SMALL), title="Pump, 2 $")
     assert drawn.axes[0].get_title() == r"Pump, 2 \$"
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "rows"])
+def test_all_words_and_legends_are_inside_and_readable_in_any_style(kind):
+    titled = with_fields(
+        synthetic.sweep(*SMALL, fields=True), title=r"worn by $\frac$" + chr(27) + 100 * "words "
+    )
+    with plt.rc_context(plt.style.library["dark_background"]):
+        figure = pipeline.plot(titled, kind, width="8.5 cm")
+        figure.draw_without_rendering()
+    assert figure.get_facecolor() == (1, 1, 1, 1)
+    assert figure.get_size_inches()[0] == pytest.approx(8.5 / 2.54)
+    room = figure.bbox.padded(1.0)
+    parts = [*figure.findobj(Legend), *(axes.title for axes in figure.axes)]
+    parts += [figure._suptitle] if figure._suptitle else []
+    for part in parts:
+        box = part.get_window_extent()
+        assert room.x0 <= box.x0 <= box.x1 <= room.x1
+        assert room.y0 <= box.y0 <= box.y1 <= room.y1
+    texts = (text for text in figure.findobj(Text) if text.get_text() and text.get_visible())
+    assert all(float(text.get_fontsize()) >= 4.9 for text in texts)
+    labels = [axes.yaxis.label.get_window_extent() for axes in figure.axes if kind == "ramp"]
+    for one, other in itertools.combinations(labels, 2):
+        assert not one.padded(4).overlaps(other)  # a visible gap [px]

@@ -18,12 +18,11 @@ CONDUCTIVITY, RATE = "materials.steel.thermal_conductivity", "wear.specific_wear
 CONDUCTIVITIES = "20 W/(m K)", "45 W/(m K)"
 RATES = "1.2e-6 mm^3/(N m)", "2.4e-6 mm^3/(N m)"
 # The second rate at half the velocity wears the pin as fast as the first.
-PLACES = ("300 N", "1 m/s"), ("300 N", "2 m/s"), ("600 N", "1 m/s")
+PLACES = [(RATES[0], "300 N", "2 m/s"), (RATES[1], "300 N", "1 m/s"), (RATES[0], "600 N", "2 m/s")]
 ROWS = [
     {CONDUCTIVITY: conductivity, RATE: rate, "load": load, "velocity": velocity}
     for conductivity in CONDUCTIVITIES
-    for rate in RATES
-    for load, velocity in PLACES
+    for rate, load, velocity in PLACES
 ]
 PHYSICS = {
     "end": {"sweep.steps": "end"},
@@ -51,26 +50,6 @@ def table(scene, **overrides):
     return pipeline.load_scene(scene, overrides=overrides | {"sweep.along": rows})
 
 
-def assert_each_row_is_as_alone(ds, scene, **overrides):
-    """Assert that each row of a store has the bits of a scene with the entries of that row."""
-    assert (ds["status"] == 1).all()
-    steps = "course" if overrides.get("sweep.steps") == "course" else "end"
-    for number in range(ds.sizes["case"]):
-        row = ds.isel(case=number)
-        units = {CONDUCTIVITY: "W/(m K)", RATE: "m^2/N"}
-        named = {entry: row.coords.get(entry.replace(".", "_")) for entry in units}
-        entries = {
-            entry: f"{value.item()!r} {units[entry]}"
-            for entry, value in named.items()
-            if value is not None
-        }
-        own = pipeline.load_scene(scene, overrides=overrides | {"sweep.steps": steps} | entries)
-        alone = pipeline.run_point(own, row["load"].item(), row["velocity"].item())
-        for name in COLUMNS.keys() & row.data_vars.keys():
-            stored = row[name].transpose("step", ...).values[-len(alone.columns["time"]) :]
-            assert stored.tobytes() == alone.columns[name].astype(stored.dtype).tobytes(), name
-
-
 @pytest.mark.parametrize("physics", PHYSICS)
 def test_a_row_that_shares_contacts_has_the_bits_that_it_has_alone(scene, physics):
     """With a cache of any size, in the order of the queue and in any other."""
@@ -78,7 +57,7 @@ def test_a_row_that_shares_contacts_has_the_bits_that_it_has_alone(scene, physic
     alone = {point: run_point(sweep, point) for point in points(sweep)}
     every = [task.point for task in tasks(points(sweep), sweep)]
     mixed = random.Random(2).sample(every, len(every))
-    for order, ramp_cache in ((mixed[:6], RampCache(0)), ((*every, *mixed[:6]), RampCache(2**28))):
+    for order, ramp_cache in ((mixed[:3], RampCache(0)), ((*every, *mixed[:3]), RampCache(2**28))):
         for point in order:
             shared = run_point(sweep, point, ramp_cache)
             assert shared.warnings == alone[point].warnings
@@ -86,18 +65,24 @@ def test_a_row_that_shares_contacts_has_the_bits_that_it_has_alone(scene, physic
                 assert values.tobytes() == (shared.columns | shared.fields)[name].tobytes(), name
 
 
-@pytest.mark.parametrize("physics", ["end", "course"])
-def test_rows_of_a_store_are_those_of_their_own_scenes(scene, tmp_path, physics):
-    commit_all(tmp_path / "a.zarr", table(scene, **PHYSICS[physics]))
-    assert_each_row_is_as_alone(pipeline.open_sweep(tmp_path / "a.zarr"), scene, **PHYSICS[physics])
-
-
-def test_two_workers_and_an_interruption_change_no_bit(scene, tmp_path):
-    sweep = table(scene)
-    commit_all(tmp_path / "a.zarr", sweep, skip=points(sweep)[::2])
-    outcome = pipeline.run_sweep(sweep, tmp_path / "a.zarr", workers=2)
-    assert outcome.computed == len(points(sweep)[::2])
-    assert_each_row_is_as_alone(pipeline.open_sweep(tmp_path / "a.zarr"), scene)
+def test_rows_of_a_store_are_those_of_their_own_scenes_after_an_interruption(scene, tmp_path):
+    sweep, path = table(scene), tmp_path / "a.zarr"
+    commit_all(path, sweep, skip=points(sweep)[::2])
+    assert pipeline.run_sweep(sweep, path, workers=2).computed == len(points(sweep)[::2])
+    ds = pipeline.open_sweep(path)
+    assert (ds["status"] == 1).all()
+    assert len(np.unique(ds["max_rise"].sel(step=0).values)) == len(ROWS)
+    for number in range(ds.sizes["case"]):
+        row = ds.isel(case=number)
+        entries = {
+            entry: f"{row.coords[entry.replace('.', '_')].item()!r} {unit}"
+            for entry, unit in ((CONDUCTIVITY, "W/(m K)"), (RATE, "m^2/N"))
+        }
+        own = pipeline.load_scene(scene, overrides={"sweep.steps": "end"} | entries)
+        alone = pipeline.run_point(own, row["load"].item(), row["velocity"].item())
+        for name in COLUMNS.keys() & row.data_vars.keys():
+            stored = row[name].transpose("step", ...).values[-len(alone.columns["time"]) :]
+            assert stored.tobytes() == alone.columns[name].astype(stored.dtype).tobytes(), name
 
 
 def solutions(sweep, monkeypatch):
@@ -118,30 +103,12 @@ def solutions(sweep, monkeypatch):
     return count
 
 
-@pytest.mark.parametrize("physics", [name for name in PHYSICS if name != "heat of the past"])
+@pytest.mark.parametrize("physics", ["end", "hold", "no wear"])
 def test_two_conductivities_cost_the_contacts_of_one(scene, physics, monkeypatch):
-    one = pipeline.load_scene(scene, overrides=PHYSICS[physics])
+    few = PHYSICS[physics] | {"sweep.loads": ["300 N"], "sweep.velocities": ["1 m/s", "2 m/s"]}
+    one = pipeline.load_scene(scene, overrides=few)
     over = {"sweep.over": {CONDUCTIVITY: [*CONDUCTIVITIES]}}
-    two = pipeline.load_scene(scene, overrides=PHYSICS[physics] | over)
+    two = pipeline.load_scene(scene, overrides=few | over)
     assert len(points(two)) == 2 * len(points(one))
     assert solutions(two, monkeypatch) == solutions(one, monkeypatch) > 0
     assert pipeline.estimate(two).steps == pipeline.estimate(one).steps
-
-
-def test_rows_of_one_mechanics_rate_and_velocity_are_one_ramp(scene):
-    """Equal wear rate × velocity is no reason to share: its contacts would differ by rounding."""
-    sweep = table(scene)
-    ramps = {}
-    for task in tasks(points(sweep), sweep):
-        labels = dict(sweep.case_table.by_name[task.point.case])
-        ramps.setdefault(task.ramp[:2], set()).add(
-            (labels[RATE.replace(".", "_")], task.point.velocity)
-        )
-    assert all(len(found) == 1 for found in ramps.values())
-    assert len(ramps) == len({*map(frozenset, ramps.values())}) == 4
-
-
-def test_numbers_are_not_those_of_another_row(scene, tmp_path):
-    commit_all(tmp_path / "a.zarr", table(scene))
-    ds = pipeline.open_sweep(tmp_path / "a.zarr")
-    assert len(np.unique(ds["max_rise"].sel(step=0).values)) == len(ROWS)

@@ -43,9 +43,6 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
     return {name: values[name].tolist().__repr__() for name in names}
 
 
-# What is computed
-
-
 def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
     reports = []
     outcome = run_sweep(SWEEP, path, workers=2, progress=reports.append)
@@ -116,9 +113,6 @@ def test_other_conditions_of_the_scene_are_told(copy):
         run_sweep(warmer, copy, progress=messages.hear)
     assert len(messages) == 1  # told once: then the store has the new entries
     assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
-
-
-# What goes wrong
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
@@ -206,14 +200,6 @@ def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(c
     with writing(copy, SWEEP), pytest.raises(StoreError, match=in_use):
         run_sweep(SWEEP, copy)
 
-
-@pytest.mark.parametrize("workers", [0, 1.5])
-def test_a_number_of_workers_that_cannot_be_is_refused(path, workers):
-    with pytest.raises(tribo.InputError, match=f"workers is {workers}; it must be a whole number"):
-        run_sweep(SWEEP, path, workers=workers)
-
-
-# Ctrl-C, in a process of its own
 
 SCRIPT = """
 import sys
