@@ -4,14 +4,15 @@ import contextlib
 import io
 import re
 import shlex
-import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import tribo
 from pipeline.cli import main
 from tests.helpers import instruments
 
@@ -19,15 +20,8 @@ ROOT = Path(__file__).parents[2]
 DIAGRAM = "make diagram"
 LEFT_OUT = "make test", "pip install", DIAGRAM
 """Commands not run here: the suite itself, what needs a package index, and a test of its own."""
-CHEAPER = {
-    "workflows/YOUR_SYSTEM.md": (
-        ("--accuracy 2%", "--accuracy 4%"),
-        ("--accuracy 5%", "--accuracy 8%"),
-        ('[480, 480]\npixel_size = ["2 um", "2 um"]', '[96, 96]\npixel_size = ["8 um", "8 um"]'),
-        ("[576, 280]", "[576, 70]"),
-    )
-}
-"""Texts of pages that are replaced here by ones that take less time."""
+COARSE = replace(tribo.PRESETS["standard"], pixels_per_element=8, fewest_elements=0, increments=4)
+"""Choices that the suite takes for the preset on pages, in which a point takes milliseconds."""
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```|^\| (`irg .*?) \|", re.DOTALL | re.MULTILINE)
 
 
@@ -90,31 +84,39 @@ def called(line):
     return done.stdout
 
 
-@pytest.mark.timeout(600)
-@pytest.mark.parametrize(
-    ("page", "commands"),
-    [
-        ("README.md", 6),
-        ("workflows/FIRST_HOUR.md", 6),
-        ("workflows/YOUR_SYSTEM.md", 6),
-        ("workflows/OWN_LAWS.md", 1),
-    ],
-)
-def test_what_a_page_shows_runs_as_typed_and_prints_what_it_shows(
-    page, commands, copy, request, monkeypatch
-):
-    text = (ROOT / page).read_text(encoding="utf-8")
-    for typed, cheaper in CHEAPER.get(page, ()):
-        assert typed in text
-        text = text.replace(typed, cheaper)
+PAGES = {"README": 6, "FIRST_HOUR": 6, "YOUR_SYSTEM": 6, "OWN_LAWS": 1}
+"""Pages, and how many commands each has at least."""
+
+
+def run_page(name, replaced=None):
+    """Run what a page shows in the working folder; return its text and the printed lines.
+
+    `replaced` has patterns in its text and what takes their place.
+    """
+    page = ROOT / "README.md" if name == "README" else ROOT / "workflows" / f"{name}.md"
+    text = page.read_text(encoding="utf-8")
+    for pattern, other in (replaced or {}).items():
+        text = re.sub(pattern, other, text)
     steps = [*steps_of(text)]
     typed = [step for name, step in steps if not name and step.startswith(("irg ", "python "))]
-    assert len(typed) >= commands
-    if "FIRST_HOUR" in page:  # README computes first_try from nothing, as typed
-        made = request.getfixturevalue("folder_with_results")
-        shutil.copytree(made / "results", copy / "results")
+    assert len(typed) >= PAGES[name]
+    return text, run(steps)
+
+
+@pytest.mark.parametrize("name", ["README", "FIRST_HOUR", "YOUR_SYSTEM"])
+def test_what_a_page_shows_runs_on_coarse_elements(name, copy, monkeypatch):
+    monkeypatch.setitem(tribo.PRESETS, "standard", COARSE)
     monkeypatch.chdir(copy)
-    printed = run(steps)
+    # Coarse elements reach no accuracy.
+    run_page(name, {r" --accuracy \d+%": "", 'step = "0.5 m/s"': 'step = "3 m/s"'})
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("name", PAGES)
+def test_what_a_page_shows_runs_as_typed_and_prints_what_it_shows(name, copy, monkeypatch):
+    monkeypatch.chdir(copy)
+    text, printed = run_page(name)
     for shown in re.findall(r"^```text\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
         for line in filter(None, shown.splitlines()):
             assert " ".join(line.split()) in printed
