@@ -40,6 +40,8 @@ SMALLER = {
 }
 """Texts in shipped scenes that are replaced by ones that take less time."""
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
+BEYOND = "heldout", "inverse", "steel"
+"""Results beyond the paper's figures and tables, some 10 s each: by ``-m slow`` alone."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -102,10 +104,10 @@ def small(folder, scenes):
         "resolution": {"_INCREMENTS": (20, 30)},
         "steel": {
             "_CONDUCTIVITIES": (21.0, 45.0),
-            "_VELOCITIES": {"from": "0.3 m/s", "to": "4.3 m/s", "step": "2 m/s"},
+            "_VELOCITIES": {"from": "0.3 m/s", "to": "4.3 m/s", "step": "4 m/s"},
         },
         "transitions": {"simulate": simulate_once},
-        "transition_diagram": {"ACCURACY": 0.2},  # few velocities
+        "transition_diagram": {"ACCURACY": None},  # of the plane alone
     }
 
     def report(name):
@@ -134,7 +136,10 @@ def small(folder, scenes):
     return report
 
 
-@pytest.mark.parametrize("name", paper.RESULTS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in BEYOND)) for name in paper.RESULTS],
+)
 def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
     report = small(name)
     assert report.name == name
@@ -151,6 +156,7 @@ def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
     assert len(png) < 200_000
 
 
+@pytest.mark.slow
 def test_each_transition_is_predicted_from_the_other_three_of_its_oil(small):
     """Expected velocities are by another script, at `standard` over 8 surfaces."""
     data = small("heldout").data
@@ -165,6 +171,7 @@ def test_each_transition_is_predicted_from_the_other_three_of_its_oil(small):
     )
 
 
+@pytest.mark.slow
 def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):
     data = small("steel").data
     for oil, count in (("white oil", 4), ("oil A", 4)):
@@ -255,7 +262,7 @@ def test_the_shipped_record_is_the_synthetic_one():
 
 def test_the_diagram_is_computed_once(small, folder, scenes):
     assert small("fig10").data["computed"] == small("fig10").data["points"]
-    with mock.patch.object(transition_diagram, "ACCURACY", 0.2):
+    with mock.patch.object(transition_diagram, "ACCURACY", None):
         again = paper.reproduce("fig10", scenes=scenes, results=folder, **SMALL)
     assert again.data["computed"] == 0
     assert again.data["transitions"] == small("fig10").data["transitions"]
@@ -295,6 +302,7 @@ def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
     assert "unexplained" in level.why
 
 
+@pytest.mark.slow
 def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, scenes):
     rates = np.array(small("inverse").data["wear_rate_of_oil_a"]).reshape(2, 2)
     expected_rates = [
