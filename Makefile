@@ -89,7 +89,7 @@ crash: .venv/test     ## kill sweeps, cut their power, damage their files, read 
 cluster: .venv/test   ## a real Slurm, if that of the distribution is installed, in 15 minutes
 	$(BIN)/python -m tests.cluster
 
-many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes
+many: .venv/test      ## 100000 cheap points in one store, and what they cost, in 10 to 20 minutes
 	$(BIN)/python -m tests.crash.many
 
 measured: .venv/test ## name the figures of workflows/MEASURED.md that are older than their code, and the constants of campaigns

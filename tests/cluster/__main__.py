@@ -10,7 +10,6 @@ on this machine. Prints a JSON document.
 import argparse
 import json
 import os
-import random
 import subprocess
 import sys
 import tempfile
@@ -38,8 +37,6 @@ velocities = {velocities}
 _LOADS = 4
 _JOBS = 4
 _PATIENCE = 900.0  # [s] that a driver may take
-_CHEAP = 2500  # velocities
-_BETWEEN = 12.0  # [s] from one cancelled job to the next
 _NAMES = (*COLUMNS, "message", "checksum", "status")
 DRIVERS = ExitStack()
 """Those that are killed in the end, if they go on."""
@@ -153,27 +150,7 @@ def killed(batch, folder, expected):
     yield from faults_of(driver.path, 60, expected)
 
 
-def crowd(batch, folder, expected):
-    """Trial: 10 000 points, while jobs are cancelled again and again, and the driver once."""
-    path, lost = folder / "crowd.zarr", 0
-    driver, generator, half = Driver(path, _CHEAP), random.Random(0), 0
-    while driver.process.poll() is None:
-        time.sleep(_BETWEEN)
-        if not half and driver.done() > _LOADS * _CHEAP / 2:
-            driver.process.kill()
-            driver.process.wait()
-            half, driver = driver.done(), Driver(path, _CHEAP)
-        elif driver.done() and (jobs := batch.jobs("running")):
-            batch.ask("scancel", generator.choice(jobs))
-            lost += 1
-    driver.ended()
-    yield {"jobs_lost": lost, "done_before": half}
-    if not (half and lost):
-        yield f"{lost} jobs were lost, and the driver at {half} points: too few to tell"
-    yield from faults_of(path, _CHEAP, expected)
-
-
-TRIALS = {trial.__name__: trial for trial in (losses, walltime, killed, crowd)}
+TRIALS = {trial.__name__: trial for trial in (losses, walltime, killed)}
 
 
 def tried(names, batch, folder):

@@ -1,14 +1,12 @@
 """What a cheap point costs in CPU time, and what part of that is Dask's own.
 
     python -m tests.cluster.cheap --points 10000
-    python -m tests.cluster.cheap --points 100000 --for 600
     python -m tests.cluster.cheap --points 2000 --scan 1000
-    python -m tests.cluster.cheap --points 10000 --fields
 
 A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks. Both run on
-two workers of this machine with encrypted connections. ``--fields`` stores fields, too. With
-``--scan`` a tenth of the points are also computed on a scan of so many heights squared, on as few
-elements. Prints a JSON document.
+two workers of this machine with encrypted connections. With ``--scan`` a tenth
+of the points are also computed on a scan of so many heights squared, on as few elements. Prints a
+JSON document.
 """
 
 import argparse
@@ -16,7 +14,6 @@ import itertools
 import json
 import tempfile
 import time
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -33,7 +30,7 @@ _LOADS, _WORKERS, _AT_ONCE = 10, 2, 16
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
 
 
-def scene_of(points, scan=0, folder=Path(), fields=False):
+def scene_of(points, scan=0, folder=Path()):
     """Scene of few loads and many velocities, on 24 × 1 elements.
 
     Bodies are smooth, or the disk is a scan of `scan` × `scan` heights in a file in `folder`.
@@ -61,7 +58,7 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
         "standard",
         own
         | {
-            "sweep.fields": fields,
+            "sweep.fields": False,
             "sweep.loads": [f"{load} N" for load in range(200, 700, 50)],
             "sweep.velocities": [
                 f"{velocity:.6g} m/s" for velocity in np.linspace(1.0, 4.0, points // _LOADS)
@@ -76,10 +73,6 @@ def carried(sweep):
     return Case(case.scene, choose_stored_steps(sweep), False, case.has_film).pickled()
 
 
-class EnoughError(Exception):
-    """Ends a sweep when its time is over."""
-
-
 def timed(client, compute):
     """CPU time of driver and workers by point [ms], number of points and wall time [s]."""
     before = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
@@ -90,17 +83,9 @@ def timed(client, compute):
     return {"done": points, **each, "wall_s": wall}
 
 
-def swept(client, sweep, out, duration):
-    """Compute a sweep for `duration` seconds; return the number of points done."""
-    end = time.monotonic() + duration
-
-    def note(_):
-        if time.monotonic() > end:
-            raise EnoughError
-
-    with suppress(EnoughError):
-        pipeline.run_sweep(sweep, out, client=client, progress=note)
-    return pipeline.summary(out).done
+def swept(client, sweep, out):
+    """Compute a sweep; return the number of points done."""
+    return pipeline.run_sweep(sweep, out, client=client).done
 
 
 def empty_tasks(client, points):
@@ -118,9 +103,7 @@ def empty_tasks(client, points):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=int, default=10_000)
-    parser.add_argument("--for", dest="duration", type=float, default=3600.0, help="seconds")
     parser.add_argument("--scan", type=int, default=0, help="heights along a side of a scan")
-    parser.add_argument("--fields", action="store_true", help="store fields, too")
     options = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -135,9 +118,9 @@ def main():
         for name, scan in {"sweep": 0, "scan": options.scan}.items():
             if scan or name == "sweep":
                 points = options.points // 10 if scan else options.points
-                sweep = scene_of(points, scan, Path(folder), options.fields)
+                sweep = scene_of(points, scan, Path(folder))
                 out = Path(folder) / f"{name}.zarr"
-                compute = partial(swept, client, sweep, out, options.duration)
+                compute = partial(swept, client, sweep, out)
                 report[name] = timed(client, compute)
                 report[name]["sent_mb"] = len(carried(sweep)) / 1e6
     print(json.dumps(report, indent=1))

@@ -1,6 +1,5 @@
-"""Cost of hundreds of workers and a million points for the driver: which wall comes first.
+"""What workers gain, and what share of a core the driver takes.
 
-    python -m tests.cluster.wide --workers 200 --points 50000 --seconds 2 --for 120
     python -m tests.cluster.wide --workers 1 2 16 --points 3000 --seconds 0.06 --for 10
 
 The workers are threads of one process, and wait at each point in place of computing it; scheduler,
@@ -10,8 +9,6 @@ schedule, commits and network (without encryption) are real. Prints a JSON docum
 import argparse
 import asyncio
 import json
-import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -20,14 +17,13 @@ import time
 from contextlib import nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
-from unittest import mock
 
-from distributed import Client, LocalCluster, Worker
+import numpy as np
+from distributed import LocalCluster, Worker
 
 import pipeline
 from pipeline.run import work
 from pipeline.run.cluster import client_of
-from pipeline.store.store import Store
 from tests.crash.many import sweep_of
 
 ROOT = Path(__file__).parents[2]
@@ -60,54 +56,25 @@ async def host(address, number):
 
 
 def driven(out, address, options):
-    """Drive the workers for a while; return what the start, points and commits cost."""
-    marks, tasks, commits = [], [], []
-    submit, commit = Client.map, Store.commit
-    began = time.monotonic(), time.process_time()
-
-    def counted(self, function, cases, *more, **options):
-        tasks.extend(cases)
-        return submit(self, function, cases, *more, **options)
-
-    def timed(self, records):
-        before = time.monotonic(), time.thread_time()
-        commit(self, records)
-        took = time.monotonic() - before[0], time.thread_time() - before[1]
-        commits.append((len(records), *took))
+    """Drive the workers for a while; return how many points a second they do, and the driver."""
+    marks = []
 
     def note(now):
-        if now.words:
+        if now.words or not now.done:
             return
-        mark = now.done, time.monotonic(), time.process_time(), len(tasks)
-        marks.append(mark)
-        if now.done and mark[1] - next(m[1] for m in marks if m[0]) > options.duration:
+        marks.append(np.array([now.done, time.monotonic(), time.process_time()]))
+        if marks[-1][1] - marks[0][1] > options.duration:
             raise EnoughError
 
-    with (
-        mock.patch.object(Client, "map", counted),
-        mock.patch.object(Store, "commit", timed),
-        suppress(EnoughError),
-    ):
+    with suppress(EnoughError), client_of(address) as client:
         sweep = sweep_of(options.points)
-        with client_of(address) as client:
-            pipeline.run_sweep(sweep, out, client=client, progress=note, patience=120.0)
-    first = next(mark for mark in marks if mark[0])
-    done, wall, cpu, number = (b - a for a, b in zip(first, marks[-1], strict=True))
-    in_commits = sum(took for _, _, took in commits[1:])
+        pipeline.run_sweep(sweep, out, client=client, progress=note, patience=120.0)
+    done, wall, cpu = marks[-1] - marks[0]
     return {
         "workers": options.workers,
-        "points": options.points,
-        "until_the_first_point": [first[1] - began[0], first[2] - began[1]],
-        "done": done,
+        "done": int(done),
         "points_a_second": done / wall,
-        "driver_ms_a_task": 1e3 * cpu / max(number, 1),
-        "of_them_commits": 1e3 * in_commits / max(number, 1),
         "driver_share_of_a_core": cpu / wall,
-        "commits": len(commits),
-        "longest_commit_s": max(took for _, took, _ in commits),
-        "commit_ms_a_point": 1e3 * in_commits / max(sum(n for n, _, _ in commits[1:]), 1),
-        "driver_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
-        "files": sum(len(names) for _, _, names in os.walk(out)),
     }
 
 
