@@ -61,8 +61,8 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
 @pytest.mark.parametrize(
     ("name", "family"),
     [
-        *(("standard", family) for family in ("lay", "local", "record", "tops", "stages")),
-        *(("fine", family) for family in ("lay", "local", "stages")),
+        *(("standard", family) for family in ("local", "record", "tops", "stages")),
+        ("fine", "lay"),
     ],
 )
 def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, family):
@@ -109,7 +109,8 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 
 
 def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch, tmp_path):
-    monkeypatch.setattr(goals, "REALIZATIONS", 16)
+    monkeypatch.setattr(goals, "REALIZATIONS", 10)
+    monkeypatch.setattr(goals, "LAWS", 2)
     number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
     planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
     found = planes.errors(0.05)

@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 from hatchling.builders.wheel import WheelBuilder
 
-from pipeline.cli import main
-
 ROOT = Path(__file__).parents[1]
 
 
@@ -59,19 +57,11 @@ def test_the_page_of_a_package_index_has_no_link_that_leads_nowhere(installed):
     assert not re.findall(r"\]\((?!https?:)[^)]*\)", text)
 
 
-def test_the_paper_is_recomputed_from_the_wheel_as_from_the_source(
-    installed, tmp_path, monkeypatch, capsys
-):
-    told, _ = run(installed, tmp_path, "-m", "pipeline", "paper", "fig4").split("took")
-    monkeypatch.chdir(tmp_path)
-    assert main(["paper", "fig4"]) == 0
-    assert capsys.readouterr().out.startswith(told)
-    assert "half-width" in told
-
-
-def test_the_wheel_holds_all_of_both_packages(installed):
+def test_the_wheel_holds_all_of_both_packages_and_of_the_paper(installed):
     held = {path.relative_to(installed).as_posix() for path in installed.rglob("*")}
     assert {name for name in tracked() if name.startswith(("tribo/", "pipeline/"))} <= held
+    paper = {name for name in tracked() if name.startswith("workflows/paper/")}
+    assert {f"pipeline/{name}" for name in paper} <= held
 
 
 def tracked():

@@ -8,7 +8,6 @@ from tribo.contact import ElasticHalfSpace
 from tribo.numerics import padded_shape
 
 UNIT = 1 / np.pi  # contact modulus with which the influence is ∫∫ 1/r
-E_STAR = 115.385e9
 
 
 def elastic_influence(grid, contact_modulus, kernel="periodic"):
@@ -64,7 +63,7 @@ def by_images(x, y, dy, ny):
 
 PERIODIC = [
     (dy, ny, place)
-    for dy, ny in ((1.25, 16), (1.0, 240), (300.0, 1), (0.9, 27), (1000.0, 7), (0.2, 27))
+    for dy, ny in ((1.25, 16), (300.0, 1), (0.2, 27), (1000.0, 7))
     for place in ((1, 0), (0, ny // 3), (0, ny // 2), (5, ny // 4), (40, 0), (60, ny // 2))
     if any(place)
 ]
@@ -127,18 +126,6 @@ def test_doubly_periodic_spectrum_equals_the_alternating_sum_over_waves(shape, d
     grid = Grid(shape[::order], (1.0, dy)[::order], (True, True))
     spectrum = ElasticHalfSpace(grid, UNIT).spectrum
     assert spectrum[mode[::order]] == pytest.approx(wave(mode, shape, (1.0, dy)), rel=1e-13)
-
-
-def test_uniform_pressure_along_y_gives_the_plane_displacement():
-    grid = Grid((60, 12), (1.632e-6, 1.9e-6))
-    plane = Grid((60, 1), (1.632e-6, 12 * 1.9e-6))
-    pressure = 1e9 * np.random.default_rng(0).uniform(size=(60, 1))
-    rough = ElasticHalfSpace(grid, E_STAR)(np.repeat(pressure, 12, axis=1))
-    smooth = ElasticHalfSpace(plane, E_STAR)(pressure)
-    # Equal up to a constant and the quadrature over y, which 12 elements sample to 1e-3.
-    assert np.ptp(rough, axis=1).max() < 1e-12 * np.abs(rough).max()
-    shift = rough[:, :1] - smooth
-    assert np.ptp(shift) < 2e-3 * np.ptp(smooth)
 
 
 @pytest.mark.parametrize("order", [1, -1])

@@ -8,7 +8,6 @@ import pytest
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, Motion, WarningKind, Wear, warnings
 from tribo.simulation import start
-from tribo.simulation.step_measures import touching_elements
 
 BALL = Ball(8e-3, STEEL)
 
@@ -46,42 +45,30 @@ def test_each_free_edge_is_looked_at(place, named):
     assert not named or f"reaches the {named} of the window at 100 N" in edges[0].text
 
 
-@pytest.mark.parametrize(
-    ("nodes", "words"),
-    [(0, None), (99, "only 99 elements"), (399, "only 399 elements"), (400, None)],
-)
-def test_from_400_elements_on_there_are_enough(nodes, words):
-    scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
-    assert touching_elements(scene, state) == nodes
-    assert_told(words, scene, state, WarningKind.FEW_NODES)
-    by_rule = replace(scene, fidelity=replace(scene.fidelity, fewest_elements=1))
-    assert_told(words if nodes < 100 else None, by_rule, state, WarningKind.FEW_NODES)
+def scene_of(**choices):
+    return replace(small_scene(**choices), pixels=Grid((96, 64), (4e-6, 4e-6)))
 
 
-@pytest.mark.parametrize(("nodes", "words"), [(199, "only 199 elements"), (200, None)])
-def test_of_pixels_200_are_enough(nodes, words):
-    scene = replace(small_scene(), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
-    assert_told(words, scene, state, WarningKind.FEW_NODES)
+ALL_FREE = Grid((96, 64), (4e-6, 4e-6), periodic=(False, False))
+ENOUGH = {
+    "elements of 2 × 2 pixels": (scene_of(pixels_per_element=2), 400),
+    "elements of 2 × 2 pixels by the rule": (
+        scene_of(pixels_per_element=2, fewest_elements=1), 100,
+    ),
+    "pixels": (scene_of(), 200),
+    "rows that nothing divides": (small_scene(roughness=False, pixels_per_element=2), 20),
+    "pixels of a ball that the roughness passes": (
+        replace(small_scene(), pin=BALL, pixels=ALL_FREE), 1000,
+    ),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(("nodes", "words"), [(19, "only 19 elements"), (20, None)])
-def test_rows_that_nothing_divides_count_as_if_divided_alike(nodes, words):
-    plane = small_scene(roughness=False, pixels_per_element=2)
-    state = touching(plane, (np.arange(nodes), np.zeros(nodes, int)))
-    assert_told(words, plane, state, WarningKind.FEW_NODES)
-
-
-@pytest.mark.parametrize(("nodes", "words"), [(999, "only 999 elements"), (1000, None)])
-def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
-    pixels = Grid((96, 64), (4e-6, 4e-6), periodic=(False, False))
-    scene = replace(small_scene(), pin=BALL, pixels=pixels, wear=Wear(1e-15, "swept"))
-    state = touching(scene, np.unravel_index(np.arange(nodes), scene.grid.shape))
-    assert_told(words, scene, state, WarningKind.FEW_NODES)
-    larger = replace(small_scene(pixels_per_element=2), pin=BALL, pixels=pixels, wear=scene.wear)
-    state = touching(larger, np.unravel_index(np.arange(nodes), larger.grid.shape))
-    assert_told(None, larger, state, WarningKind.FEW_NODES)
+@pytest.mark.parametrize("name", ENOUGH)
+def test_from_so_many_elements_in_contact_on_there_are_enough(name):
+    scene, count = ENOUGH[name]
+    for nodes, words in ((count - 1, f"only {count - 1} elements"), (count, None)):
+        state = touching(scene, np.unravel_index(np.arange(nodes), scene.grid.shape))
+        assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from tribo import (
     Ball,
     Conditions,
     Grid,
-    InputError,
     MeasuredLoad,
     Ramp,
     Stages,
@@ -100,14 +99,6 @@ def test_a_stage_of_velocity_is_heated_by_its_own_velocity_alone():
     assert rises(one[:2]) == pytest.approx(rises([reached, held]), rel=0.01)
 
 
-def test_the_first_stage_is_that_of_a_ramp():
-    ramp = worn_scene(Ramp(150.0, 100.0))
-    *_, fresh = simulate(ramp, 100.0, 2.0)
-    scene = worn_scene(Stages((100.0,), (10.0,), 150.0))
-    onset, _ = stages_of(scene, 100.0, 2.0)
-    assert rises([onset])[0] == pytest.approx(rises([fresh])[0], rel=1e-6)
-
-
 def test_a_verdict_is_of_the_hottest_stage_so_far():
     oil = Conditions(0.1, bulk_temperature=298.15, critical_temperature=418.15)
     loads = 100.0, 120.0, 400.0
@@ -147,21 +138,3 @@ def test_the_window_holds_the_worn_pin():
     round_window = widen_window(ball, 2.0).pixels.shape
     volume = 1.2e-15 * scene.loading.worn_impulse(2.0)
     assert round_window[0] == round_window[1] > 1.25 * (64 * 5e-3 * volume / np.pi) ** 0.25 / 4e-6
-
-
-def test_a_stage_that_touches_an_edge_fails():
-    scene = worn_scene(Stages(LOADS, (60.0,) * 3, 150.0))
-    narrow = replace(scene, pixels=Grid((64, 24), (8e-6, 8e-6)))
-    assert len(stages_of(narrow, 100.0, 2.0)) == 2
-    with pytest.raises(InputError, match=r"400 N and 2 m/s reaches the x edge of the window"):
-        stages_of(narrow, 400.0, 2.0)
-
-
-def test_stages_are_refused_in_plain_words():
-    with pytest.raises(InputError, match=r"load is 200 N, .* one of 100, 250, 400 N"):
-        stages_of(worn_scene(), 200.0, 2.0)
-    velocities = Stages((300.0,), (10.0, 10.0), 150.0, velocities=(0.5, 1.0))
-    with pytest.raises(InputError, match=r"velocity is 2 m/s, .* one of 0.5, 1 m/s"):
-        stages_of(worn_scene(velocities), 300.0, 2.0)
-    with pytest.raises(InputError, match="hold"):
-        Stages((200.0,), (0.0,), 150.0)

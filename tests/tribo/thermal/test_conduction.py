@@ -156,19 +156,6 @@ def test_a_moving_square_is_hottest_as_tabulated(peclet):
     assert scaled == pytest.approx(MOVING_SQUARE_PEAK[peclet], rel=1e-5)  # six decimals tabulated
 
 
-@pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-3), (4.0, 1e-4), (-300.0, 1e-6)])
-def test_an_element_is_the_sum_of_its_parts(periodic, velocity, time):
-    coarse, fine = (
-        Grid((4 * m, 3 * m), (ELEMENT[0] / m, ELEMENT[1] / m), periodic) for m in (1, 3)
-    )
-    whole, parts = (ConductingHalfSpace(g, STEEL, velocity, time, 16) for g in (coarse, fine))
-    flux = np.random.default_rng(1).random(coarse.shape)
-    centres = parts(np.kron(flux, np.ones((3, 3))))[1::3, 1::3]
-    # 16 nodes, times the few elements that add up
-    np.testing.assert_allclose(whole(flux), centres, rtol=1e-10)
-
-
 def summed(ny, whole, velocity, time):
     """Kernel of 24 × ny elements as an explicit sum over `whole` periodic images on each side."""
     every = Grid((24, ny * (2 * whole + 1)), ELEMENT, (False, False))

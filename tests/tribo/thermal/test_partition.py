@@ -86,28 +86,6 @@ def test_the_contact_has_one_temperature(difference):
     np.testing.assert_allclose(split.rise, pin(split.pin_flux), rtol=1e-12)
 
 
-def test_heat_in_is_heat_out_and_none_crosses_the_gap():
-    grid = grid_of()
-    flux = rough_contact(grid)
-    split = partition_heat(*bodies(grid), flux, flux > 0)
-    assert not split.pin_flux[flux == 0].any()
-    assert split.pin_share == pytest.approx(split.pin_flux.sum() / flux.sum(), rel=1e-14)
-    assert 0 < split.pin_share < 0.5  # a moving body is the better heat sink
-
-
-def test_exchanging_the_bodies_exchanges_their_shares():
-    grid = grid_of()
-    flux = rough_contact(grid)
-    pin, disk = bodies(grid, pin=CERAMIC)
-    here = partition_heat(pin, disk, flux, flux > 0, tolerance=1e-12, bulk_difference=15.0)
-    there = partition_heat(disk, pin, flux, flux > 0, tolerance=1e-12, bulk_difference=-15.0)
-    assert here.pin_share + there.pin_share == pytest.approx(1.0, rel=1e-11)
-    in_contact = flux > 0
-    np.testing.assert_allclose(
-        here.rise[in_contact], there.rise[in_contact] + 15.0, rtol=0, atol=1e-10 * here.rise.max()
-    )
-
-
 def test_friction_and_bulk_difference_superpose():
     # Due to this a single sweep answers for any friction and bulk temperature.
     grid = grid_of(n=32)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tests.helpers.scenes import STEEL, small_scene
+from tests.helpers.scenes import small_scene
 
 VELOCITY, LOAD = 1.25, 600.0
 
@@ -60,20 +60,6 @@ def test_a_law_of_a_constant_rate_is_archard_s():
 
 
 @dataclass(frozen=True)
-class Galling:
-    """A higher rate in steps that begin above a critical pressure."""
-
-    rate: float
-    higher_rate: float
-    critical_pressure: float
-    pattern: str = "local"
-
-    def over(self, begin, end, pressure, velocity):
-        is_galling = pressure > self.critical_pressure
-        return tribo.Wear(self.higher_rate if is_galling else self.rate, self.pattern)
-
-
-@dataclass(frozen=True)
 class ByPressure:
     """A rate in proportion to the pressure, `rate` at a pressure of 1 Pa."""
 
@@ -94,55 +80,6 @@ class Hastened:
 
     def over(self, begin, end, pressure, velocity):
         return tribo.Wear(self.rate * velocity**self.exponent, self.pattern)
-
-
-def smooth_scene(pin, increments, **fidelity):
-    scene = small_scene(increments=increments)
-    free = replace(scene.pixels, periodic=(False, pin.length is not None))
-    fidelity = replace(scene.fidelity, **fidelity)
-    return replace(scene, pin=pin, pixels=free, roughness=None, fidelity=fidelity)
-
-
-def mean_pressure_of(pin, load):
-    """Nominal pressure after Hertz [Pa], of a line or a circle."""
-    peak = pin.hertz(load, tribo.contact_modulus(STEEL, STEEL)).peak_pressure
-    return peak * (2 / 3 if pin.length is None else math.pi / 4)
-
-
-PIN_AND_WINDOW = [
-    (tribo.Cylinder(2e-3, 3.4e-3, STEEL), tribo.Grid((400, 2), (1e-6, 8e-6))),
-    (tribo.Ball(200e-3, STEEL), tribo.Grid((120, 120), (16e-6, 16e-6))),
-]
-
-
-@pytest.mark.parametrize(("pin", "window"), PIN_AND_WINDOW, ids=["line", "point"])
-def test_a_law_with_a_critical_pressure_changes_at_the_load_after_hertz(pin, window):
-    """Little wear leaves Hertz's contact; the rate changes at the first step above that load."""
-    law = Galling(1e-20, 5e-20, mean_pressure_of(pin, 0.45 * LOAD))
-    scene = replace(smooth_scene(pin, 10), wear=law)
-    scene = replace(scene, pixels=replace(window, periodic=scene.pixels.periodic))
-    loads = [load_step.normal_load for load_step in scene.all_load_steps(LOAD)]
-    changed = next(load for load in loads if load >= 0.45 * LOAD)
-    per_load = VELOCITY / scene.loading.rate / 2
-    higher = law.higher_rate * (LOAD**2 - changed**2)
-    expected = per_load * (law.rate * changed**2 + higher)
-    assert worn_volume(scene) == pytest.approx(expected, rel=1e-9)
-
-
-def test_a_law_in_proportion_to_the_pressure_is_of_first_order_in_the_steps():
-    """Under Hertz's line contact it wears off ∫ k p F dS, with p in proportion to √F."""
-    pin, window = PIN_AND_WINDOW[0]
-    law = ByPressure(1e-28)
-    highest = mean_pressure_of(pin, LOAD)
-    expected = law.rate * highest * LOAD**2 * VELOCITY / 150.0 / 2.5
-    errors = []
-    for increments in (10, 20, 40):
-        scene = replace(smooth_scene(pin, increments), wear=law)
-        scene = replace(scene, pixels=replace(window, periodic=(False, True)))
-        assert scene.loading.rate == 150.0
-        errors.append(abs(worn_volume(scene) / expected - 1))
-    assert errors[0] < 0.12
-    assert errors[2] < 0.4 * errors[0]
 
 
 def test_a_law_by_pressure_wears_alike_on_all_grids_of_the_last_step():
