@@ -108,18 +108,30 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 # Accuracies that are asked for
 
 
-def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch, tmp_path):
-    monkeypatch.setattr(goals, "REALIZATIONS", 10)
-    monkeypatch.setattr(goals, "LAWS", 2)
+@pytest.fixture(scope="module")
+def numbered_planes(tmp_path_factory):
+    """Number of a scene that the campaign draws, and its points."""
     number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
-    planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
+    path = tmp_path_factory.mktemp("goals") / "points.json"
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(goals, "REALIZATIONS", 16)
+        yield number, goals.Planes(goals.scene(case, falls=True), path)
+
+
+def test_a_search_finds_every_crossing_of_the_plane(numbered_planes):
+    number, planes = numbered_planes
+    counts = np.array(planes.crossings(number))
+    assert {0, 1, 2, 3} <= {*counts[:, 0].tolist()}
+    assert np.array_equal(*counts.T)
+
+
+@pytest.mark.slow
+def test_an_accuracy_holds_at_each_load(numbered_planes):
+    _, planes = numbered_planes
     found = planes.errors(0.05)
     assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
     assert all(abs(error) <= allowed for *_, error, allowed in found["errors"])
     assert all(0.05 <= allowed < 0.06 for *_, allowed in found["errors"])
-    counts = np.array(planes.crossings(number))
-    assert {0, 1, 2, 3} <= {*counts[:, 0].tolist()}
-    assert np.array_equal(*counts.T)
 
 
 def test_more_loads_that_err_than_a_sample_has_by_chance_or_a_missed_crossing_break_a_promise():
