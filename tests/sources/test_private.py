@@ -7,7 +7,7 @@ from tests.sources.measure import ROOT
 _ALLOWED = {
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "pipeline/run/test_cluster.py _hash_of_code": "a worker with other code is named by its hash",
-    "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
+    "pipeline/figures/test_style.py _suptitle": "matplotlib has no public name of it",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "helpers/stores.py _digest": "a forged root has the right digest",
     "workflows/paper/test_reproduce.py _CHANGES": "a study runs with two of its changes",
