@@ -1,4 +1,4 @@
-"""Sweeps on clusters that others run (pipeline/run/cluster.py)."""
+"""Clusters here and elsewhere, which change, stop or die, and what the user is told."""
 
 import itertools
 import json
@@ -11,7 +11,7 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import dask
@@ -22,9 +22,10 @@ from distributed import Client, LocalCluster, SchedulerPlugin, Security
 from distributed.core import Status
 
 from pipeline import ExecutionError, run_sweep, summary
-from pipeline.run.cluster import ENVIRONMENT, client_of, connected
+from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, client_of, connected
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -184,13 +185,17 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(tmp_p
     code.write_text(code.read_text().replace("0.5", "0.51"))
     theirs = _hash_of_code(tmp_path)
     cluster, out = Cluster(tmp_path, code=tmp_path), tmp_path / "out.zarr"
-    unread = r"the Dask scheduler cannot read tasks of this program: .*pipeline\.run\.work"
+    lacking = r"this program: .*pipeline\.run\.work"
     with closing(cluster), client_of(cluster.address) as client:
         with pytest.raises(ExecutionError, match=rf"tcp://127.*{theirs}.*{PROGRAM.code}"):
             run_sweep(SHORT, out, client=client)
-        client.run_on_scheduler(lambda: sys.modules.update({"pipeline.run.work": None}))
-        with pytest.raises(ExecutionError, match=unread):
-            run_sweep(SHORT, out, client=client)
+        for ask, who in (
+            (client.run, "a Dask worker cannot run"),
+            (client.run_on_scheduler, "the Dask scheduler cannot read tasks of"),
+        ):
+            ask(lambda: sys.modules.update({"pipeline.run.work": None}))
+            with pytest.raises(ExecutionError, match=f"{who} {lacking}"):
+                run_sweep(SHORT, out, client=client)
     assert summary(out).done == 0
 
 
@@ -307,3 +312,102 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings(monkeypatch):
             for page in ("json/identity.json", "api/v1/retire_workers", "metrics"):
                 with pytest.raises(urllib.error.HTTPError, match="404"):
                     urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
+
+
+MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
+
+
+class Hungry(tiny.FaultyRamp):
+    """A ramp that takes more and more memory at one load, until its process is killed."""
+
+    def fault(self):
+        held = []
+        while True:
+            held.append(bytearray(2**24))
+
+
+Hungry.__name__ = "Ramp"
+HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=(0.5,))
+
+
+@pytest.fixture
+def threads():
+    """A cluster of two workers in this process, and its client."""
+    dashboard = {"dashboard_address": "127.0.0.1:0"}
+    with (
+        LocalCluster(n_workers=2, processes=False, threads_per_worker=1, **dashboard) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield cluster, client
+
+
+@contextmanager
+def processes(count, memory):
+    """A client of workers with a memory limit [B], each a process."""
+    settings = {"memory_limit": memory, "dashboard_address": "127.0.0.1:0"}
+    with (
+        dask.config.set(CONFIGURATION),
+        LocalCluster(None, count, 1, **settings) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield client
+
+
+def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(
+    threads, path, alone
+):
+    cluster, client = threads
+    cluster.scale(0)
+    cluster.adapt(minimum=0, maximum=2, interval="50ms")
+    outcome = run_sweep(SWEEP, path, client=client, patience=60.0)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_client_that_is_closed_ends_a_run_with_one_error(threads, path):
+    client, lost = threads[1], "scheduler is lost; finished points are"
+    with pytest.raises(ExecutionError, match=lost):
+        run_sweep(MANY, path, client=client, progress=when_done(client.close), patience=5.0)
+    assert 0 < summary(path).done < len(MANY.loads) * 60
+
+
+def test_a_run_goes_on_with_a_scheduler_that_was_started_again(path):
+    def start(port):
+        settings = {"protocol": "tcp://", "dashboard_address": "127.0.0.1:0"}
+        return LocalCluster(None, 1, 1, processes=False, scheduler_port=port, **settings)
+
+    began = start(0)
+    port = int(began.scheduler_address.rpartition(":")[2])
+    others = []
+
+    def restart():
+        if not others:
+            began.close()
+            others.append(start(port))
+
+    sweep = changed(MANY, loads=(150.0,))
+    with Client(began.scheduler_address, set_as_default=False) as client:
+        outcome = run_sweep(sweep, path, client=client, progress=when_done(restart), patience=60.0)
+    others[0].close()
+    assert (outcome.done, outcome.computed, outcome.failed) == (60, 60, ())
+
+
+def test_a_run_goes_on_after_its_workers_were_restarted(path, alone):
+    restarts = iter([True])
+
+    def restart():
+        if next(restarts, False):
+            client.restart()
+
+    with processes(2, "auto") as client:
+        outcome = run_sweep(SWEEP, path, client=client, progress=when_done(restart))
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_point_that_takes_all_memory_fails_alone(path):
+    with processes(1, "500 MB") as client:
+        outcome = run_sweep(HUNGRY, path, client=client)
+    (failed,) = outcome.failed
+    assert (failed.load, outcome.done) == (250.0, 2)
+    assert "its worker reached its memory limit" in failed.message

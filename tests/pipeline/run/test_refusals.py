@@ -70,12 +70,12 @@ REFUSALS = {
 
 ELSEWHERE = {
     "cluster.processes ExecutionError": "test_cluster.py",
-    "drive.lost ExecutionError": "test_driver.py",
-    "watch.__call__ ExecutionError": "test_driver.py",
-    "watch._check ExecutionError": "test_driver.py",
-    "watch._check_scheduler ExecutionError": "test_driver.py",
-    "watch.require_program ExecutionError": "test_driver.py",
-    "watch.reached ExecutionError": "test_driver.py",
+    "drive.lost ExecutionError": "test_cluster.py",
+    "watch.__call__ ExecutionError": "test_cluster.py",
+    "watch._check ExecutionError": "test_cluster.py",
+    "watch._check_scheduler ExecutionError": "test_cluster.py",
+    "watch.require_program ExecutionError": "test_cluster.py",
+    "watch.reached ExecutionError": "test_cluster.py",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

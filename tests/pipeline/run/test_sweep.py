@@ -217,49 +217,36 @@ if __name__ == "__main__":
 """
 
 
-@pytest.fixture
-def driver(path, tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text(SCRIPT)
-    process = subprocess.Popen(
-        [sys.executable, script, path],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        # Ctrl-C acts as in a terminal, even if this suite runs in the background, which ignores it.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    yield process
-    if process.poll() is None:
-        os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
-
-
-def wait_until(holds):
-    end = time.monotonic() + 60.0
-    while not holds():
-        assert time.monotonic() < end
+def is_gone(group):
+    """True if no process of a group is left within a minute."""
+    for _ in range(1200):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
         time.sleep(0.05)
-
-
-def group_is_gone(leader):
-    """True if no process of a process group is left."""
-    try:
-        os.killpg(leader, 0)
-    except ProcessLookupError:
-        return True
     return False
 
 
-def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path):
+def test_ctrl_c_ends_everything_and_keeps_finished_points(path, tmp_path):
     """The signal goes to the driver and all workers, as from a terminal."""
-    assert any(int(line) >= 3 for line in driver.stdout)
-    os.killpg(driver.pid, signal.SIGINT)
-    assert driver.wait(60) == 130
-    wait_until(lambda: group_is_gone(driver.pid))
-    assert driver.stderr.read() == ""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(
+        [sys.executable, tmp_path / "script.py", path], start_new_session=True, **pipes,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        # Ctrl-C acts as in a terminal, even if this suite runs in the background, which ignores it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as driver:  # fmt: skip
+        try:
+            assert any(int(line) >= 3 for line in driver.stdout)
+            os.killpg(driver.pid, signal.SIGINT)
+            assert driver.wait(60) == 130
+            assert driver.stderr.read() == ""
+            assert is_gone(driver.pid)
+        except BaseException:
+            os.killpg(driver.pid, signal.SIGKILL)
+            raise
     assert 3 <= summary(path).done < summary(path).total
     assert verify_store(path).is_clean
     assert summary(path).running is None
