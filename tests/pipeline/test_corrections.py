@@ -34,10 +34,7 @@ def falling():
     return without_tests(with_fields(ds, conditions=conditions))
 
 
-KINDS = {
-    "one bulk": lambda: without_tests(synthetic.sweep()),
-    "friction by velocity": falling,
-}
+KINDS = {"one bulk": lambda: without_tests(synthetic.sweep()), "friction by velocity": falling}
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -21,7 +21,6 @@ from pipeline.store.store import opened
 from pipeline.surface.scan import read_scan
 from tests.helpers import tiny
 from tests.helpers.processes import python
-from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit
 
 
@@ -148,31 +147,3 @@ def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(
 
 
 # Scenes and stores of strangers: nothing that they name is imported, run or called.
-
-PAYLOAD = """
-import pathlib
-
-pathlib.Path("ran").touch()
-
-class Law:
-    pattern = "swept"
-"""
-NAMING = {
-    "wear": 'without = ["wear"]\nwear = { law = "payload:Law" }\n',
-    "surface": 'without = ["disk.roughness"]\ndisk.surface = { law = "payload:Law" }\n',
-}
-
-
-@pytest.mark.parametrize("entry", NAMING)
-def test_a_scene_that_names_code_is_refused_and_runs_nothing(tmp_path, monkeypatch, irg, entry):
-    """A file `ran` would appear."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(tmp_path))  # as python -m pipeline does
-    (tmp_path / "payload.py").write_text(PAYLOAD)
-    (tmp_path / "small.toml").write_text(SCENE)
-    (tmp_path / "named.toml").write_text(f'extends = "small.toml"\n{NAMING[entry]}')
-    (tmp_path / "extends.toml").write_text('extends = "named.toml"\ntitle = "Harmless"\n')
-    for scene in ("named.toml", "extends.toml"):
-        assert "unknown" in irg("run", scene, "-o", "out.zarr", code=2)
-    assert "payload" not in sys.modules
-    assert {"ran", "out.zarr"}.isdisjoint(file.name for file in tmp_path.iterdir())

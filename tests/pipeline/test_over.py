@@ -61,22 +61,6 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     assert verify_store(swept).is_clean
 
 
-def test_commands_answer_for_each_value(swept, folder, irg):
-    document = irg("boundary", swept, "--json")
-    assert {row["pin radius [mm]"] for row in document} == {2.0, 4.0}
-    place = ("--load", "500 N", "--velocity", "1.5 m/s")
-    said = irg("margin", swept, *place)
-    assert "pin radius 4 mm:" in said
-    (one, other) = irg("margin", swept, *place, "--json")
-    assert (one["pin radius [mm]"], other["pin radius [mm]"]) == (2.0, 4.0)
-    assert one["temperature margin [K]"] < other["temperature margin [K]"]
-    (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
-    table = pipeline.margin(swept, folder / "duty.csv")
-    assert table["temperature_margin"].values.ravel().tolist() == pytest.approx(
-        [one["temperature margin [K]"], other["temperature margin [K]"]], rel=1e-12
-    )
-
-
 def test_a_value_is_chosen_or_asked_for(swept, folder, irg):
     chosen = irg("boundary", swept, "--at", "pin.radius=4 mm", "--json")
     assert chosen == [

@@ -100,6 +100,6 @@ refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refu
     REFUSALS,
     {
         "fields.fields InputError": "tests/pipeline/run/test_goal.py",
-        "fields._require_step InputError": "tests/pipeline/store/test_own.py, with steps",
+        "fields._require_step InputError": "tests/pipeline/store/test_dataset.py, with steps",
     },
 )

@@ -266,9 +266,7 @@ def scanned():
     return read.scene.roughness.heights(read.scene.pixels)
 
 
-KEPT = {
-    "no array": (scanned, "are missing; open the store"),
-}
+KEPT = {"no array": (scanned, "are missing; open the store")}
 
 REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 

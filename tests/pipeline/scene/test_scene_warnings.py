@@ -188,11 +188,7 @@ def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
 
 @pytest.mark.parametrize(
     ("half_width", "expected", "said"),
-    [
-        (49e-6, 99e-6, False),
-        (50e-6, 99e-6, True),
-        (49e-6, 100e-6, True),
-    ],
+    [(49e-6, 99e-6, False), (50e-6, 99e-6, True), (49e-6, 100e-6, True)],
 )
 def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
     doubts = said_of(

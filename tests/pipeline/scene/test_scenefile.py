@@ -230,15 +230,6 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
 
 
-def test_entries_may_be_left_out(write):
-    keys = '"wear", "friction.band", "tests", "materials.steel.hardness", "disk.roughness.seed"'
-    sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
-    assert sweep.scene.wear is sweep.base.friction_band is None
-    assert sweep.tests == ()
-    assert sweep.scene.hardness == np.inf
-    assert sweep.scene.disk.elastic_modulus == 210e9
-
-
 def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
     write(base=TEXT.replace('preset = "standard"', "increments = 7"))
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))

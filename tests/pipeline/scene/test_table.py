@@ -1,6 +1,5 @@
 """Tables are read as they stand, or refused with row and column; nothing shifts or is lost."""
 
-import numpy as np
 import pandas as pd
 import pytest
 
@@ -8,7 +7,7 @@ from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format_of_tests
 from pipeline.scene.faults import Faults
 from pipeline.scene.tables import table_of
-from pipeline.table import numbers_of, read_table, rows_of
+from pipeline.table import read_table, rows_of
 from tribo import InputError
 
 TEST = table_of(format_of_tests.Test)
@@ -107,12 +106,3 @@ def test_a_column_that_is_no_entry_of_a_test_is_refused():
     table.pop("remark")
     (row,) = rows_of(read_table(table, 9), TEST.keys, faults_in)
     assert row == {"load": "300.0 N", "velocity": "1.5 m/s", "outcome": "mild"}
-
-
-def test_numbers_of_a_record_name_all_their_faults():
-    record = {"time [s]": ["0", "1"], "load [kN]": ["0", "2"]}
-    found = numbers_of(read_table(record, 9), {"time": "s", "load": "N"})
-    np.testing.assert_array_equal(found["load"], [0.0, 2000.0])
-    record = {"time [s]": ["0", "x"], "load [kN]": ["y", "2"]}
-    with pytest.raises(InputError, match=r"(?s)row 1, load \[kN\].*row 2, time \[s\]"):
-        numbers_of(read_table(record, 9), {"time": "s", "load": "N"})

@@ -13,12 +13,10 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import pipeline
 import tribo
-from pipeline import Conditions, StoreError, StoreMismatchError, open_sweep, summary, verify_store
+from pipeline import StoreError, StoreMismatchError, open_sweep, summary, verify_store
 from pipeline.store.create import copy_points, writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
@@ -29,7 +27,7 @@ from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.entries import changed, rows
+from tests.helpers.entries import rows
 from tests.helpers.points import run_point
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
@@ -114,27 +112,6 @@ def test_the_names_of_new_folders_are_on_the_disk_too_if_it_can_sync_them(path, 
 # Growth
 
 
-def test_conditions_and_titles_follow_the_scene_file(path):
-    commit(path, SWEEP, [POINT])
-    commit(path, tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), tests=()), ())
-    kept = opened(path).sweep
-    assert kept.title == "Renamed"
-    assert kept.conditions.friction == 0.2
-    assert kept.tests == ()
-    assert_is_as_computed(path, [POINT])
-
-
-def test_points_of_earlier_runs_count_if_they_are_done(path):
-    commit(path, SWEEP, points(SWEEP)[:3])
-    commit(path, changed(SWEEP, loads=(600.0,)), ())
-    now = summary(path)
-    assert (now.total, now.done, now.pending) == (5, 3, 2)
-    with xr.open_zarr(path, chunks=None) as ds:
-        warned = ds["warning_flags"].where(ds["status"] == 1, 0) != 0
-        assert warned.sel(load=slice(0, 500)).any()
-        assert now.warned == warned.sum()
-
-
 @pytest.mark.parametrize("files", [1, 30])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
@@ -155,21 +132,11 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
 # Points of another store
 
 
-@settings(max_examples=5, deadline=None)
-@given(
-    rounds=st.lists(
-        st.tuples(
-            st.sets(st.sampled_from([100.0, 250.0, 900.0]), min_size=1),
-            st.sets(st.sampled_from([0.25, 0.5]), min_size=1),
-        ),
-        min_size=2,
-        max_size=3,
-    )
-)
-def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(tmp_path_factory, rounds):
-    path, asked = tmp_path_factory.mktemp("grown") / "tiny.zarr", set()
-    for loads, velocities in rounds:
-        sweep = tiny.full(loads=tuple(sorted(loads)), velocities=tuple(sorted(velocities)))
+@pytest.mark.parametrize("loads", [(100.0, 250.0, 900.0), (900.0, 100.0, 250.0)])
+def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(path, loads):
+    asked = set()
+    for load, velocities in zip(loads, [(0.5,), (0.25, 0.5), (0.25,)], strict=True):
+        sweep = tiny.full(loads=(load,), velocities=velocities)
         with writing(path, sweep) as store:
             assert {*store.pending()} == {*points(sweep)} - asked
             store.commit([record(point) for point in store.pending()])
@@ -227,18 +194,6 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
             )
         kept.append(opened_plainly())
     assert verify_store(path).is_clean
-
-
-def test_where_a_disk_has_no_links_fields_are_copied(path, monkeypatch):
-    def link(*_):
-        raise OSError(errno.EPERM, "no links here")
-
-    commit(path, SWEEP)
-    before = files_of_fields(path)
-    monkeypatch.setattr(os, "link", link)
-    commit(path, tiny.full(loads=(200.0,)), ())
-    assert files_of_fields(path).keys().isdisjoint(before.keys())
-    assert_is_as_computed(path, points(SWEEP))
 
 
 def test_a_store_grows_only_if_its_disk_has_room(path, monkeypatch):
@@ -398,9 +353,3 @@ def test_a_web_address_is_read_as_the_store_is_though_it_lists_no_files(copy):
         xr.testing.assert_identical(pipeline.boundary(place), pipeline.boundary(copy))
         assert verify_store(place) == verify_store(copy)
         server.shutdown()
-
-
-def test_a_store_without_its_fields_answers(copy):
-    right = pipeline.boundary(copy)
-    shutil.rmtree(copy / "fields")
-    xr.testing.assert_identical(pipeline.boundary(copy), right)

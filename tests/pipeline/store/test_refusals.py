@@ -160,8 +160,8 @@ ELSEWHERE = {
     "create._require_space _no_room": "test_create.py, on a full disk",
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
     "create._locked StoreError": "a run that ended between two looks at its folder",
-    "store._require_lock StoreError": "test_lock.py",
-    "store.require_same StoreError": "test_commit.py: enlarged since it was opened",
+    "store._require_lock StoreError": "test_writing.py",
+    "store.require_same StoreError": "test_writing.py: enlarged since it was opened",
     "root.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

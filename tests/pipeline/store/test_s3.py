@@ -1,6 +1,5 @@
 """Stores in an object store, on a server of this machine."""
 
-import functools
 import os
 
 import boto3
@@ -29,8 +28,8 @@ def server():
 
 
 @pytest.fixture
-def address(server, request):
-    return f"s3://irg/{request.node.name}_{os.getpid()}/tiny.zarr"
+def address(server, tmp_path):
+    return f"s3://irg/{tmp_path.name}_{os.getpid()}/tiny.zarr"
 
 
 @pytest.fixture(scope="module")
@@ -41,27 +40,11 @@ def made(server):
     return address
 
 
-@functools.cache
-def client():
-    return boto3.client("s3")
-
-
-def at(address):
-    return dict(zip(("Bucket", "Key"), address.removeprefix("s3://").split("/", 1), strict=True))
-
-
-def put(address, content):
-    client().put_object(**at(address), Body=content)
-
-
-def keys(address):
-    bucket, prefix = at(address).values()
-    listed = client().list_objects_v2(Bucket=bucket, Prefix=prefix)
-    return [entry["Key"] for entry in listed.get("Contents", [])]
-
-
-def delete(address):
-    client().delete_object(**at(address))
+def request(method, address, **more):
+    """Answer of the object store to a request for an address in its bucket."""
+    key = address.removeprefix("s3://irg/")
+    named = {"Prefix": key} if method == "list_objects_v2" else {"Key": key}
+    return getattr(boto3.client("s3"), method)(Bucket="irg", **named, **more)
 
 
 def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeypatch, irg):
@@ -89,14 +72,14 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
         requests.clear()
         store.commit([record(OTHER)])
         assert len(requests) <= 60
-    put(f"{address}/fields/pressure/c.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
-    put(f"{address}/load/c.0", b"nonsense")
+    request("put_object", f"{address}/fields/pressure/c.0.0.0", Body=b"\x28\xb5\x2f\xfd nonsense")
+    request("put_object", f"{address}/load/c.0", Body=b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
     said = irg("verify", address, code=1)
     assert "150 N, 1 m/s: pressure cannot be read" in said
     assert "damaged: load\n" in said
     assert "write to another store" in said
-    delete(f"{address}/mean_rise/c.0.0.0")
+    request("delete_object", f"{address}/mean_rise/c.0.0.0")
     with pytest.raises(StoreError, match=r"is missing at 150 N.* and at 1 more; irg"):
         open_sweep(address).load()
 
@@ -133,17 +116,17 @@ def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
     assert messages == [f"{made} has no locks: let one run at a time write to it"]
     with writing(made, SWEEP):
         assert summary(made).running is None
-    assert keys(f"{made}/status/lock") == []
+    assert request("list_objects_v2", f"{made}/status/lock")["KeyCount"] == 0
 
 
 def test_what_is_no_store_is_refused(address):
     with pytest.raises(StoreError, match=r"cannot be (read|written)"):
         commit("s3://no-such-bucket/tiny.zarr", SWEEP, ())
-    put(f"{address}/thesis.tex", b"years of work")
-    put(f"{address}/status/mine", b"years of work")
+    for name in ("thesis.tex", "status/mine"):
+        request("put_object", f"{address}/{name}", Body=b"years of work")
     with pytest.raises(StoreError, match="is no store: it is a folder with other files"):
         commit(address, SWEEP, ())
-    assert len(keys(address)) == 2
+    assert request("list_objects_v2", address)["KeyCount"] == 2
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):

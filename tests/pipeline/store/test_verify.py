@@ -93,22 +93,6 @@ def long(tmp_path_factory):
     return path
 
 
-def test_a_damaged_chunk_of_a_field_harms_its_own_points_alone(path, tmp_path):
-    place = {"loads": (150.0, 600.0), "velocities": (0.5,)}
-    wide = tiny.full(pixels=tribo.Grid((64, 64), (6.5e-6, 3.75e-6)), **place)
-    records = {point: run_point(wide, point).record(with_fields=True) for point in points(wide)}
-    with computing(records, pace=0.0):
-        pipeline.run_sweep(wide, path)
-        before, files = stored(path), chunks(path, "rise")
-        assert (len(files), len(chunks(path, "mean_rise"))) == (2, 1)
-        flipped(files[0])
-        assert reasons(path).keys() == {Point(150.0, 0.5)}
-        taken = pipeline.run_sweep(wide, tmp_path / "new.zarr", source=path)
-        assert (taken.done, taken.computed) == (2, 1)
-        assert pipeline.run_sweep(wide, path).computed == 1
-    assert before == stored(path) == stored(tmp_path / "new.zarr")
-
-
 EXCHANGED = "its values are not those that were written"
 
 

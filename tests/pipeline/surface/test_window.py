@@ -72,12 +72,6 @@ def test_realizations_of_a_scan_are_its_areas(scene):
             scene((14, 18), realizations=wanted)
 
 
-def test_areas_of_a_scan_are_crossed_with_other_entries(scene):
-    sweep = scene((14, 18), realizations=2).changed("sweep.over", {"pin.radius": ["1 mm", "2 mm"]})
-    found = [(one.scene.pin.radius, one.scene.roughness.array[0, 0]) for one in sweep.cases]
-    assert found == [(r, HEIGHTS[i, 2]) for r in (0.001, 0.002) for i in (3, 17)]
-
-
 def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
     for pixels, table, words in (
         ((40, 48), {}, "48 × 40 heights along x and y, the window 40 × 48; give fewer"),

@@ -11,7 +11,7 @@ from pipeline.answers.discretization_error import has_unknown_error, preset_boun
 from pipeline.sweep.conditions import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
-from tribo.simulation.severity import corrected_columns, relative_sampling, worst_rises
+from tribo.simulation.severity import relative_sampling, worst_rises
 from tribo.simulation.verdict import verdict
 from tribo.thermal import failed_share
 
@@ -67,21 +67,6 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
 
 
-def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it():
-    plain_sweep = tiny.sweep()
-    track = tribo.Track.under(plain_sweep.scene.pin, plain_sweep.scene.disk, 0.05)
-    corrections = tribo.Corrections(track=track).under(plain_sweep.scene.loading)
-    conditions = replace(OWN, corrections=corrections)
-    warm = tiny.sweep(conditions=conditions)
-    result = run_point(warm, 600.0, 1.5)
-    expected = corrected_columns(result.columns, conditions)
-    plain = corrected_columns(result.columns, replace(conditions, corrections=None))
-    assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
-    alone = tribo.judge(warm.scene, 600.0, 1.5, conditions)
-    judged = result.verdict(conditions)
-    assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-6)
-
-
 def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the_end():
     known = columns(3 * EVEN, EVEN, loads=[300.0, 600.0])
     known["rise_realization_std"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
@@ -112,14 +97,7 @@ def test_only_a_preset_has_a_known_error(preset, changes, error):
 
 
 @pytest.mark.parametrize(
-    ("share", "error"),
-    [
-        (0.05, 0.011),
-        (0.2, 0.011),
-        (0.01, 0.05),
-        (0.0, 0.05),
-        (0.3, 0.03),
-    ],
+    ("share", "error"), [(0.05, 0.011), (0.2, 0.011), (0.01, 0.05), (0.0, 0.05), (0.3, 0.03)]
 )
 def test_a_preset_promises_less_where_the_highest_or_most_of_the_contact_decides(share, error):
     assert preset_bound("standard", share) == error

@@ -1,12 +1,13 @@
-"""Tests that change entries of the scene, and steps of transitions."""
+"""Tests and rows of a scene: entries of their own, places, stages of one specimen."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
 import pipeline
 import tribo
-from pipeline.store.resume import mismatches
+from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import parse_sweep, sweep_text
 from tribo import Stages
@@ -59,27 +60,12 @@ def test_a_test_has_the_scene_with_its_own_entries(load):
     assert plain.case.conditions == replace(scene.conditions, critical_temperature=None)
 
 
-def test_a_test_is_of_the_scene_without_its_rows_and_surfaces(load):
-    rows = '[sweep]\nover = { "pin.radius" = ["3 mm", "1 mm"] }\nrealizations = [7, 5]\n'
-    (test,) = load(transition(), top=rows).tests
-    assert (test.case.scene.pin.radius, test.case.scene.roughness.seed) == (0.002, 5)
-
-
 @pytest.mark.parametrize(
     ("step", "before"), [("0.25 m/s", (400.0, 1.75)), ("50 N", (350.0, 2.0)), (None, None)]
 )
 def test_a_step_leads_from_the_last_mild_place_to_the_transition(load, step, before):
     (test,) = load(transition(*([f'step = "{step}"'] if step else []))).tests
     assert test.places == ((before,) if before else ()) + ((400.0, 2.0),)
-
-
-def test_a_measured_friction_replaces_the_curve_of_the_scene(load):
-    curve = (
-        '[friction]\ncoefficient = 0.1\nby_velocity = [{ velocity = "1 m/s", coefficient = 0.2 }]\n'
-    )
-    own, others = load(transition("friction = 0.12"), transition(), top=curve).tests
-    assert own.case.conditions.friction_at(1.0) == pytest.approx(0.12)
-    assert others.case.conditions.friction_at(1.0) == pytest.approx(0.2)
 
 
 def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
@@ -164,9 +150,64 @@ def test_stages_of_velocity_are_refused_beside_the_whole_history(staged):
         staged(RAMP, test, change=("increments = 10", 'increments = 10\nheat_model = "history"'))
 
 
-def test_a_store_of_a_ramp_does_not_take_stages(staged):
-    stored = parse_sweep(sweep_text(staged(RAMP)), {})
-    words = "; ".join(mismatches(stored, staged(EVEN)))
-    assert "loading: Ramp in the store, Stages in the scene" in words
-    assert "loading.hold" not in words
-    assert list(mismatches(parse_sweep(sweep_text(staged(EVEN)), {}), staged(EVEN))) == []
+# Pairs: rows of a file or of the scene, each with a place and entries of its own.
+
+OTHERS = {  # entries of each kind, with two values
+    "pin.radius": ("2 mm", "2.1 mm"), "materials.steel.hardness": ("6 GPa", "700 HV"),
+    "wear.specific_wear_rate": ("1e-6 mm^3/(N m)", "2e-15 m^2/N"),
+    "temperature.bulk": ("30 degC", "310 K"), "loading.rate": ("150 N/s", "10 N/s"),
+    "friction.coefficient": (0.1, "12 %"), "disk.roughness.seed": (0, 1),
+    "fidelity.increments": (10, 7), "wear.pattern": ("swept", "local"),
+    "pin.material": ("steel", "100Cr6"), "disk.track_length": ("30 cm", "400 mm"),
+    "model.bias": (0.06, "5 %"),
+}  # fmt: skip
+TABLES = """along = [
+  { "pin.radius" = "3 mm", "friction.coefficient" = 0.1, load = "300 N", velocity = "1 m/s" },
+  { "pin.radius" = "4 mm", "friction.coefficient" = 0.12, load = "600 N", velocity = "2 m/s" },
+]"""
+FILE = """pin.radius [mm],friction.coefficient,load [N],velocity [m/s],flank
+3,0.1,300,1,a
+4,0.12,600,2,b
+"""
+
+
+def scene(tmp_path, along='along = "mesh.csv"', rows=FILE):
+    (tmp_path / "mesh.csv").write_text(rows)
+    (tmp_path / "scene.toml").write_text(SCENE.replace("[sweep]", f"[sweep]\n{along}"))
+    return tmp_path / "scene.toml"
+
+
+@pytest.mark.parametrize("along", [TABLES, 'along = "mesh.csv"'])
+def test_each_row_has_its_place_and_its_entries(tmp_path, along):
+    sweep = pipeline.load_scene(scene(tmp_path, along))
+    assert [(point.load, point.velocity) for point in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
+    first, second = (sweep.case(name) for name in sweep.case_table.names)
+    assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
+    assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
+    assert sweep.case_table.column("pin_radius") == (3e-3, 4e-3)
+
+
+@pytest.mark.parametrize("path", OTHERS)
+def test_an_entry_in_a_row_is_the_entry_in_the_scene(tmp_path, path):
+    (tmp_path / "scene.toml").write_text(SCENE.replace("fields = true", ""))
+    both = OTHERS[path]
+    rows = [{path: one, "load": "300 N", "velocity": "1 m/s"} for one in both]
+    sweep = pipeline.load_scene(tmp_path / "scene.toml", overrides={"sweep.along": rows})
+    alone = [pipeline.load_scene(tmp_path / "scene.toml", overrides={path: one}) for one in both]
+    assert [replace(case, name=()) for case in sweep.cases] == [one.base for one in alone]
+    assert alone[0].base != alone[1].base
+
+
+def test_a_label_in_numbers_is_in_si(tmp_path):
+    heads = "cycle time [min],angle [deg],flank,load [N],velocity [m/s]"
+    rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3b,600,2\n"
+    table = pipeline.load_scene(scene(tmp_path, rows=rows)).case_table
+    held = {column.name: (table.column(column.name), column.unit) for column in table.columns}
+    assert held["cycle_time"] == ((30.0, 60.0), "s")
+    assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
+    assert held["flank"] == (("2a", "3b"), None)
+
+
+def test_check_refuses_a_label_that_the_dataset_uses(tmp_path, irg):
+    path = scene(tmp_path, rows=FILE.replace("flank", "max_rise"))
+    assert "is called max_rise, as is one of the dataset; give it" in irg("check", path, code=2)

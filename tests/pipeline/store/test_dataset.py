@@ -1,10 +1,8 @@
-"""What users add to a store stays, and is in nobody's way; what they copy of it is read.
+"""The dataset: as the page of it says, in plain xarray, with what users add to its store."""
 
-What commands keep there is in nobody's way, either.
-"""
-
+import ast
+import re
 import shutil
-import warnings
 
 import numpy as np
 import pytest
@@ -15,26 +13,22 @@ import pipeline
 import tribo
 from pipeline.answers.results import cases_of
 from pipeline.run.serial import run_serial
+from pipeline.shipped import WORKFLOWS
+from pipeline.store import schema
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
+from pipeline.sweep.case_table import CaseTable, surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.entries import bare_test, changed, rows
+from tests.helpers.entries import bare_test, changed, placed_rows, rows
 from tests.helpers.points import run_point
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
+from tests.sources import reference
 from tribo import InputError
 
 SWEEP = tiny.full()
-
-
-@pytest.fixture(autouse=True)
-def _quiet_zarr():
-    """Ignore Zarr's warning about consolidated metadata."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Consolidated metadata")
-        yield
 
 
 def add_own(path):
@@ -46,6 +40,7 @@ def add_own(path):
     ds[["max_rise"]].rename(max_rise="doubled").map(lambda v: 2 * v).to_zarr(path, mode="a")
 
 
+@pytest.mark.filterwarnings("ignore:Consolidated metadata")
 def test_what_users_add_stays_through_reads_and_runs(copy, irg):
     with xr.open_zarr(copy, chunks=None) as ds:
         before, boundary = ds.load(), pipeline.boundary(copy)
@@ -152,3 +147,51 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
         pipeline.plot(path, "fields", step=1)
     with pytest.raises(InputError, match="at the end of each point alone"):
         pipeline.plot(alone, "fields", step=-1)
+
+
+# The page of the dataset is what its variables say, and rows differ in what they have to.
+
+
+def test_the_page_of_the_dataset_is_what_the_variables_say():
+    text = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8")
+    assert text.endswith(f"\n\n{reference.dataset()}"), "write it anew with: make reference"
+
+
+def test_the_lines_of_the_page_run_and_find_numbers(folder_with_results, monkeypatch):
+    monkeypatch.chdir(folder_with_results)
+    text, names = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8"), {}
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    for line in ast.parse("".join(blocks)).body:
+        if not isinstance(line, ast.Expr):
+            exec(ast.unparse(line), names)
+            continue
+        found = eval(ast.unparse(line), names)
+        values = found[0].get_ydata() if "plot" in ast.unparse(line) else found
+        assert np.isfinite(values).any(), ast.unparse(line)
+
+
+RAMPS = rows("ramp", {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}})
+TESTS = {"a": {}, "b": {}}
+
+
+@pytest.mark.parametrize(
+    ("case_table", "time", "distance", "status"),
+    [
+        (CaseTable(), "load", "load velocity", "load velocity"),
+        (surfaces((1, 2)) * RAMPS, "ramp load", "ramp load velocity",
+         "realization ramp load velocity"),
+        (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
+        (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
+        (placed_rows((200.0, 0.5), (300.0, 1.0)), "case", "case", "case"),
+    ],
+    ids=["plane", "surfaces and ramps", "velocities", "places", "rows"],
+)  # fmt: skip
+def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
+    case_table, time, distance, status
+):
+    """Otherwise a sweep of many surfaces would store the same times for each."""
+    wanted = schema.variables_of(tiny.full(case_table=case_table))
+    assert wanted["status"].dims == tuple(status.split())
+    assert wanted["mean_rise"].dims == (*status.split(), "step")
+    for name, dims in (("time", time), ("normal_load", time), ("sliding_distance", distance)):
+        assert wanted[name].dims == (*dims.split(), "step")
