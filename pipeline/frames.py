@@ -199,10 +199,10 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
-        raise InputError(f"cannot write {out}: the suffix must be {allowed}")
+        raise InputError(f"cannot write {out}: the file name must end in {allowed}")
     try:
         if not path.parent.is_dir():
-            raise InputError(f"cannot write {out}: there is no folder {path.parent}")
+            raise InputError(f"cannot write {out}: the folder {path.parent} does not exist")
         places = (path.parent, path) if path.exists() else (path.parent,)
         if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
             problem = "it is a folder, or it or its folder is not writable"

@@ -64,7 +64,7 @@ def with_progress(
         done, left = sum(weights[:number]), sum(weights[number:])
         elapsed = time.monotonic() - began
         to_go = elapsed * left / done if done > 0 and elapsed >= _SOON else None
-        rest = "" if to_go is None else f" (about {duration(to_go)} to go)"
+        rest = "" if to_go is None else f" (about {duration(to_go)} left)"
         count = f"{number + 1} of {total}: " if total > 1 else ""
         words = f"{count}{name(item)}{rest}"
         progress(Progress(words, number, total, elapsed=elapsed, time_to_go=to_go))

@@ -155,7 +155,7 @@ def difference_in_si(text: str, like: str) -> float:
     """
     difference = to_si(text, like)
     if _read(text)[1].zero:
-        raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
+        raise UnitError(f'"{text}" is a temperature; give a temperature difference, such as "8 K"')
     return difference
 
 
@@ -189,9 +189,9 @@ def _parts(text: str) -> tuple[str, str]:
     typed = _SCALE_FIRST.sub(r"\2 \1", _TIMES_TEN.sub(r"e\1", typed))
     match = _QUANTITY.fullmatch(typed) if len(text) <= _LONGEST else None
     if match is None:
-        marks = "; write decimals with a point, and thousands without a mark"
+        marks = "; use a decimal point and no thousands separator"
         hint = marks if _COMMA.match(text) else ""
-        raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
+        raise UnitError(f"{_quoted(text)} is not a number with a unit{hint}")
     return match[1], match[2].strip()
 
 
@@ -259,12 +259,12 @@ def _misfit(text: str, unit: Unit, like: str) -> str:
     if unit.dimension == "1":
         return "has no unit"
     if typed in ("C", "F") and si_unit(like) == "K":
-        return f"has no unit of temperature; write {number} deg{typed}"
+        return f"has no temperature unit; write {number} deg{typed}"
     hint = ""
     if (unit.dimension, si_unit(like)) == ("kg", "N"):
         hint = f"; its weight is {Decimal(number) * unit.size * _GRAVITY:.4g} N"
     if unit.dimension in ("rad s-1", "s-1") and si_unit(like) == "m s-1":
-        hint = '; give its track, too, such as "500 rpm at radius 30 mm"'
+        hint = '; add the track, such as "500 rpm at radius 30 mm"'
     return f"cannot be converted to {needed}{hint}"
 
 
@@ -291,8 +291,8 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
         if not numbers[0] <= number <= numbers[-1]:
             name = {"HR": "HRC"}.get(scale, scale)
             raise InputError(
-                f"is outside the conversion of ASTM E140 for steel, {numbers[0]} to {numbers[-1]} "
-                f"{name}; give it in HV, or as a pressure"
+                f"is outside the range of the ASTM E140 conversion for steel ({numbers[0]} to "
+                f"{numbers[-1]} {name}); give HV or a pressure"
             )
         number = Decimal(float(np.interp(float(number), numbers, vickers)))
     return number * _GRAVITY * 10**6  # of kgf/mm²
@@ -351,4 +351,4 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     shown, of = shown_in(value, unit), f" {unit}" if unit else ""
     if low <= shown <= high:
         return ""
-    return f"{shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the number and unit"
+    return f"{shown:.3g}{of} is unusual ({low:g} to {high:g}{of} is common): check number and unit"

@@ -96,8 +96,8 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     if isinstance(source, str | os.PathLike):
         return open_sweep(source)
     raise InputError(
-        f"a sweep cannot be a {type(source).__name__}; give a dataset of pipeline.open_sweep, or "
-        "the path of a store"
+        "expected a dataset from pipeline.open_sweep or the path of a store, not a "
+        f"{type(source).__name__}"
     )
 
 
@@ -126,7 +126,7 @@ def sweep_of(ds: xr.Dataset) -> Sweep:
     ds = completed(ds)
     if "sweep" not in ds.attrs:
         raise InputError(
-            "the dataset has no attribute sweep, which describes its scene; give one of "
+            "the dataset has no attribute sweep, which describes its scene; use one from "
             "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
         )
     return _decoded(str(ds.attrs["sweep"]), _Arrays(ds.variables.get(INPUTS)))
@@ -174,8 +174,8 @@ class TestPoint:
     def why_missing(self) -> str:
         """Why there is no result, after the test's name; empty if there is one."""
         if self.status == FAILED:
-            return f"has failed ({self.message}): irg run SCENE --retry-failed"
-        return "" if self.status == DONE else "waits for its point: irg run SCENE"
+            return f"failed ({self.message}); to simulate it again: irg run SCENE --retry-failed"
+        return "" if self.status == DONE else "has not been simulated yet: irg run SCENE"
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +213,7 @@ class CaseResults:
         """Array of a variable."""
         if name not in self._arrays:
             if name not in self.ds:
-                raise InputError(f"the dataset has no {name}; take all of its variables")
+                raise InputError(f"the dataset lacks {name}; keep all of its variables")
             _require_unit(self.ds[name])
             held = self.ds[name]
             held = held.broadcast_like(self.ds["status"]) if name in MADE else held
@@ -269,8 +269,8 @@ class CaseResults:
         """
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
-                f"friction is {conditions.friction:g}, but the sweep was computed without friction "
-                "and heat: run it again with friction, into another store"
+                f"friction is {conditions.friction:g}, but the sweep was computed without "
+                "friction and heat: run the scene with friction into another store"
             )
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
         least = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
@@ -352,7 +352,7 @@ def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     table, name = sweep.case_table, []
     for column in table.chosen:
         if column.name not in ds.coords:
-            raise InputError(f"the dataset has lost its coordinate {column.name}; keep it")
+            raise InputError(f"the coordinate {column.name} is missing from the dataset; keep it")
         name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))
     if not name:
         return sweep, ()
@@ -387,18 +387,20 @@ def _label(labels: tuple[Label, ...], value: Any) -> Label:
 def _require_sweep(ds: xr.Dataset) -> None:
     """Raise an `InputError` for a dataset whose axes are not those of a sweep."""
     if "status" not in ds:
-        raise InputError("the dataset has no status; take it as pipeline.open_sweep gives it")
+        raise InputError("the dataset has no status; use it as pipeline.open_sweep returns it")
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
     if "step" not in ds.dims and any(name in ds for name in COLUMNS):
-        raise InputError("the dataset has a single step; select it with a list: ds.sel(step=[0])")
+        raise InputError(
+            "step is a single value without a dimension; select a list instead: ds.sel(step=[0])"
+        )
     for name in PLANE:
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
             raise InputError(f"the dataset has no finite {name}; keep its coordinates")
         unit, given = COORDINATES[name].units, ds[name].attrs.get("units")
         if given and given != unit and to_si(f"1 {given}", like=f"1 {unit}") != 1:
-            raise InputError(f"{name} of the dataset is in {given}; convert it to {unit}")
+            raise InputError(f"{name} of the dataset is in {given}; it must be in {unit}")
         if name in ds.dims and (np.diff(values) <= 0).any():
             raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
 
@@ -411,7 +413,7 @@ def _require_unit(one: xr.DataArray) -> None:
     unit = one.attrs.get("units")
     if known and known.units and unit not in (None, known.units):
         wanted = known.units
-        raise InputError(f"{one.name} of the dataset is in {unit}; convert it to {wanted}")
+        raise InputError(f"{one.name} of the dataset is in {unit}; it must be in {wanted}")
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[TestPoint, ...]]:

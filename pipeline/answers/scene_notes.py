@@ -43,11 +43,11 @@ def _words(warning: SceneWarning) -> str:
             return unusual(value, (low, high), unit)
         case "unusual_values":
             odd, known, value, low, high, unit = values
-            return f"{odd:g} of {known:g} values unusual: {unusual(value, (low, high), unit)}"
+            return f"{odd:g} of {known:g} values: {unusual(value, (low, high), unit)}"
         case "narrow_window":
             contact, side = (display(one, "µm", 3) for one in values)
-            words = f"the contact may grow to {contact}, beyond the window's {side}"
-            return f"{words}; give more pixels"
+            words = f"the contact may grow to {contact}, wider than the window ({side})"
+            return f"{words}; increase window.pixels"
         case "lay_along_sliding":
             return (
                 "the grooves run along the sliding direction; if the same grooves pass the pin "

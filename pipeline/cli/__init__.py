@@ -123,7 +123,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
             output.print_error(
-                f"interrupted{safe}{safe and ': run the same command again to go on'}"
+                f"interrupted{safe}{safe and ': run the same command again to continue'}"
             )
         return output.INTERRUPTED
     except TriboError as error:

@@ -231,7 +231,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     if has_unknown_error(sweep):
         yield (
             "error",
-            "not known for own numerical choices; --accuracy 2% replaces them by a preset",
+            "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",
         )
 
 

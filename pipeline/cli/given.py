@@ -89,12 +89,12 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:
-            raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
+            raise InputError(f"--points already gives load and velocity; remove {flags_of(place)}")
         return OperatingPoints.read(options.points, options.decimal, options.ignore)
     if len(place) == 1:
         (given,) = place
         lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")
-        raise InputError(f'--{given} alone is no operating point; give --{lacks}, too: "{such}"')
+        raise InputError(f'--{given} also needs --{lacks}, such as "{such}"')
     return OperatingPoints(((options.load, options.velocity),), {}) if place else None
 
 
@@ -163,5 +163,5 @@ def select_entry(ds: xr.Dataset, path: str, value: Any) -> xr.Dataset:
         entry = "sweep.realizations" if dim == "realization" else f"sweep.over.{path}"
         new = {entry: [setting(f"{path}={value}")[1]]}
         advice = "" if dim == CASE else f"; {extending(ds, new)}"  # rows are those of a table
-        raise InputError(f"{path} is {value}; the sweep has {known}{advice}")
+        raise InputError(f"{path} {value} is not in the sweep, which has {known}{advice}")
     return ds.isel({dim: int(np.flatnonzero(close)[0])})

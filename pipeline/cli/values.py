@@ -28,9 +28,9 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
         try:
             value: float = (difference_in_si if like.endswith(" K") else to_si)(text, like)
         except ValueError as error:
-            raise Refused(f'{error}; give one like "{like}"') from error
+            raise Refused(f'{error}; example: "{like}"') from error
         if not (is_signed or 0 < value < math.inf):
-            raise Refused(f'"{text}" is not above 0; give one like "{like}"')
+            raise Refused(f'"{text}" must be above 0, such as "{like}"')
         return value
 
     return read

@@ -94,7 +94,7 @@ def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
     if not found.sizes["test"]:
         raise InputError("the scene has no tests; add [[tests]] to it")
     table = answer_frame(found)
-    lines: list[Any] = ["tests, each at its own friction and bulk temperature", short(table)]
+    lines: list[Any] = ["tests, each at its own conditions", short(table)]
     return Result(
         text=wrapped([*lines, *words.common_lines(found)]),
         warned=pipeline.warned(ds),

@@ -69,7 +69,9 @@ def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | N
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
             more = extending(ds, {"sweep.realizations": [realization]})
-            raise InputError(f"realization is {realization}; the sweep has {seeds}; {more}")
+            raise InputError(
+                f"realization {realization} is not in the sweep, which has {seeds}; {more}"
+            )
         kept = sweep_of(ds).field_surface
         usual = kept if kept in seeds else seeds[0]
         ds = ds.sel(realization=[usual if realization is None else realization])
@@ -99,8 +101,8 @@ def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> l
     for point in points:
         if not is_done[point]:
             raise InputError(
-                f"the point {shown.words(point)} is not done; give another load or velocity, or go "
-                "on with irg run; irg status tells why it failed"
+                f"the point {shown.words(point)} is not done; choose another load or velocity, or "
+                "continue with irg run; irg status prints why a point failed"
             )
     return points
 
@@ -178,7 +180,7 @@ def fields(
     shown = _surface_fields(here, point, step)
     if np.isnan(shown[0]).all():
         raise InputError(
-            "no fields of this point are kept: a store keeps those of one surface realization; "
+            "no fields are stored for this point: a store keeps those of one surface realization; "
             "leave out the realization"
         )
     x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")

@@ -117,7 +117,7 @@ def plot(
     only = study.rpartition("draw_")[2] if study else ""
     kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
     if kind and kind not in kinds:
-        raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
+        raise InputError(f"unknown kind {kind!r}; choose one of {', '.join(kinds)}")
     asked: dict[str, Any] = {**options}
     judged = {} if study else {name: asked.pop(name) for name in {*NAMES} & asked.keys()}
     ds = ds if study else dataset_of(ds)
@@ -127,7 +127,7 @@ def plot(
     for name in asked:
         if name not in allowed:
             others = ", ".join(allowed) or "none"
-            raise InputError(f"{named} has no option {name!r}; it has {others}")
+            raise InputError(f"{named} has no option {name!r}; available: {others}")
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain, title, dpi):

@@ -39,7 +39,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     known = found.isel(test=found["reason"].values == "")
     if not known.sizes["test"]:
         why = found.attrs["tests_without_result"]
-        raise InputError(f"no test of the scene has a result: {why}")
+        raise InputError(f"no test of the scene has a result yet: {why}")
     low, middle, high = map(math.exp, found.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * known.sizes["test"]))
     legend: dict[str, Any] = {
@@ -65,7 +65,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
     caption = f"model error: {words.told(found, 'model_error')[0]}"
     if missing := found.sizes["test"] - len(pairs):
-        caption += f"\n{missing} of {found.sizes['test']} tests: no result"
+        caption += f"\n{missing} of {found.sizes['test']} tests have no result"
     style.legend_below(
         figure,
         2,

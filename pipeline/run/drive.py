@@ -40,8 +40,8 @@ _SPARE = 16  # tasks for workers that are still to come: a cluster that adapts s
 _DEATHS = 3  # of its workers, after which a point counts as failed
 _SHARED = 2  # deaths of its workers after which a point is tried alone
 _KILLED = (
-    "{} workers died, the last computing only this point: {}; take fewer workers, or fewer "
-    "window.pixels"
+    "{} workers died; the last one was computing only this point: {}; use fewer workers, or "
+    "reduce window.pixels"
 )
 
 

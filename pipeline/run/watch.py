@@ -15,13 +15,13 @@ from pipeline.machine import oom_kills
 from pipeline.progress import Progress, Report, duration
 from pipeline.run.work import PROGRAM, ExecutionError, Program, program
 
-SAFE = "finished points are safe, run the sweep again to go on"
+SAFE = "finished points are saved; run the sweep again to continue"
 POLL = 1.0
 """Time between two looks [s]."""
 CANNOT = "a Dask worker cannot run this program"
 
-_INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
-_LOST = f"the Dask scheduler is lost; {SAFE}"
+_INSTALL = f"install the same version on both sides and restart the workers; {SAFE}"
+_LOST = f"the connection to the Dask scheduler is lost; {SAFE}"
 _ANSWER = 5.0  # time for a worker to say which program it has [s]
 _WORD = 10.0  # time after which the user is told that workers hang, or that there are none [s]
 # Errors that Dask raises without a scheduler, the last three by a client that was closed.
@@ -81,7 +81,7 @@ class Watch:
             for one in hung:
                 state = found[one]["status"]
                 state = f"silent for {_WORD:g} s" if state == "running" else state
-                self.say(f"{one} is {state}; other workers compute on")
+                self.say(f"{one} is {state}; the other workers continue")
         if not self._is_own:
             self._check(sorted({*self._workers} - self._checked - hung))
         self._next = time.monotonic() + POLL

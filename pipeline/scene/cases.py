@@ -122,7 +122,7 @@ def _read_columns(sheet: Sheet, needed: tuple[str, ...]) -> list[TableColumn]:
 def _place_of(number: int, row: Row, first: Row, faults: Faults) -> Row:
     """Load and velocity of a row."""
     if other := row.keys() ^ first.keys():
-        problem = f"not all rows have {', '.join(sorted(other))}; give it in each"
+        problem = f"not every row has {', '.join(sorted(other))}; add it to all rows"
         faults.refuse(f"sweep.along[{number}]", problem)
     place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
     read: Row = _PLACE.read(place, f"sweep.along[{number}]", faults)
@@ -147,7 +147,7 @@ def listed_cases(scene: Built, along: list[Row]) -> Cases:
 
 def _cases_over(over: dict[str, Any]) -> Cases:
     if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
-        raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
+        raise InputError(f"sweep.over: {count} cases exceed the limit of {MOST_SCENES}")
     cases = Cases()
     for path, values in over.items():
         labels, unit = labels_of(values)
@@ -208,8 +208,8 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     """
     if wrong := [p for p in listed.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:
         raise InputError(
-            f"{key}.{quoted(wrong[0])}: this cannot take several values; give an entry of the "
-            'scene, such as "pin.radius"'
+            f"{key}.{quoted(wrong[0])} cannot take several values; use a scene entry such as "
+            '"pin.radius"'
         )
     known, cases = dict[str, Case](), list[Case]()
     for name, changes in zip(listed.table.names, listed.changes, strict=True):

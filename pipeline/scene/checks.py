@@ -58,9 +58,9 @@ def track_faults(scene: Any, case: Case) -> Misfits:
             key = "diameter" if getattr(scene, name).diameter else "track_length"
             yield (
                 f"{name}.{key}",
-                f"the track is {display(track.length, 'mm', 4)} long, which is less than "
-                f"{_FEWEST_WIDTHS:g} times the width of the contact, {display(width, 'mm', 3)}; "
-                f"give the whole way around the {name}",
+                f"the track is {display(track.length, 'mm', 4)} long, shorter than "
+                f"{_FEWEST_WIDTHS:g} contact widths ({display(width, 'mm', 3)}); give the full "
+                f"circumference of the {name}",
             )
 
 
@@ -71,7 +71,9 @@ def _unknown_materials(scene: Any) -> Misfits:
         if (name := getattr(scene, body).material) and name not in own:
             known = {**own, **library()["materials"]}
             hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
-            problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+            problem = (
+                f"{quoted(name)} is neither defined under [materials] nor in the library{hint}"
+            )
             yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
 
 
@@ -103,7 +105,8 @@ def _loads_without_stage(scene: Any) -> Misfits:
     for load in scene.sweep.loads:
         if not any(math.isclose(load, stage, rel_tol=1e-9) for stage in stages):
             listed = ", ".join(f"{stage:g}" for stage in stages)
-            yield "sweep.loads", f"{display(load, 'N')} is no stage; give some of {listed} N"
+            problem = f"{display(load, 'N')} is not a load stage; choose from {listed} N"
+            yield "sweep.loads", problem
             return
 
 
@@ -121,7 +124,7 @@ def _unfit_sizes(scene: Any) -> Misfits:
     for size in _SIZES:
         is_given = getattr(scene.pin, size) is not None
         if size in sizes_of(shape) and not is_given:
-            yield f"pin.{size}", f"missing; a {shape} pin needs it"
+            yield f"pin.{size}", f"missing; required for a {shape} pin"
         if size not in sizes_of(shape) and is_given:
             shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
@@ -132,7 +135,7 @@ def _unfit_track(scene: Any) -> Misfits:
     track, motion = track_length(scene.pin), scene.motion
     key = "pin.diameter" if scene.pin.diameter else "pin.track_length"
     if track and motion is None:
-        problem = "a pin at rest has no earlier turns that warm it; leave this entry out"
+        problem = "has no effect: a stationary pin has no earlier revolutions; remove it"
         yield key, f"{problem}, or give a [motion]"
     elif track and (worn := motion.track_length) and abs(worn / track - 1) > _ALIKE:
         problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
@@ -145,7 +148,7 @@ def _unfit_bodies(scene: Any) -> Misfits:
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         if body.diameter and body.track_length:
-            words = "a disc, and track_length of a plate, would count one heat twice"
+            words = "with diameter (disc) and track_length (plate) the same heat would count twice"
             yield f"{name}.diameter", f"{words}; give one of them"
         elif body.width and not body.diameter:
             yield f"{name}.width", f"belongs to a disc; give {name}.diameter, or leave it out"
@@ -160,7 +163,7 @@ def _unfit_bodies(scene: Any) -> Misfits:
 def _cold_limit(scene: Any) -> Misfits:
     critical, bulk = scene.temperature.critical, scene.temperature.bulk
     if critical is not None and critical <= bulk:
-        words = f"{display(critical, '°C')} is not above temperature.bulk, {display(bulk, '°C')}"
+        words = f"{display(critical, '°C')} is not above temperature.bulk ({display(bulk, '°C')})"
         yield "temperature.critical", f'{words}; give a higher one, such as "145 degC"'
 
 

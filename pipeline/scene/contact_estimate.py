@@ -135,10 +135,10 @@ def require_admissible_load(sweep: Sweep, load: float, key: str) -> None:
     scene = sweep.scene
     if load > scene.greatest_load:
         raise InputError(
-            f"{key}: {load:g} N is more than the window of {display_sides(scene.grid.size)} "
-            f"carries, {scene.greatest_load:.4g} N on the pin at the hardness of the softer body, "
-            f"{display(scene.hardness, 'GPa')}; stay below that, give more window.pixels, or check "
-            "the units"
+            f"{key}: {load:g} N exceeds what the window of {display_sides(scene.grid.size)} can "
+            f"carry at the hardness of the softer body, {display(scene.hardness, 'GPa')}: "
+            f"{scene.greatest_load:.4g} N on the pin; reduce the load, increase window.pixels, "
+            "or check the units"
         )
 
 

@@ -86,12 +86,12 @@ FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
 
 class MaterialTable(Declared):
     like: A[str | None,
-        "A material of the library, whose values hold where none is given here."] = None
+        "Material of the library that supplies the values not given here."] = None
     elastic_modulus: A[float, Quantity("210 GPa", usual=(1, 1200)), "Young's modulus."]
     poisson_ratio: A[float, Number(above=-1, at_most=0.5), "Poisson's ratio."]
     hardness: A[float, Quantity("6.6 GPa", usual=(0.01, 100)),
-        'Highest contact pressure, also as "62 HRC", "750 HV" or "250 HB"; the softer body '
-        "decides, and a body without a hardness stays elastic."] = math.inf
+        'Highest possible contact pressure, also as "62 HRC", "750 HV" or "250 HB"; the softer '
+        "body limits it, and a body without a hardness stays elastic."] = math.inf
     thermal_conductivity: A[float, Quantity("45 W/(m K)", usual=(0.05, 2500)),
         "Thermal conductivity."]
     density: A[float, Quantity("7800 kg/m^3", usual=(500, 25000)), "Density."]
@@ -101,11 +101,12 @@ class MaterialTable(Declared):
 class Body(Declared):
     material: A[str, "Name of the material, in this file or in the library."]
     track_length: A[float | None, Quantity("314 mm", usual=(20, 1e4)),
-        "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
-        f"earlier turns have warmed it. Without it each turn meets a cold track. {LATER}"] = None
+        "Length of the track around the body on a plate, or around a rolling pin, that earlier "
+        "revolutions have warmed. Without it, the contact always meets a cold track. "
+        f"{LATER}"] = None
     diameter: A[float | None, Quantity("100 mm", usual=(6, 3000)),
-        "Diameter, if the body is a disc that conducts as a whole and is heated around its rim; it "
-        f"excludes `track_length`. {LATER}"] = None
+        "Diameter, if the body is a disc that is heated around its rim and conducts heat as a "
+        f"whole; not together with `track_length`. {LATER}"] = None
     width: A[float | None, Quantity("20 mm"), "Width of the disc; needed with `diameter`."] = None
 
 class _Shape(Declared):
@@ -137,9 +138,9 @@ class MeasuredSurfaceTable(Declared):
         "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
-        "Sides of a pixel of the file along x and y, if it gives none or wrong ones."] = None
+        "Pixel sides of the file along x and y, if the file states none, or wrong ones."] = None
     level: A[bool,
-        "True to subtract the least-squares plane, and any curvature higher than Rq."] = False
+        "True to remove the least-squares plane, and a curvature if it is higher than Rq."] = False
     missing: A[float, Share(at_least=0, below=1),
         "Share of pixels without a height up to which these are filled smoothly from "
         "around."] = 0.1
@@ -157,12 +158,12 @@ class Window(Declared):
         "Sides of a pixel along x and y; for a measured surface, those of its pixels."]
 
 _REFERENCE_LOAD = (
-    "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
+    "Load that is reached in `fidelity.increments` steps; by default the peak of a load record."
 )
 
 class EvenStages(Declared):
     first: A[float, LOAD, "Load of the first stage."]
-    step: A[float, LOAD, "Load by which each stage is above the one before."]
+    step: A[float, LOAD, "Difference between one stage and the next."]
     hold: A[float, HELD, "Time for which each stage is held."]
 
 class RampTable(Declared):
@@ -179,9 +180,9 @@ class StagesTable(Declared):
         "file": "a record is no stages; give stages, or the record alone",
     }
     stages: A[Any, Either(List(Each((LOAD, HELD))), table_of(EvenStages)),
-        "Loads that one specimen passes in turn, each held: even ones, up to the highest load of "
-        'the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of the '
-        "sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]
+        "Load stages of one specimen, each held for a time: equal steps up to the highest load "
+        'of the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of '
+        "the sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
     reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
 
@@ -204,9 +205,9 @@ class Archard(Declared):
     form_name = "Archard"
     specific_wear_rate: A[float, ANY_WEAR_RATE, "Worn volume per load and sliding distance."]
     pattern: A[str, WEAR_PATTERN,
-        'How the pin wears. "swept": by the pressure averaged along y, as the roughness moves '
-        'past; over positions of the disk if y is not periodic. "local": each element by its '
-        "own pressure."]
+        'Wear pattern of the pin. "swept": by the pressure averaged along y, because the '
+        "roughness moves past; if y is not periodic, averaged over positions of the disk. "
+        '"local": each element by its own pressure.']
 
 
 class OilTable(Declared):
@@ -216,7 +217,7 @@ class OilTable(Declared):
     density: A[float, Quantity("866 kg/m^3", usual=(500, 2000)), "Density."]
     pressure_viscosity_coefficient: A[float | None,
         Quantity("20 1/GPa", name="a pressure coefficient"),
-        "Pressure–viscosity coefficient. Without it no film is predicted."] = None
+        "Pressure–viscosity coefficient. Without it, no film thickness is predicted."] = None
 
 class FrictionByVelocity(Declared):
     velocity: A[float, SPEED, "Sliding velocity."]
@@ -224,33 +225,34 @@ class FrictionByVelocity(Declared):
 
 class FrictionTable(Declared):
     coefficient: A[float, FRICTION,
-        "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales the "
-        "values of `by_velocity`; one in the scene (`--set`) keeps them."]
+        "Coefficient of friction. If it is changed later (`--at`, `--friction`), the values of "
+        "`by_velocity` change in proportion; if it is changed in the scene (`--set`), they stay."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
-        "Lowest and highest coefficient, whose transitions the diagram draws as thin lines."] = None
+        "Lowest and highest coefficient; the diagram draws the boundary of both as thin "
+        "lines."] = None
     by_velocity: A[tuple[FrictionByVelocity, ...],
         f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
 
 class Temperature(Declared):
     bulk: A[float, BULK, "Temperature of both bodies far from the contact."]
     critical: A[float | None, CRITICAL,
-        "Contact temperature above which the lubricant fails; needed to judge wear. With "
+        "Contact temperature above which the lubricant fails; needed for verdicts. With "
         '"from tests" the tests of the scene find it, and what they leave open is in each answer.'
         ] = None
     critical_area_fraction: A[float, Share(at_least=0, below=1),
-        "Wear is severe if a larger share of the contact area is above the critical temperature; "
-        "0 if the highest temperature decides."] = 0.1
+        "Critical area fraction: wear is severe if more of the contact area is above the "
+        "critical temperature; with 0 the highest temperature governs."] = 0.1
 
 class Model(Declared):
     bias: A[float, Spread(at_least=0, below=1),
-        "How far the model may be off for all specimens of a system together, as a part of the "
-        f"rise: the scale of Student's t with 4 degrees. {LATER}"] = 0.15
+        "Model bias, common to all specimens of a system, as a fraction of the temperature "
+        f"rise: scale of Student's t with 4 degrees of freedom. {LATER}"] = 0.15
     scatter: A[float, Spread(at_least=1e-3, below=1),
-        "How far specimens scatter about that, as a part of the rise. It weighs as much as four "
-        f"tests. {LATER}"] = 0.055
+        "Scatter between specimens, as a fraction of the temperature rise; the prior weighs as "
+        f"much as four tests. {LATER}"] = 0.055
     rise: A[float, Share(above=-1, usual=(0, 0.5)),
-        "What you know to act beside the model, as a part of the rise by friction, such as a pin's "
-        f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}"] = 0.0
+        "Known heating outside the model, as a fraction of the rise by friction, such as a pin "
+        f'holder or a surface film: "+6 %" multiplies this rise by 1.06. {LATER}'] = 0.0
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],
@@ -264,7 +266,7 @@ class SweepTable(Declared):
         "`seed` on; or areas of a scan of the window's size, counted from 0 on."] = None
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
-        "plane is computed for each combination of values."] = None
+        "sweep is computed for each combination."] = None
     along: A[Any, Either(
             Text(), table_of(TableFile), List(ByPath(Scalar(), "paths of other entries"))),
         "Rows, each with its own load and velocity, which replace those of the sweep: a table as "
@@ -275,18 +277,19 @@ class SweepTable(Declared):
         "True to store pressure, temperature rise and wear depth over the window at the end of "
         'each point; "steps" to store them at each step that is stored.'] = False
     steps: A[str | None, OneOf(("course", "end")),
-        'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
-        'for a ramp with wear and no hold, if no cases share contacts; else "end".'] = None
+        'Steps to store: "course" for all, "end" for those that can govern the verdict. Default: '
+        '"course" for a ramp with wear and no hold if no cases share contacts, otherwise '
+        '"end".'] = None
 
 class SceneFile(Declared):
     extends: A[str | None,
-        "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
-        "relative to this file."] = None
+        "Another scene that supplies the entries not given here: name of a shipped scene, or a "
+        "path relative to this file."] = None
     without: A[tuple[str, ...] | None, List(Text(), distinct=True),
-        'Paths of entries not to take from it, such as ["wear", "friction.band"].'] = None
+        'Paths of entries that are not taken from it, such as ["wear", "friction.band"].'] = None
     title: A[str | None, "Title of figures and summaries; by default the name of the file."] = None
     note: A[str | None,
-        "What a reader of each verdict must know of this scene, in a line."] = None
+        "A line that every verdict on this scene repeats."] = None
     materials: A[dict[str, MaterialTable] | None,
         "A material, whose NAME `[pin]` and `[disk]` use. Materials of the "
         "[library](../pipeline/scene/library.toml) need no table."] = None
@@ -302,17 +305,17 @@ class SceneFile(Declared):
     wear: A[Any, table_of(Archard),
         "Wear of the pin by Archard's law. Without the table there is no wear."] = None
     oil: A[OilTable | None,
-        "The lubricant, used only to say which transitions lie in boundary lubrication. "
+        "The lubricant, used to find the lubrication regime, and where its film carries load. "
         '`oil = "NAME"` takes an oil of the [library](../pipeline/scene/library.toml).'] = None
     friction: A[FrictionTable,
         f"Friction, to which the temperature rise is proportional. {LATER} `--friction` changes "
         "it."]
     temperature: A[Temperature,
         "Temperatures that decide whether wear is severe. They act after the simulation."]
-    model: A[Model | None, "What the model leaves out, and its error."] = None
+    model: A[Model | None, "Model error, and effects outside the model."] = None
     fidelity: A[Any, table_of(FidelityTable),
-        'Numerical choices: a preset, and choices that replace its own. Without the table the '
-        'preset is "standard".'] = None
+        "Numerical settings: a preset, and settings that replace its own. Without the table, "
+        'the preset is "standard".'] = None
     sweep: A[Any, table_of(SweepTable), "The points of the load–velocity plane to compute."]
     tests: A[tuple[Any, ...], List(Either(table_of(Test), table_of(TableFile))),
         "Tests of specimens, a table for each, or a file with many: for the diagram, for "

@@ -38,7 +38,7 @@ class TableFile(Declared):
 class EvenLevels(Declared):
     form_name = "even stages"
     first: A[str, LEVEL, "Load or velocity of the first stage."]
-    step: A[str, LEVEL, "What each stage is above the one before."]
+    step: A[str, LEVEL, "Difference between one stage and the next."]
     hold: A[float, HELD, "Time for which each stage is held."]
 
 class Test(Declared):
@@ -60,7 +60,7 @@ class Test(Declared):
         "Highest mild stage, instead of the outcome: a load if `velocity` is given, a velocity if "
         "`load` is; give it alone if no stage was severe."] = None
     severe_at: A[Any, Scalar(),
-        "Severe stage; give it alone if it was the first stage."] = None
+        "Severe stage; use it alone if the very first stage was severe."] = None
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
     bulk_temperature: A[float | None, BULK,
@@ -70,5 +70,5 @@ class Test(Declared):
         '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
         "Critical temperature and area fraction, `[oil]` and `[model]` stay the scene's."] = None
     number: A[str | int | None, NAME,
-        "Number or name of the test in answers; by default the next one that is free."] = None
+        "Number or name of the test in the output; by default the next free number."] = None
 # fmt: on

@@ -100,7 +100,7 @@ class OneOf(Kind):
         require(value, str, "is not text")
         if value not in self.options:
             raise InvalidValueError(
-                f"{quoted(value)} is unknown{did_you_mean(value, self.options)}"
+                f"{quoted(value)} is not a valid choice{did_you_mean(value, self.options)}"
             )
         return str(value)
 
@@ -124,7 +124,7 @@ class Number(Kind):
         return ", ".join(filter(None, (self.words, " and ".join(bounds))))
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        require(value, (int, float), "is not a plain number")
+        require(value, (int, float), "is not a number")
         self._require_fit(value, _SMALLEST, _LARGEST)
         faults.warnings += unusual_warning(place, value, self.usual, self.unit)
         return float(value)
@@ -132,10 +132,10 @@ class Number(Kind):
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
         """Raise `InvalidValueError` if a value is outside the kind's bounds, or its size is."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
-            raise InvalidValueError(f"{quoted(value)} is out of range")
+            raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         if value and not smallest <= abs(value) <= largest:
-            span = f"which is from {smallest:g} to {largest:g}"
-            raise InvalidValueError(f"{quoted(value)} is out of range, {span}")
+            span = f"which is {smallest:g} to {largest:g}"
+            raise InvalidValueError(f"{quoted(value)} is outside the allowed range, {span}")
 
 
 class Share(Number):
@@ -207,17 +207,17 @@ class Quantity(Kind):
         if not isinstance(text := value, str):
             raise InvalidValueError(f"{quoted(value)} has no unit")
         if middle := middle_of_range(text):
-            faults.note(place, f"{quoted(text)} is a range; {middle}, its middle, is taken")
+            faults.note(place, f"{quoted(text)} is a range; its midpoint {middle} is used")
             text = middle
         exact = exact_si(text, like=self.example)
         if exact == 0 and self.zero:
             return float(exact)
         if exact <= 0:
-            raise InvalidValueError(f"{quoted(value)} is out of range")
+            raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise InvalidValueError(
-                f"{quoted(value)} is out of range, which is from {low} to {high}"
+                f"{quoted(value)} is outside the allowed range, which is {low} to {high}"
             )
         faults.warnings += unusual_warning(place, float(exact), self.usual, self.unit)
         return float(exact)
@@ -251,7 +251,7 @@ class OneQuantity(Kind):
         require(value, str, "has no unit")
         of = {si_unit(kind.example): kind for kind in self.kinds}.get(si_unit(value))
         if of is None:
-            raise InvalidValueError(f"{quoted(value)} is another quantity")
+            raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
         of._read(value, place, faults)  # raises if it is out of range
         return str(value)
 

@@ -74,7 +74,7 @@ def _added(
     """The table at `place` with what the library has of `name`, which `entry` gives."""
     known = library()[kind]
     if name not in known:
-        problem = f"{quoted(name)} is not in the library; its {kind}: "
+        problem = f"{quoted(name)} is not in the library; available {kind}: "
         faults.refuse(entry, problem + ", ".join(map(quoted, known)))
         name = next(iter(known))  # so that nothing else seems to be missing
     added = {}

@@ -50,7 +50,7 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
         raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")
     if like is not None and like not in shipped:
         raise InputError(
-            f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; there are '
+            f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; available: '
             f"{', '.join(shipped)}"
         )
     short = resources.files("pipeline.scene").joinpath("template.toml")

@@ -52,7 +52,7 @@ def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[fl
 def _even(first: float, step: float, hold: float, highest: float) -> Levels:
     steps = max(0.0, (highest - first) / step)
     if steps > MOST_STEPS:
-        raise InputError(f"stages are {steps:.3g} in number; give at most {MOST_STEPS}")
+        raise InputError(f"{steps:.3g} load stages exceed the limit of {MOST_STEPS}")
     count = 1 + math.floor(steps * (1 + _ROUNDING))
     return tuple(first + k * step for k in range(count)), (hold,) * count
 
@@ -92,14 +92,14 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
         given = [name for name in _KINDS if getattr(test, name) is not None]
         if len(given) != 1:
             problem = "both load and velocity are" if given else "neither load nor velocity is"
-            yield "load", f"{problem} given beside stages; give the one that all stages have"
+            yield "load", f"{problem} given together with stages; give the one that is constant"
         for key in ("outcome", "step"):
             if getattr(test, key) is not None:
                 yield key, f"does not fit {', '.join(ends.values())}; leave it out"
         return
     for key in ("load", "velocity", "outcome"):
         if getattr(test, key) is None:
-            yield key, f"missing; give {table_of(Test).keys[key].kind}"
+            yield key, f"missing; required: {table_of(Test).keys[key].kind}"
     if test.outcome == "transition" and test.stages is not None:
         words = "do not fit a transition; give mild_up_to and severe_at instead of the outcome"
         yield "stages", words
@@ -111,7 +111,7 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
         return
     value = getattr(test, name := axis_of(test.step))
     if value is not None and to_si(test.step, like=test.step) >= value:
-        words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
+        words = f"must be less than the {name} ({display(value, UNITS[name])})"
         yield "step", f"{quoted(test.step)} {words}"
 
 

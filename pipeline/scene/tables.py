@@ -144,7 +144,7 @@ class List(Kind):
             for pair in itertools.pairwise(order):
                 first, index = sorted(pair)
                 if _are_alike(items[first], items[index]):
-                    problem = f"{quoted(value[index])} equals entry [{first}]"
+                    problem = f"{quoted(value[index])} repeats entry [{first}]"
                     faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
         return None if None in items else tuple(items)
 
@@ -168,7 +168,7 @@ class Each(Kind):
         require(value, list, "is not a list")
         if len(value) != len(self.kinds):
             raise InvalidValueError(
-                f"{quoted(value)} has {len(value)} entries, not {len(self.kinds)}"
+                f"{quoted(value)} needs {len(self.kinds)} values, not {len(value)}"
             )
         pairs = zip(self.kinds, value, strict=True)
         items = [kind.read(one, f"{place}[{i}]", faults) for i, (kind, one) in enumerate(pairs)]
@@ -198,7 +198,7 @@ class Range(Kind):
         first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
-            raise InvalidValueError(f'{span} falls; give the lower end as "from"')
+            raise InvalidValueError(f'{span} is descending; "from" is the lower end')
         if ("step" in value) == ("count" in value):
             raise InvalidValueError(f"{span} needs either step or count")
         if count := value.get("count"):
@@ -208,8 +208,8 @@ class Range(Kind):
         steps = (last - first) / step
         if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
             raise InvalidValueError(
-                f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
-                f"number up to {MOST_ON_AXIS}"
+                f"{span} there are {steps:.6g} steps of {quoted(value['step'])}; the number of "
+                f"steps must be whole, and at most {MOST_ON_AXIS}"
             )
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
 
@@ -287,12 +287,12 @@ class Table(Kind):
     def read(self, value: Any, place: str, faults: Faults, allowed: object = None) -> Any:
         """Read the entries of a table, and make an object of them; None if it is no table."""
         if not isinstance(value, dict):
-            faults.refuse(place, f"{quoted(value)} is not a table; give {allowed or self}")
+            faults.refuse(place, f"{quoted(value)} is not a table; expected {allowed or self}")
             return None
         for key in value:
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
-                problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
+                problem = f"unknown key{hint}; allowed: {', '.join(self.keys)}"
                 problem = getattr(self.make, "refused", {}).get(key, problem)
                 faults.refuse(key_path(place, key), problem)
         entries = {}
@@ -302,7 +302,7 @@ class Table(Kind):
             if key in value:
                 entries[name] = entry.kind.read(value[key], key_path(place, key), faults)
             elif entry.is_needed:
-                faults.refuse(key_path(place, key), f"missing; give {entry.kind}")
+                faults.refuse(key_path(place, key), f"missing; required: {entry.kind}")
         return self.make(**entries)
 
 

@@ -87,7 +87,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     document = Document((Layer(path, table),))
     if extends is None:
         if without is not None:
-            faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
+            faults.append(Fault("without", 'nothing to remove: "without" needs "extends"', path))
         return document
     name = _KEYS["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
@@ -96,7 +96,8 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     if any(other.resolve() == file.resolve() for file in chain):
         circle = " extends ".join(name_of(file) for file in (*chain, other))
         raise SceneFileError(
-            path, [f"extends: {quoted(name)} closes a circle: {circle}; break it at one of them"]
+            path,
+            [f"extends: {quoted(name)} refers back to itself: {circle}; remove one of these"],
         )
     try:
         base = read_document(other, faults, chain)
@@ -133,7 +134,7 @@ def _without_empty_tables(document: Document, faults: Faults) -> Document:
         entries = layer.entries
         for path in [path for path, value in flat(entries) if value == {}]:
             if any(entry_at(lower.entries, path) for lower in document.layers[number:]):
-                problem = "an empty table changes nothing; give its entries, or leave it out"
+                problem = "the table is empty; fill it or remove it"
                 faults.append(Fault(path, problem, layer.file))
                 entries = replace_value(entries, path, None)
         layers.append(Layer(layer.file, entries))
@@ -147,7 +148,9 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
     for index, key in enumerate(keys):
         if entry_at(entries, key) is None:
             hint = did_you_mean(key, [*entries, *(path for path, _ in flat(entries))])
-            problem = f"is not an entry of {name_of(document.file)}{hint}; give one that it has"
+            problem = (
+                f"is not an entry of {name_of(document.file)}{hint}; name one that exists there"
+            )
             wrong.refuse(f"without[{index}]", f"{quoted(key)} {problem}")
         document = document.without(key)
     faults += [fault._replace(file=file) for fault in wrong]
@@ -165,7 +168,7 @@ def _toml(path: Path) -> dict[str, Any]:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
             near = did_you_mean(path.stem, shipped_scenes())
-            reason += near or "; give a scene file, or a shipped scene that irg new --list names"
+            reason += near or "; give a scene file, or a shipped scene (irg new --list)"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     try:
         return tomllib.loads(content.decode("utf-8-sig"))

@@ -90,7 +90,7 @@ def open_to_write(
     else:
         if not place.is_written:
             raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
-        progress(Progress(f"{place} has no locks: let one run at a time write to it"))
+        progress(Progress(f"{place} cannot be locked: make sure that only one run writes to it"))
     note = "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
     return _opened(place, sweep, lock, progress, held, note)
 
@@ -117,9 +117,9 @@ def _opened(
     """The store of a sweep, made, enlarged or as it was."""
     before = find_root(place)
     if before and (differing := [*mismatches(before.sweep, sweep, before.goal)]):
-        advice = "give it what the store has, or write to another store"
+        advice = "use the values of the store, or write to another store"
         raise StoreMismatchError(
-            "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
+            "\n  ".join([f"{place} belongs to another scene: {advice}", *differing])
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []
@@ -283,8 +283,8 @@ def _require_space(place: Folder) -> None:
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:
     return StoreError(
-        f"{place} cannot take these points: {reason}; write a new store, which takes over the "
-        f"points of this one: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
+        f"{place} cannot be extended: {reason}; write a new store and copy the points of this "
+        f"one into it: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
     )
 
 

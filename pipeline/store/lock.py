@@ -51,7 +51,8 @@ def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
     try:
         with io_errors(folder, "written"):
             if not _flock(folder, descriptor):
-                progress(Progress(f"{folder} has no locks: let one run at a time write to it"))
+                problem = f"{folder} cannot be locked: make sure that only one run writes to it"
+                progress(Progress(problem))
             name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):
                 raise StoreError(
@@ -82,7 +83,7 @@ def _flock(folder: Folder, descriptor: int) -> bool:
         else:
             return True
     holder = _read_holder(descriptor)[0]
-    raise StoreError(f"{folder} is in use by {holder}; wait for it, or write to another store")
+    raise StoreError(f"{folder} is in use by {holder}; wait, or write to another store")
 
 
 def holder_of(place: StorePlace) -> str | None:

@@ -43,7 +43,7 @@ LOCK = "status/lock"
 """Key of the lock of a store: within it, so that every path to the store finds it."""
 NEW, OLD = ".irg-new", ".irg-old"
 """Endings of folders that replace another store, or are replaced."""
-REMEDY = "irg run with its scene mends it; on an object store, write to another store"
+REMEDY = "irg run repairs it with the same scene; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
 
@@ -148,7 +148,7 @@ class Folder:
         descriptor = open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
         if os.fstat(descriptor).st_nlink > 1:
             os.close(descriptor)
-            what = "it is a hard link, so it has another name: delete it if no run uses the store"
+            what = "it is a hard link with a second name: delete it if no run is using the store"
             raise OSError(errno.EMLINK, what, os.fspath(path))
         return descriptor
 
@@ -196,7 +196,8 @@ class Bucket:
         from pipeline.store.arrays import list_keys, read_document
 
         if not (names := list_keys(self.zarr)) and read_document(self, ROOT):  # most sites
-            raise StoreError(f"{self} does not list its files; copy the store to a folder here")
+            problem = f"the files in {self} cannot be listed; copy the store to a local folder"
+            raise StoreError(problem)
         return names
 
     def sync(self) -> None:
@@ -221,7 +222,7 @@ def place_of(path: PathLike | None) -> StorePlace:
         return Bucket(address.rstrip("/"))
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
-        raise StoreError(f"{folder} cannot be a store; give a folder below it")
+        raise StoreError(f"{folder} cannot be a store; choose a folder below it")
     return Folder(folder)
 
 
@@ -240,7 +241,7 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
             raise
         file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error
         raise StoreError(
-            f"{file or place} cannot be {verb}: {reason}; finished points are safe: check free "
+            f"{file or place} cannot be {verb}: {reason}; finished points are saved. Check free "
             "space, permissions and the disk, then repeat the command"
         ) from error
 

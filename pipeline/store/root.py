@@ -157,13 +157,13 @@ def read_root(place: StorePlace) -> Root:
     if root := find_root(place):
         return root
     if holder := holder_of(place):
-        raise StoreError(f"{place} is being made by {holder}; try again in a few seconds")
+        raise StoreError(f"{place} is being created by {holder}; try again in a few seconds")
     near = ""
     if isinstance(place, Folder) and not place.path.exists():
         if place.beside(NEW).path.exists():
             raise StoreError(f"a run was cut short as it made {place}; run its scene again")
         near = path_hint(place.path)
-    raise StoreError(f"there is no store at {place}{near}; run a scene into it, or give another")
+    raise StoreError(f"no store at {place}{near}; run a scene first, or give the path of a store")
 
 
 def find_root(place: StorePlace) -> Root | None:
@@ -212,8 +212,8 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
         raise StoreError(
-            f"{place}: its {FACTS} is of format {version!r:.20}, and this program reads {FORMAT}; "
-            "run the scene into another store, or read it by the version that made it"
+            f"{place}: its {FACTS} has format {version!r:.20}, and this program reads {FORMAT}; "
+            "run the scene into another store, or read it with the version that wrote it"
             + f" ({by[-1]:.200})"
             * bool(by)
         )
@@ -250,13 +250,13 @@ def _what_it_is(place: StorePlace, keys: set[str]) -> str:
     if not keys:
         suffix = PurePath(str(place)).suffix
         if suffix == ".toml":
-            return "it is a scene; compute it by irg run, and give the store that this makes"
-        return "it is no folder; give the folder that irg run has made"
+            return "it is a scene file; run it with irg run, then give the resulting store"
+        return "it is not a folder; give the folder written by irg run"
     if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
-        return f"it is a folder of stores; give one of them, such as {inner[0].split('/')[0]}"
+        return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
     if ROOT in keys:
         return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
-    return "it is a folder with other files; give the folder that irg run has made, or a new one"
+    return "it is a folder with other files; give the folder written by irg run, or a new one"
 
 
 def stale_documents(place: StorePlace, root: Root) -> dict[str, Document]:

@@ -173,8 +173,8 @@ def require_free_names(sweep: Sweep) -> None:
     for name in (one.name for one in sweep.case_table.columns if one.along and not one.is_seed):
         if name in used or names[name] > 1:
             raise InputError(
-                f"a column of the rows is called {name}, as is one of the dataset; give it another "
-                f'name, such as "{name} of the row"'
+                f"a column of the cases is called {name}, like a variable of the dataset; "
+                f'rename it, for example to "{name} of the row"'
             )
 
 

@@ -321,8 +321,9 @@ class Store:
     def _require_lock(self) -> None:
         if self.lock and not self.lock.is_in_place():
             raise StoreError(
-                f"{self.place}: its lock ({LOCK}) was deleted or replaced during this run, which "
-                "stops: another run may write now. Finished points are safe; run the command again"
+                f"{self.place}: the lock file ({LOCK}) was deleted or replaced during this run. "
+                "The run stops, because another one may be writing; finished points are saved. "
+                "Run the command again"
             )
 
 

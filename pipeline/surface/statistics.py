@@ -147,7 +147,7 @@ def _rows(rough: ArealRoughness) -> Iterator[tuple[str, str]]:
     is_known = math.isfinite(rough.sal)
     yield "Sal", display(rough.sal, "µm", 3) if is_known else "over half a side"
     aspect = f"{rough.aspect:.2g}" if rough.aspect else "lay beyond the scan"
-    yield "Str", "not known" if math.isnan(rough.aspect) else aspect
+    yield "Str", "unknown" if math.isnan(rough.aspect) else aspect
     yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
 
 

@@ -87,8 +87,8 @@ class Case:
             return self
         if not isinstance(loading, Ramp):
             raise InputError(
-                f"hold is {duration:g} s, but the load follows a record or stages, which have "
-                "their own end; leave out the hold, or give a loading with rate and reference_load"
+                f"hold is {duration:g} s, but load records and load stages have their own "
+                "duration; remove the hold, or use a loading with rate and reference_load"
             )
         loading = replace(loading, hold=duration)
         scene = replace(self.scene, loading=loading)

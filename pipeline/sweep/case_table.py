@@ -97,7 +97,7 @@ class CaseTable:
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):
-            raise InputError("two rows of the sweep have the same values; give each value once")
+            raise InputError("two cases of the sweep have the same values; list each once")
         return rows
 
     @cached_property
@@ -175,8 +175,8 @@ class CaseTable:
         if gap := next((dict(name) for name in names if name not in rows), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
-                f"a combination of values is missing, {words} (in SI); give each entry of "
-                "sweep.over all of its values, those of the store included"
+                f"a combination of values is missing: {words} (in SI); list all values of each "
+                "entry of sweep.over, including those already in the store"
             )
         return replace(other, rows=tuple(rows[name] for name in names))
 

@@ -28,9 +28,9 @@ def known_critical_temperature(conditions: Conditions) -> float:
     """Critical temperature [K]; raises an `InputError` if it is not known."""
     if conditions.critical_temperature is None:
         raise InputError(
-            "temperature.critical is missing, and this needs it; add one to the scene, such as "
-            'critical = "145 degC", or give --critical-temperature (in Python '
-            "critical_temperature) where it is taken"
+            "a critical temperature is needed; add one to the scene, such as critical = "
+            '"145 degC" under [temperature], or use --critical-temperature '
+            "(critical_temperature in Python)"
         )
     return conditions.critical_temperature
 

@@ -254,7 +254,7 @@ class Sweep:
             return self
         if self.scene.roughness is None:
             raise InputError(
-                f"realization is {seed}, and the disk of the scene is smooth; leave it out"
+                f"realization {seed} has no effect: the disk of the scene is smooth; leave it out"
             )
         if not isinstance(self.scene.roughness, SelfAffineRoughness):  # an area of a scan
             return self.changed(AREAS, [seed])._single_case()

@@ -12,7 +12,7 @@ from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
 OWN = "Not validated: no test of this steel."
-HARD = "materials.steel.hardness: 3.14 times the elastic modulus, where 0.001 to 0.2 times"
+HARD = "materials.steel.hardness: 3.14 times the elastic modulus is unusual (0.001 to 0.2 times"
 PLACE = ["--load", "300 N", "--velocity", "1.5 m/s"]
 
 
@@ -36,7 +36,7 @@ def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
     }
     for door, said in doors.items():
         assert " ".join(said.split()).count(HARD) == 1, door
-    assert "are usual" not in (store / "about" / "zarr.json").read_text()  # codes are stored
+    assert "is unusual" not in (store / "about" / "zarr.json").read_text()  # codes are stored
     irg("plot", store, "-o", figure)
     assert "3.14 times the elastic modulus" in " ".join(figure.read_text().split())
 
@@ -70,15 +70,15 @@ def test_at_most_three_doubts_are_said_the_gravest_first(odd, irg):
     sets = [word for path, value in more.items() for word in ("--set", f"{path}={value}")]
     said = irg("point", odd, *PLACE, *sets)
     lines = " ".join(said.split())
-    assert lines.count("are usual: check the number and unit") == 3
-    assert "friction.coefficient: 1.2, where" in lines
+    assert lines.count("is common): check number and unit") == 3
+    assert "friction.coefficient: 1.2 is unusual" in lines
     assert re.search(r"\d more warnings: irg check odd.toml", lines)
 
 
 def test_values_of_all_cases_are_doubted(odd, irg):
     over = 'sweep.over={"pin.radius"=["2 mm","400 nm","8 mm"]}'
     said = " ".join(irg("check", odd, "--set", over).split())
-    assert "pin.radius: 1 of 3 values unusual: 0.0004 mm, where 0.1 to 1000 mm are usual" in said
+    assert "pin.radius: 1 of 3 values: 0.0004 mm is unusual (0.1 to 1000 mm is common)" in said
     over = 'sweep.over={"materials.steel.hardness"=["2 GPa","66 GPa"]}'
     said = " ".join(irg("check", odd, "--set", over).split())
-    assert f"{HARD} the elastic modulus are usual: check the number and unit (in 66 GPa)" in said
+    assert f"{HARD} the elastic modulus is common): check number and unit (in 66 GPa)" in said

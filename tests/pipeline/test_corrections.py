@@ -123,7 +123,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     assert corrections.track.length == 0.4
     assert corrections.motion == scene.scene.motion
     for wrong, problem in (
-        ({"pin.track_length": "314 mm"}, "would count one heat twice; give one of them"),
+        ({"pin.track_length": "314 mm"}, "the same heat would count twice; give one of them"),
         ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),
         ({"pin.diameter": "0.2 mm"}, "pin.diameter: the track is 0.6283 mm long"),
     ):

@@ -94,7 +94,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
 _VALUES = {"pin.radius": "mm", "pin.length": "mm", "loading.rate": "N/s"}
 _FIRST = 'extends = "first_try"\n'
 SCENES = {
-    "values are too many": "[sweep.over]\n"
+    "cases exceed the limit": "[sweep.over]\n"
     + "".join(
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()

@@ -231,8 +231,8 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
     require_positive(normal_load=normal_load)
     if normal_load > scene.greatest_load * (1 + 1e-12):
         raise InputError(
-            f"normal_load is {normal_load:g} N; the window carries at most "
-            f"{scene.greatest_load:g} N, its area times the hardness of {scene.hardness:g} Pa"
+            f"normal_load is {normal_load:g} N, but the window carries {scene.greatest_load:g}"
+            f" N at most (its area times the hardness, {scene.hardness:g} Pa)"
         )
 
 

@@ -233,9 +233,9 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
     if 0 < turns < FEWEST_TURNS:
         yield (
             WarningKind.FEW_TURNS,
-            f"the pin turns {turns:.2g} times, and its wear is taken to be even all around it; "
-            f"{FEWEST_TURNS} turns or more are sound: leave such velocities out, or take a motion "
-            "in which the pin turns faster or not at all",
+            f"the pin makes only {turns:.2g} revolutions, while its wear is assumed even around "
+            f"its circumference; at least {FEWEST_TURNS} are needed: leave such velocities out, or "
+            "choose a motion in which the pin rotates faster or not at all",
         )
 
 

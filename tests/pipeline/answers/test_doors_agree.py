@@ -253,7 +253,7 @@ SAME = {
 REFUSED = {
     "no unit": ("400", '"400" has no unit'), "a time": ("300 s", "cannot be converted to N"),
     "unit of time": (xr.DataArray(3.0, attrs={"units": "s"}), "cannot be converted to N"),
-    "comma": ("0,4 kN", "write decimals with a point"), "word": ("much", "is not a number"),
+    "comma": ("0,4 kN", "use a decimal point"), "word": ("much", "is not a number"),
     "empty text": ("", "is not a number"), "true": (True, "True is no number"),
     "flags": ([True, False], "True is no number"), "none within": ([None], "NoneType is no number"),
     "empty": ([], "load is empty"), "empty array": (np.array([]), "load is empty"),

@@ -99,7 +99,7 @@ def test_a_dataset_without_the_points_of_its_tests_says_so():
     lost = ds.drop_vars([name for name in ds.coords if str(name).startswith("test")])
     margin = asked(lost, 500.0, 0.5)
     assert margin.verdict == "undecided"
-    assert "waits for its point" in margin.reason
+    assert "has not been simulated yet" in margin.reason
 
 
 HELD = synthetic.scene().base.held(30.0)

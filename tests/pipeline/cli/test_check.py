@@ -72,7 +72,7 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
 
 
 def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, tmp_path):
-    setting, said = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window of"
+    setting, said = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N exceeds what the window of"
     assert said in check("--set", setting, code=2)
     assert said in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
     assert not [*tmp_path.iterdir()]

@@ -204,7 +204,7 @@ SAFE = "; finished points are saved"
         (pipeline.StoreMismatchError("another"), "sweeps:run", 3, "irg: another\n"),
         (KeyboardInterrupt(), "stores:status", 130, "irg: interrupted\n"),
         (KeyboardInterrupt(), "sweeps:run", 130,
-         f"irg: interrupted{SAFE}: run the same command again to go on\n"),
+         f"irg: interrupted{SAFE}: run the same command again to continue\n"),
         (MemoryError(), "sweeps:run", 2,
          "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
          f"{SAFE}: use fewer workers or a coarser grid\n"),

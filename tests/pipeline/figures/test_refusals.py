@@ -60,11 +60,11 @@ def rows_beyond():
 TRADE = Trade("A scene", (), ())
 
 REFUSALS = {
-    "kind": (plot("pie"), "kind is 'pie'; give one of diagram, rows, ramp"),
-    "option": (plot("diagram", show="time"), "diagram has no option 'show'; it has realization"),
-    "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; it has none"),
-    "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
-    "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
+    "kind": (plot("pie"), "unknown kind 'pie'; choose one of diagram, rows, ramp"),
+    "option": (plot("diagram", show="time"), "no option 'show'; available: realization"),
+    "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; available: none"),
+    "suffix": (plot("diagram", "figure.gif"), "the file name must end in one of .pdf, .png, .svg"),
+    "folder": (plot("diagram", "no/figure.png"), "the folder no does not exist"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
     "places": (of_places, "so there is no plane of them; irg margin"),
     "one of a pair": (plot("diagram", load=500.0), "as pairs; 1 of load and 0 of velocity"),
@@ -77,11 +77,11 @@ REFUSALS = {
     "rows of two": (rows_of_two, "rows under several conditions"),
     "rows": (rows_beyond, "no row has a verdict: load 9000 N is outside"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
-    "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done; give another"),
-    "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
+    "failed": (plot("ramp", load=300.0, velocity=1.5), "1.5 m/s is not done; choose another"),
+    "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; choose another"),
     "begun": (begun, "no point at 400 N is done"),
     "seed": (lambda: pipeline.plot(surfaces(1.0, 1.1), "ramp", realization=9),
-             "realization is 9; the sweep has [1, 2]"),
+             "realization 9 is not in the sweep, which has [1, 2]"),
     "pins": (lambda: pipeline.plot(two_pins(), "ramp"), "select one by pin_radius"),
     "load": (plot("fields", load=74.0), "load 74 N is outside the sweep (200 to 750 N); to extend"),
     "velocity": (plot("fields", velocity=9.0), "velocity 9 m/s is outside the sweep (0.5 to"),
@@ -91,7 +91,7 @@ REFUSALS = {
     "step": (plot("fields", step=-1), "the store has the fields at the end of each point alone"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "tests of pins": (lambda: pipeline.plot(two_pins(), "tests"), "select one by pin_radius"),
-    "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) waits for its point"),
+    "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) has not been simulated yet"),
 }  # fmt: skip
 
 

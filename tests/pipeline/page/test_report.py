@@ -226,7 +226,7 @@ def test_without_a_point_the_boundary_is_told(undrawn, sweep, tmp_path):
 
 
 def test_refusals(sweep, tmp_path):
-    with pytest.raises(InputError, match=r"suffix must be .html"):
+    with pytest.raises(InputError, match=r"must end in .html"):
         pipeline.report(sweep, out=tmp_path / "a.docx")
     with pytest.raises(InputError, match="give a load and a velocity"):
         pipeline.report(sweep, 400.0)

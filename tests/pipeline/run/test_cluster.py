@@ -270,7 +270,7 @@ def test_a_worker_that_is_paused_beside_others_is_named_within_the_patience(tmp_
 
         velocities = tuple(np.linspace(0.5, 1.5, 100).tolist())
         sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
-        words = f"^{paused.address} is paused; other workers compute on$"
+        words = f"^{paused.address} is paused; the other workers continue$"
         with pytest.raises(InterruptedError, match=words):
             run_sweep(sweep, tmp_path / "out.zarr", client=client, progress=look, patience=2.0)
 

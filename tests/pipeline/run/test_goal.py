@@ -72,7 +72,7 @@ def test_further_realizations_have_one_point_a_load_and_no_fields(small):
     assert np.array_equal(stored[0], mask[0])
     assert not stored[1:].any()
     assert pipeline.verify_store(small).is_clean
-    with pytest.raises(InputError, match="no fields of this point are kept"):
+    with pytest.raises(InputError, match="no fields are stored for this point"):
         pipeline.plot(small, "fields", realization=1)
 
 

@@ -119,7 +119,7 @@ def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
-    words = "3 workers died, the last computing only this point: it crashed, or was killed"
+    words = "3 workers died; the last one was computing only this point: it crashed, or was killed"
     assert all(failed.message.startswith(words) for failed in outcome.failed)
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
     assert verify_store(path).is_clean
@@ -154,7 +154,7 @@ def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, monkeypatc
     slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), velocities=(1.0,))
     with monkeypatch.context() as patch:
         patch.setattr(files, "write_file", full)
-        with pytest.raises(StoreError, match=r"cannot be written: No space left .*are safe"):
+        with pytest.raises(StoreError, match=r"cannot be written: No space left .*are saved"):
             run_sweep(slow, path, workers=1)
     assert multiprocessing.active_children() == []
     assert 1 <= summary(path).done < 3

@@ -66,7 +66,7 @@ def test_a_new_entry_of_two_files_is_read_told_doubted_kept_compared_and_varied(
     assert answers == {
         "is told": True,
         "fault": f'first_try: {path}: 2 has no unit; give a length above 0, such as "1 um"',
-        "doubt": f"{path}: 20 µm, where 0.1 to 9 µm are usual: check the number and unit",
+        "doubt": f"{path}: 20 µm is unusual (0.1 to 9 µm is common): check number and unit",
         "is kept": True,
         "mismatches": [f"{path}: 2e-06 in the store, 3e-06 in the scene"],
         "rows": [2e-6, 3e-6],

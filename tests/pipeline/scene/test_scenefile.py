@@ -189,7 +189,7 @@ def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
     sweep = load_scene(WORKFLOWS / "first_try.toml", overrides={"materials.steel.hardness": given})
     assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
     (note,) = [note.text for note in sweep.notes if "hardness" in note.text]
-    assert f"{taken}, its middle, is taken" in note
+    assert f"its midpoint {taken} is used" in note
 
 
 # A scene that extends another is the scene written in full.

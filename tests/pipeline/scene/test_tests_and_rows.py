@@ -210,4 +210,6 @@ def test_a_label_in_numbers_is_in_si(tmp_path):
 
 def test_check_refuses_a_label_that_the_dataset_uses(tmp_path, irg):
     path = scene(tmp_path, rows=FILE.replace("flank", "max_rise"))
-    assert "is called max_rise, as is one of the dataset; give it" in irg("check", path, code=2)
+    assert "is called max_rise, like a variable of the dataset; rename it" in irg(
+        "check", path, code=2
+    )

@@ -85,7 +85,7 @@ def test_a_creation_cut_short_leaves_no_store(path, monkeypatch, files):
         summary(path)
     with (
         locked(place_of(path).beside(NEW)),
-        pytest.raises(StoreError, match=f"being made by process {os.getpid()}"),
+        pytest.raises(StoreError, match=f"being created by process {os.getpid()}"),
     ):
         summary(path)
     commit(path, SWEEP, [POINT])

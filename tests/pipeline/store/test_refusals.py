@@ -111,22 +111,22 @@ def folder():
 
 REFUSALS = {
     # paths
-    "top": (lambda: place_of("/"), "/ cannot be a store; give a folder below it"),
+    "top": (lambda: place_of("/"), "/ cannot be a store; choose a folder below it"),
     "below": (below_file, "cannot be written: File exists"),
-    "nothing": (lambda: summary("a.zarr"), "there is no store at "),
+    "nothing": (lambda: summary("a.zarr"), "no store at "),
     "folder": (folder, "mine is no store: it is a folder with other files"),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
     "hard link": (changed(lambda path: relink(path), go_on),
-                  "cannot be written: it is a hard link, so it has another name"),
+                  "cannot be written: it is a hard link with a second name"),
     "in use": (in_use, f"in use by process {os.getpid()}"),
     "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
                   "on node7; if that has ended, delete"),
-    "unfinished": (lambda: unfinished(is_held=False), "there is no store at "),
-    "being made": (lambda: unfinished(is_held=True), "is being made by process"),
+    "unfinished": (lambda: unfinished(is_held=False), "no store at "),
+    "being made": (lambda: unfinished(is_held=True), "is being created by process"),
     # the root
-    "old": (changed(forged(lambda _, facts: facts.update(format=3))), "is of format 3, and this"),
+    "old": (changed(forged(lambda _, facts: facts.update(format=3))), "has format 3, and this"),
     "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
     "digest": (changed(lambda path: (path / FACTS).write_text(
         (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
@@ -147,7 +147,7 @@ REFUSALS = {
     "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),
     "label": (lambda: require_free_names(tiny.sweep(case_table=placed_rows(
         (250.0, 1.0, {"time": 1.0})))),
-              "a column of the rows is called time"),
+              "a column of the cases is called time"),
 }  # fmt: skip
 
 ELSEWHERE = {

@@ -113,7 +113,7 @@ def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
     messages = Heard()
     with computing({}, pace=0.0), pytest.raises(KeyError):  # no record for the point not yet done
         run_sweep(SWEEP, made, progress=messages.hear)
-    assert messages == [f"{made} has no locks: let one run at a time write to it"]
+    assert messages == [f"{made} cannot be locked: make sure that only one run writes to it"]
     with writing(made, SWEEP):
         assert summary(made).running is None
     assert request("list_objects_v2", f"{made}/status/lock")["KeyCount"] == 0

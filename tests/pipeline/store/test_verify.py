@@ -194,7 +194,7 @@ def test_the_command_names_what_is_damaged(copy, irg):
     assert record == place | {"message": OTHER}
     said = irg("verify", copy, code=1)
     assert f"damaged: 250 N, 1 m/s: {OTHER}" in said
-    assert "irg run with its scene mends it" in said
+    assert "irg run repairs it with the same scene" in said
 
 
 def test_damage_on_one_of_several_surfaces_is_named(tmp_path):

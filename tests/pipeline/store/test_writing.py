@@ -211,10 +211,10 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(begun, replaced):
         (begun / LOCK).unlink()
         if replaced:
             (begun / LOCK).touch()
-        with pytest.raises(StoreError, match=rf"its lock \({LOCK}\) was deleted or replaced"):
+        with pytest.raises(StoreError, match=rf"the lock file \({LOCK}\) was deleted or replaced"):
             store.commit([record(Point(150.0, 0.5))])
         commit(begun, SWEEP, [Point(600.0, 0.5)])  # committed by another run
-        with pytest.raises(StoreError, match="run the command again"):
+        with pytest.raises(StoreError, match="Run the command again"):
             store.forget([POINT])
     assert_is_as_computed(begun, [POINT, OTHER, Point(600.0, 0.5)])
     assert verify_store(begun).is_clean
@@ -244,7 +244,7 @@ def test_a_disk_without_locks_is_written_and_told(begun, monkeypatch):
     messages = Heard()
     with writing(begun, SWEEP, messages.hear) as store:
         store.commit([record(OTHER)])
-    assert messages == [f"{begun} has no locks: let one run at a time write to it"]
+    assert messages == [f"{begun} cannot be locked: make sure that only one run writes to it"]
     assert_is_as_computed(begun, [POINT, OTHER])
     (begun / LOCK).write_text("process 7 on node7\n")
     refuse(begun, "process 7 on node7; if that has ended, delete")

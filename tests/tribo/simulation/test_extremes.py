@@ -103,7 +103,7 @@ def loads():
     yield Extreme("load", "H·A: p = H", changed(loading=full), load=CAPACITY)
     beyond = 1.001 * CAPACITY
     yield Extreme(
-        "load", "1.001 H·A", changed(loading=full), "carries at most", InputError, load=beyond
+        "load", "1.001 H·A", changed(loading=full), "the window carries", InputError, load=beyond
     )
     yield Extreme("load", "0", small_scene, "normal_load is 0", InputError, load=0.0)
     yield Extreme("load", "inf", small_scene, "normal_load is inf", InputError, load=math.inf)
@@ -211,7 +211,7 @@ def materials():
         yield Extreme("material", what, bodies(steel, steel, loading=Ramp(150.0, load)), load=load)
     soft = replace(STEEL, hardness=1e6)
     yield Extreme(
-        "material", "hardness below the mean pressure", bodies(soft, soft), "carries at most",
+        "material", "hardness below the mean pressure", bodies(soft, soft), "the window carries",
         InputError,
     )  # fmt: skip
     for pin, disk in itertools.product(MATERIALS, repeat=2):
