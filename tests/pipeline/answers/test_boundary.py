@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import pipeline
 from pipeline import boundary
 from pipeline.answers.results import sweep_of
 from pipeline.answers.words import boundary_lines, next_run_line
@@ -76,16 +75,6 @@ def test_only_the_last_step_counts():
     assert boundary(hot).equals(boundary(synthetic.sweep()))
     unfinished = ds.assign(rise_quantile=ds["rise_quantile"].where(earlier))
     assert (boundary(unfinished)["outcome_along_velocity"] == UNKNOWN).all()
-
-
-def test_deciding_temperature_is_that_of_the_closed_form(sweep):
-    places, judged = (
-        (LOADS[::4], VELOCITIES[[0, 7, 14]]),
-        {"friction": 0.2, "critical_area_fraction": 0.05},
-    )
-    found = pipeline.margin(sweep, *places, bulk_temperature=310.0, **judged)
-    expected = 310.0 + 0.2 * synthetic.rise(*places, 0.95)
-    np.testing.assert_allclose(found["governing_temperature"], expected, rtol=1e-12)
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():

@@ -61,41 +61,30 @@ def mean(lifts):
     return math.exp(np.log(lifts).mean())
 
 
-GROWING = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)  # mean of two, the second of which grows
+def sparse():
+    """Realizations of which the first alone has more than a point at each load."""
+    places = [(F, 2.0) for F in LOADS]
+    return realizations(states={k: only(*places) for k in range(1, len(LIFTS))})
+
+
+def growing(*loads):
+    """Two realizations, the second of which grows with load and has a point at these loads."""
+    return realizations((1.0, 1.1), {1: only(*((F, 2.0) for F in loads))}, growth=0.2)
+
+
+NO_400 = {0: {(400.0, V): PENDING for V in VELOCITIES}}
 FAILED_THERE = {3: {(600.0, 4.0): FAILED}}
-SPECIMENS = {
+GROWING = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2).tolist()
+SPECIMENS = {  # and the rise at each load over that of the closed form
     "the mean of realizations": (realizations, mean(LIFTS)),
-    "a point a load tells of all velocities": (
-        lambda: realizations(
-            states={k: only(*((F, 2.0) for F in LOADS)) for k in range(1, len(LIFTS))}
-        ),
-        mean(LIFTS),
-    ),
-    "a load between loads of several follows from these": (
-        lambda: realizations((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2),
-        GROWING,
-    ),
-    "beyond the loads of several the first counts alone": (
-        lambda: realizations((1.0, 1.1), {1: only((400.0, 2.0), (600.0, 2.0))}, growth=0.2),
-        [1.0, *GROWING[1:]],
-    ),
-    "a load that the first lacks is on the level of the others": (
-        lambda: realizations((1.0, 1.1), {0: {(400.0, V): PENDING for V in VELOCITIES}}),
-        math.sqrt(1.1),
-    ),
-    "a first without a point hides no other": (
-        lambda: realizations(states={0: only()}),
-        mean(LIFTS[1:]),
-    ),
-    "one shown alone": (lambda: realizations().sel(realization=[2]), [np.nan, *LIFTS[2:3] * 2]),
-    "one that failed is left out if four stay": (
-        lambda: realizations(states=FAILED_THERE),
-        mean([*LIFTS[:3], LIFTS[4]]),
-    ),
-    "one that failed stays among four": (
-        lambda: realizations(LIFTS[:4], FAILED_THERE),
-        mean(LIFTS[:4]),
-    ),
+    "a point a load tells of all velocities": (sparse, mean(LIFTS)),
+    "a load between loads of several": (lambda: growing(200.0, 600.0), GROWING),
+    "beyond the loads of several": (lambda: growing(400.0, 600.0), [1.0, *GROWING[1:]]),
+    "a load that the first lacks": (lambda: realizations((1, 1.1), NO_400), math.sqrt(1.1)),
+    "a first without a point": (lambda: realizations(states={0: only()}), mean(LIFTS[1:])),
+    "one alone": (lambda: realizations().sel(realization=[2]), [np.nan, LIFTS[2], LIFTS[2]]),
+    "one of five failed": (lambda: realizations(states=FAILED_THERE), mean(LIFTS[:3] + LIFTS[4:])),
+    "one of four failed": (lambda: realizations(LIFTS[:4], FAILED_THERE), mean(LIFTS[:4])),
 }
 
 

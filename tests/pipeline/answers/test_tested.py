@@ -37,33 +37,21 @@ def chances(ds, *ys):
     return pipeline.margin(ds, loads, velocities)["probability"].values
 
 
-# Ends of an interval, as tests, and the result that they are
-SPECIMENS = {
-    "mild rows count by the highest": (
-        [at(-0.3, "mild", number="a"), at(-0.1, "mild", number="a")],
-        Outcome(mild=-0.1),
-    ),
-    "severe rows count by the lowest": (
-        [at(0.2, "severe", number="a"), at(0.1, "severe", number="a")],
-        Outcome(severe=0.1),
-    ),
-    "both are an interval": (
-        [at(-0.2, "mild", number="a"), at(0.1, "severe", number="a")],
-        Outcome(0.1, -0.2),
-    ),
-    "inverted ones are a transition in their middle": (
-        [at(0.2, "mild", number="a"), at(0.0, "severe", number="a")],
-        Outcome(0.0, 0.2),
-    ),
+def rows(*ends):
+    """Rows of one specimen, each at a y with an outcome."""
+    return [at(y, outcome, number="a") for y, outcome in ends]
+
+
+OUTSIDE = bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
+STEPPED = bare_test(LOAD, CRITICAL, velocity_step=CRITICAL / 5)
+SPECIMENS = {  # tests, and the result that they are
+    "mild rows count by the highest": (rows((-0.3, "mild"), (-0.1, "mild")), Outcome(mild=-0.1)),
+    "severe by the lowest": (rows((0.2, "severe"), (0.1, "severe")), Outcome(severe=0.1)),
+    "both are an interval": (rows((-0.2, "mild"), (0.1, "severe")), Outcome(0.1, -0.2)),
+    "inverted ones are a transition": (rows((0.2, "mild"), (0.0, "severe")), Outcome(0.0, 0.2)),
     "a transition has no width": ([at(-0.1)], Outcome(-0.1, -0.1)),
-    "one with a step is the interval of the step": (
-        [bare_test(LOAD, CRITICAL, velocity_step=CRITICAL / 5)],
-        Outcome(0.0, synthetic.VELOCITY_EXPONENT * math.log(0.8)),
-    ),
-    "one outside the plane counts as one inside": (
-        [bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))],
-        Outcome(math.log(0.9), math.log(0.9)),
-    ),
+    "a step": ([STEPPED], Outcome(0.0, synthetic.VELOCITY_EXPONENT * math.log(0.8))),
+    "one outside the plane": ([OUTSIDE], Outcome(math.log(0.9), math.log(0.9))),
 }
 
 
