@@ -52,6 +52,18 @@ def falling(load, velocity, quantile=1.0):
     return limit() * np.exp(0.3 * (1 - over**2)) * shape
 
 
+def uneven(seed):
+    """Function of the rise: the closed form with a random wave that depends on the seed."""
+    a, b, c = np.random.default_rng(seed).uniform(0.5, 3.0, 3)
+
+    def bent(load, velocity, quantile=1.0):
+        wave = 0.06 * np.sin(a * velocity + b * np.asarray(load) / 100 + c)
+        tail = 0.1 * (np.asarray(quantile) ** 3 - np.asarray(quantile))
+        return rise(load, velocity, quantile) * (1 + wave) * (1 + tail)
+
+    return bent
+
+
 def limit(friction=0.1, bulk=298.15, critical=418.15):
     return (critical - bulk) / friction
 

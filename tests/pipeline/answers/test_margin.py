@@ -8,7 +8,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.store.schema import FAILED, PENDING
-from tests.helpers import page_sweeps, synthetic
+from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
 from tribo import WarningKind
 
@@ -91,34 +91,34 @@ def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(sta
         assert 0 < off <= here.temperature_error_interpolation
 
 
-def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():
-    places = {(load, v) for load in synthetic.LOADS for v in synthetic.VELOCITIES}
+def near_the_boundary(rise=synthetic.rise):
+    """Sweep that is done near its boundary alone, and the whole one."""
+    places = itertools.product(synthetic.LOADS, synthetic.VELOCITIES)
     critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
     far = {place: PENDING for place in places if abs(np.log(place[1] / critical[place[0]])) > 0.3}
-    result = asked(synthetic.sweep(status=far), 425.0, 1.0)
-    warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
-    assert result.governing_temperature == pytest.approx(warm, rel=1e-9)
-    nearer = asked(synthetic.sweep(status=far), 425.0, 1.3)
-    assert (
-        0
-        < nearer.temperature_error_interpolation
-        < result.temperature_error_interpolation
-        < 0.2 * (warm - 298.15)
-    )
-    assert result.verdict == "mild"
+    return synthetic.sweep(rise=rise, status=far), synthetic.sweep(rise=rise)
+
+
+def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():
+    ds, _ = near_the_boundary()
+    far, nearer = asked(ds, 425.0, 1.0), asked(ds, 425.0, 1.3)
+    rise = 0.1 * synthetic.rise(425.0, 1.0, 0.9)
+    assert far.governing_temperature == pytest.approx(298.15 + rise, rel=1e-9)
+    errors = nearer.temperature_error_interpolation, far.temperature_error_interpolation
+    assert 0 < errors[0] < errors[1] < 0.2 * rise
+    assert far.verdict == "mild"
 
 
 def test_what_is_continued_tells_its_error():
     missed = []
     for seed in range(2):
-        searched = page_sweeps.along_boundary(seed)
-        whole = page_sweeps.one(status={}, rise=page_sweeps.uneven(seed))
-        at = np.array([*itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0))]).T
-        beyond, true = (pipeline.margin(ds, *at) for ds in (searched, whole))
+        at = np.array([*itertools.product(synthetic.LOADS, (0.5, 0.75, 3.0, 4.0))]).T
+        sweeps = near_the_boundary(synthetic.uneven(seed))
+        beyond, true = (pipeline.margin(ds, *at) for ds in sweeps)
         error = beyond["temperature_error_interpolation"]
         off = (beyond["governing_temperature"] - true["governing_temperature"]) / error
         missed += off.values[named(beyond["origin"]) == "extrapolated"].tolist()
-    assert len(missed) >= 5
+    assert len(missed) >= 20
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
 
 

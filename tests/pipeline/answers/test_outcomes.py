@@ -9,7 +9,6 @@ import pipeline
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
-from tests.helpers.page_sweeps import uneven
 from tribo import Corrections, Friction
 
 LOADS, VELOCITIES = (150.0, 200, 300, 450, 600, 750), (0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0)
@@ -31,10 +30,14 @@ CONDITIONS = {"as tested": {}, "hot": {"friction": 0.3}, "cold": {"friction": 0.
 def test_no_outcome_is_contradicted_by_points_that_are_not_done(told, done, corrections):
     status = {(F, V): PENDING for F in LOADS for V in VELOCITIES if not DONE[done](F, V)}
     law = replace(synthetic.conditions(), corrections=corrections)
-    ds = synthetic.sweep(LOADS, VELOCITIES, rise=uneven(0), status=status, tests=(), conditions=law)
+    ds = synthetic.sweep(
+        LOADS, VELOCITIES, rise=synthetic.uneven(0), status=status, tests=(), conditions=law
+    )
     found = pipeline.boundary(ds, **CONDITIONS[told])
     friction = CONDITIONS[told].get("friction", 0.1) * law.friction_factor(np.array(VELOCITIES))
-    hot = uneven(0)(np.array(LOADS)[:, None], np.array(VELOCITIES), 0.9) * friction / 120.0
+    hot = (
+        synthetic.uneven(0)(np.array(LOADS)[:, None], np.array(VELOCITIES), 0.9) * friction / 120.0
+    )
     is_done = ds["status"].values == 1
     for along, x, lines, known in (
         ("velocity", np.array(VELOCITIES), hot, is_done),

@@ -1,59 +1,16 @@
-"""Probabilities are about a half where wear is critical, and a row is as hot as in a plane."""
+"""A point alone and a row are as hot as in a plane."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import pipeline
-from tests.helpers import page_sweeps, synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 
 SAME = {"rel": 1e-9, "abs": 1e-12}  # all answers use one field and differ by rounding only
 HEADS = "load [N]", "velocity [m/s]"
-
-
-def band():
-    """Sweep with points only near the transition, as a search of the boundary leaves them."""
-    ds = synthetic.sweep()
-    hot = synthetic.rise(ds["load"], ds["velocity"]) / synthetic.limit()
-    done = (hot > 0.7) & (hot < 1.6)
-    return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
-
-
-STORES = {
-    "plane": synthetic.sweep,
-    "from rest": lambda: synthetic.sweep(velocities=(0.0, *synthetic.VELOCITIES)),
-    "a band": band,
-    "a single point at a load": page_sweeps.with_single_point,
-    "one load": lambda: synthetic.sweep().isel(load=[5]),
-    "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
-    "the boundary alone": page_sweeps.along_boundary,
-    "loads left out": page_sweeps.with_loads_left_out,
-}
-
-
-def places(ds, count):
-    """Pairs of load [N] and velocity [m/s] inside a sweep, half of them computed points."""
-    rng = np.random.default_rng(1)
-    ends = {name: ds[name].values[ds[name].values > 0] for name in ("load", "velocity")}
-    inside = [rng.uniform(x.min(), x.max(), count) for x in ends.values()]
-    axes = [x.ravel() for x in ends.values()]
-    done = (x[np.abs(x[:, None] - one).argmin(0)] for one, x in zip(inside, axes, strict=True))
-    chosen = (np.where(np.arange(count) % 2, *pair) for pair in zip(inside, done, strict=True))
-    return zip(*chosen, strict=True)
-
-
-@pytest.mark.parametrize("name", STORES)
-def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
-    asked = np.transpose([*places(STORES[name](), 100)])
-    ds = STORES[name]().assign_attrs(without_tests="yes")
-    found = pipeline.margin(ds, [*asked[0]], [*asked[1]])
-    known = found.isel(place=abs(found["temperature_margin"]) > 1e-6)
-    assert ((known["temperature_margin"] < 0) == (known["probability"] > 0.5)).all()
-    known = known["place"] if "place" in known.coords else known["verdict"]
-    assert len(known) > 80
 
 
 @pytest.fixture(scope="module")
