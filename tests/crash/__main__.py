@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.crash import damage, deadly, drivers, kills, objects, power, readers
+from tests.crash import damage, deadly, kills, power
 from tests.crash.loop import Report, Run
 from tests.helpers.campaigns import conclude
 
@@ -25,10 +25,7 @@ CAMPAIGNS = {
     "kills": kills,
     "power": power,
     "damage": damage,
-    "readers": readers,
     "deadly": deadly,
-    "objects": objects,
-    "drivers": drivers,
 }
 
 

@@ -19,7 +19,6 @@ from pipeline.cli import main as irg
 from pipeline.run import drive as driver
 from pipeline.run import sweep as running
 from pipeline.run.tally import Tally
-from pipeline.store import create
 from pipeline.store import place as files
 from pipeline.store import store as write
 from pipeline.store.store import Store
@@ -98,15 +97,6 @@ def _unsynced():
     return mock.patch.object(files.os, "fsync")
 
 
-def _unlocked():
-    @contextmanager
-    def held(place, progress=None):
-        place.path.mkdir(parents=True, exist_ok=True)
-        yield lambda: True
-
-    return mock.patch.object(create, "locked", held)
-
-
 def _all_blamed():
     return mock.patch.object(driver, "_DEATHS", 0)
 
@@ -115,7 +105,6 @@ MISTAKES = {
     None: nullcontext,
     "status first": _status_first,
     "unsynced": _unsynced,
-    "unlocked": _unlocked,
     "all blamed": _all_blamed,
 }
 """Mistakes that the campaigns are there to notice."""

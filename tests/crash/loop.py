@@ -206,12 +206,12 @@ class Run:
         """Records of the points of all stages, as workers would return them, by point."""
         return EXPECTED.records(STAGES[-1])
 
-    def trials(self, pace=0.0):
+    def trials(self):
         """Yield trials, each with its own folder, with drivers that run without Dask."""
         for number in range(self.count):
             place = self.folder / str(number)
             place.mkdir(parents=True)
-            yield Trial(self, place, pace)
+            yield Trial(self, place)
             done = f"{number + 1} of {self.count}, {len(self.report.faults)} faults"
             print(f"{self.name}: {done}", file=sys.stderr)
 
@@ -227,19 +227,17 @@ class Trial:
         Function from a point to its result, computed alone.
     stages : sequence
         Sweeps to run one after the other; the last one is completed in the end.
-    may_repeat : bool
-        True if points that were reported as done may be computed again.
     """
 
-    def __init__(self, run, place, pace):
-        self.run, self.place, self._pace = run, place, pace
+    def __init__(self, run, place):
+        self.run, self.place = run, place
         self.path, self.log = place / "results" / "out.zarr", place / "acknowledged"
-        self.expected, self.stages, self.may_repeat = EXPECTED, STAGES, False
+        self.expected, self.stages = EXPECTED, STAGES
 
     def start(self, stage, path=None):
-        """Start a driver on the sweep `stage`."""
+        """Start a driver on the sweep `stage`, by default in the store of this trial."""
         run = self.run
-        return Forked(stage, path or self.path, self.log, run.records, run.mistake, self._pace)
+        return Forked(stage, path or self.path, self.log, run.records, run.mistake)
 
     @property
     def acknowledged(self):
@@ -272,14 +270,11 @@ class Trial:
         self.look()
         if code == 0 and (pending := pipeline.summary(self.path).pending):
             self.fault(f"resumed, {pending} points are not done")
-        if isinstance(self.path, Path):
-            left = [*self.path.parent.rglob(f"*{PARTIAL}")]
-            self.run.report.faults += [f"left over: {file}" for file in left]
+        left = [*self.path.parent.rglob(f"*{PARTIAL}")]
+        self.run.report.faults += [f"left over: {file}" for file in left]
         acknowledged = self.acknowledged
         self.run.report.counts["acknowledged"] += len(acknowledged)
-        for point in (
-            point for point, times in acknowledged.items() if times > 1 and not self.may_repeat
-        ):
+        for point in (point for point, times in acknowledged.items() if times > 1):
             self.fault(f"{point} was told as done, and computed again")
 
     def wait(self, driver):

@@ -83,21 +83,10 @@ def paper():
             yield name, Run(2e-3, 3.4e-3, load, velocity, rate, load / 150)
 
 
-def random_runs(count):
-    """Yield random cylinders of radius 1 to 10 mm, length 2 to 6 mm, at 0.4 to 1.2 GPa."""
-    for seed in range(count):
-        rng = np.random.default_rng([seed, 67])
-        low = np.array([1e-3, 2e-3, 0.4e9, 0.1, 2e-17, 2.0])
-        high = np.array([10e-3, 6e-3, 1.2e9, 4.0, 5e-15, 8.0])
-        radius, length, pressure, *test = np.exp(rng.uniform(np.log(low), np.log(high))).tolist()
-        load = math.pi * length * radius * pressure**2 / MODULUS
-        yield f"{1e3 * radius:.2g} × {1e3 * length:.2g} mm", Run(radius, length, load, *test)
-
-
 def main():
-    """Compute the paper's cylinder, and as many random ones as the command says."""
+    """Compute the paper's cylinder."""
     rows, is_right = [], True
-    for name, run in [*paper(), *random_runs(int(sys.argv[1]) if sys.argv[1:] else 10)]:
+    for name, run in paper():
         excess, row = run.row(name)
         rows.append(row)
         print(*row, file=sys.stderr, flush=True)

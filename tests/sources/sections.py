@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -90,23 +89,6 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
             yield section.path_of(key), entry
 
 
-def find_entry(path: str) -> Entry | None:
-    """Declaration of the entry that a path names, such as "pin.length"; None if there is none.
-
-    The path must be that of a single value, not of a table such as "pin". In a path such as
-    "materials.steel.density" the material may have any name.
-    """
-    parts = path.split(".")
-    if parts[0] == "materials" and len(parts) > 2:
-        parts[1] = "NAME"
-    return _by_path().get(".".join(parts))
-
-
-@functools.cache
-def _by_path() -> dict[str, Entry]:
-    return dict(all_keys())
-
-
 def number_in(kind: Kind) -> Quantity | Number | None:
     """The kind of number within a kind, such as a list; None if there are no numbers."""
     match kind:
@@ -118,21 +100,3 @@ def number_in(kind: Kind) -> Quantity | Number | None:
             found = (number_in(one) for one in kind.kinds)
             return next((one for one in found if one), None)
     return None
-
-
-def path_of_dimension(name: str) -> str:
-    """Path of the entry whose dimension has this name; the name itself if there is none."""
-    return next((path for path, _ in all_keys() if path.replace(".", "_") == name), name)
-
-
-def number_at(path: str) -> Quantity | Number:
-    """Kind of the number that the entry at a path holds: its unit, bounds and usual range.
-
-    If there is no such entry, or it holds no number, the result is a `Number` without bounds.
-    """
-    entry = find_entry(path)
-    return (entry and number_in(entry.kind)) or Number()
-
-
-FILES = ("disk.roughness.file", "loading.file")
-"""Entries that name a file beside the scene."""

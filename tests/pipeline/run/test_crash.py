@@ -46,7 +46,7 @@ def test_kills_and_power_cuts_lose_nothing(reports, campaign, least):
 @pytest.mark.parametrize(
     "campaign",
     [
-        *("kills", "damage", "readers", "drivers", "deadly", "objects"),
+        *("kills", "damage", "deadly"),
         pytest.param("power", marks=needs_disks),
     ],
 )

@@ -2,8 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from tribo import Ramp
 
@@ -31,17 +29,6 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
     # Loads with the same increment share a ramp, whatever other loads the diagram has.
     assert RAMP.increment(187.5, 100) == RAMP.increment(750.0, 100) == 7.5
     assert RAMP.increment(100.0, 100) == RAMP.increment(187.0, 100) == 3.75
-
-
-@settings(max_examples=40, deadline=None)
-@given(load=st.floats(1.0, 2000.0), increments=st.integers(1, 300))
-def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
-    whole = list(RAMP.load_steps(load, increments))
-    assert len(whole) <= max(load / (750.0 / increments), increments / 2) + 1
-    assert len(whole) >= increments / 4
-    loads = [s.normal_load for s in whole]
-    assert loads == sorted(set(loads))
-    assert all(s.on_trunk for s in whole[:-1])
 
 
 def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():

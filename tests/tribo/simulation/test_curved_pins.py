@@ -15,8 +15,6 @@ from tribo import (
     Crowned,
     Fidelity,
     Grid,
-    MeasuredLoad,
-    Motion,
     Ramp,
     Scene,
     SelfAffineRoughness,
@@ -27,7 +25,7 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise
 from tribo.contact import ElasticHalfSpace, solve_contact
-from tribo.simulation import advance, heat, start
+from tribo.simulation import heat
 from tribo.thermal import ConductingHalfSpace
 
 E_STAR = contact_modulus(STEEL, STEEL)
@@ -106,43 +104,6 @@ def test_the_flash_temperature_of_an_ellipse_is_exact(half_x, half_y, peclet_num
     assert rise == pytest.approx(expected, rel=5e-4)  # 100 elements an axis: 3e-4
 
 
-@pytest.mark.parametrize("radii", [(5e-3, 40e-3), (40e-3, 5e-3)])
-@pytest.mark.parametrize("peclet_number", [0.5, 50.0])
-def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(radii, peclet_number):
-    hertz = hertz_ellipse(50.0, *radii, E_STAR)
-    grid, _ = ellipse(hertz.half_x, hertz.half_y, elements=80)
-    insulator = replace(STEEL, thermal_conductivity=1e-9, hardness=math.inf)
-    scene = Scene(
-        pin=Crowned(*radii, insulator),
-        disk=replace(STEEL, hardness=math.inf),
-        pixels=grid,
-        loading=Ramp(1.0, 50.0),
-        fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-5),
-    )
-    velocity = peclet_number * 2 * KAPPA / hertz.half_x
-    flux = velocity * hertz.peak_pressure
-    expected = moving_ellipse_rise(flux, hertz.half_x, hertz.half_y, velocity, K, KAPPA)
-    assert end(scene, 50.0, velocity).heat.max_rise == pytest.approx(expected, rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("preset", "pin"), [("standard", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
-)
-def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
-    def worn(scene):
-        state = start(scene)
-        for load_step in scene.load_steps(200.0):
-            state = advance(scene, state, load_step, 1.0)
-        return measures(scene, state)["wear_volume"]
-
-    scene = ball(preset, pixels=48, side=13e-6, increments=3, fewest_elements=0)
-    scene = replace(scene, pin=pin)
-    assert worn(scene) == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
-    record = MeasuredLoad(np.array([0.0, 0.4, 0.8, 1.5]), np.array([0.0, 150.0, 20.0, 200.0]))
-    work = 150.0 * 0.2 + 85.0 * 0.4 + 110.0 * 0.7
-    assert worn(replace(scene, loading=record)) == pytest.approx(1.2e-15 * work, rel=1e-10)
-
-
 def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     """A ball that always meets new summits does not conform to them by wear."""
     # True value: the mean over many more patches than the scene uses, each worn locally.
@@ -175,14 +136,6 @@ def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps():
     own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
     assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)
     assert own[0] != pytest.approx(own[1], rel=0.05)
-
-
-def test_a_ball_that_rolls_is_swept_over_and_wears_around():
-    scene = replace(ball(pixels=96, side=7e-6, increments=4), motion=Motion(slide_roll_ratio=0.5))
-    state = end(scene)
-    volume = measures(scene, state)["wear_volume"]
-    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
-    assert np.allclose(state.wear_depth, state.wear_depth[:1], rtol=1e-9)
 
 
 def test_a_smooth_pin_wears_swept_as_it_wears_locally():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import Grid, MeasuredLoad, Motion, Wear, simulate
+from tribo import Grid, Motion, Wear, simulate
 from tribo.simulation import RampCache
 
 VELOCITY = 2.0
@@ -59,15 +59,3 @@ def test_higher_loads_pass_through_it_only_with_the_heat_of_all_steps(heat_model
     list(simulate(scene, 375.0, VELOCITY, ramp_cache))
     *_, gone_on = simulate(scene, 600.0, VELOCITY, ramp_cache)
     assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
-
-
-@pytest.mark.parametrize("pattern", ["swept", "local"])
-def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
-    # The load of this record is not linear between steps: its mean is not that of the ends.
-    record = MeasuredLoad(np.array([0.0, 1.0, 1.1, 4.0]), np.array([0.0, 600.0, 300.0, 750.0]))
-    scene = replace(worn_scene(), loading=record, wear=Wear(1e-14, pattern))
-    state = last(scene, 750.0)
-    assert state.history is not None
-    *_, load_step = scene.load_steps(750.0)
-    worn = state.wear_depth.mean() * scene.nominal_area
-    assert worn == pytest.approx(1e-14 * VELOCITY * load_step.impulse, rel=1e-10)

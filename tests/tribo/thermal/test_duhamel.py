@@ -31,17 +31,6 @@ def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
     return split, past
 
 
-@pytest.mark.parametrize("times", [[5.0], [0.01, 0.3, 0.31, 2.0, 4.9, 5.0]])
-def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(times):
-    fluxes = [np.full(PLANE.shape, 1e6 * time) for time in times]
-    split, _ = run(PLANE, fluxes, times)
-    exact = ramped_flux_rise(1e6 * times[-1] / 2, times[-1], EFFUSIVITY)
-    # The flux is linear between steps, and in one dimension the quadrature is exact to rounding.
-    # Both bodies are equal half-spaces, so the solver's tolerance of 1e-8 does not matter.
-    np.testing.assert_allclose(split.rise, exact, rtol=1e-9)  # ages are rounded to 9 digits
-    assert split.pin_share == pytest.approx(0.5, rel=1e-9)
-
-
 def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
     rng = np.random.default_rng(4)
     times = np.cumsum(rng.uniform(0.01, 1.0, size=10))
