@@ -14,32 +14,22 @@ pytestmark = pytest.mark.timeout(900)
 needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mounted here")
 
 
-def reported(folder, *campaigns, trials=1):
-    words = "-m", "tests.crash", *campaigns, "--trials", trials
+def reported(folder, campaign, *options, trials=1):
+    words = "-m", "tests.crash", campaign, *options, "--trials", trials
     # Stores are in this folder, too. It is in memory if that is large enough, where syncs are fast.
     done = python(*words, cwd=folder, variables={"TMPDIR": str(folder)}, timeout=800)
     assert (folder / "results/crash.md").read_text().endswith(done.stdout)
-    reports = json.loads(done.stdout)
-    assert done.returncode == any(report["faults"] for report in reports.values())
-    return reports
+    report = json.loads(done.stdout)[campaign]
+    assert done.returncode == bool(report["faults"])
+    return report
 
 
-@pytest.fixture(scope="module")
-def reports(tmp_path_factory):
-    """Reports of one trial of each crash campaign."""
-    return reported(tmp_path_factory.mktemp("crash"), "kills", "power")
-
-
-@pytest.mark.parametrize(
-    ("campaign", "least"),
-    [
-        ("kills", {"kills of everything": 1, "acknowledged": 1}),  # a fast sweep ends before others
-        pytest.param("power", {"cuts of ext4": 2}, marks=needs_disks),
-    ],
-)
-def test_kills_and_power_cuts_lose_nothing(reports, campaign, least):
-    assert reports[campaign]["faults"] == []
-    assert all(reports[campaign][name] >= count for name, count in least.items())
+def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
+    campaign = "power" if kinds() else "kills"  # a cut of power kills the driver, too
+    report = reported(tmp_path, campaign)
+    assert report["faults"] == []
+    assert report["acknowledged"] > 0
+    assert any(report[name] > 0 for name in report if name.startswith(("cuts", "kills")))
 
 
 @pytest.mark.slow
@@ -51,4 +41,4 @@ def test_kills_and_power_cuts_lose_nothing(reports, campaign, least):
     ],
 )
 def test_broken_rules_would_be_noticed(campaign, tmp_path):
-    assert reported(tmp_path, campaign, "--mistake", trials=3)[campaign]["faults"]
+    assert reported(tmp_path, campaign, "--mistake", trials=3)["faults"]
