@@ -34,11 +34,7 @@ def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "campaign",
-    [
-        *("kills", "damage", "deadly"),
-        pytest.param("power", marks=needs_disks),
-    ],
+    "campaign", ["kills", "damage", "deadly", pytest.param("power", marks=needs_disks)]
 )
 def test_broken_rules_would_be_noticed(campaign, tmp_path):
     assert reported(tmp_path, campaign, "--mistake", trials=3)["faults"]
