@@ -1,5 +1,6 @@
 """What the commits of points take, beside files of the same sizes that are only written."""
 
+import itertools
 import os
 import time
 from dataclasses import replace
@@ -10,7 +11,7 @@ import pytest
 import pipeline
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
-from tests.benchmarks.test_sweep import time_of_bare_files
+from tests.benchmarks.bare import shortest
 from tests.helpers.points import run_point
 
 AT_ONCE = 30  # points of a commit
@@ -19,6 +20,24 @@ PLANE = {
     "sweep.loads": [f"{load:g} N" for load in np.linspace(200, 750, 12)],
     "sweep.velocities": [f"{velocity:g} m/s" for velocity in np.linspace(0.5, 5, 10)],
 }
+
+
+def time_of_bare_files(store, folder):
+    """CPU time [s] to create, sync and rename a file for each chunk of a store."""
+    sizes = [file.stat().st_size for file in store.rglob("c.*")]
+    folder.mkdir()
+    numbers = itertools.count()
+
+    def write():
+        for size in sizes:
+            name = folder / f"{next(numbers)}"
+            with name.with_suffix(".partial").open("wb") as file:
+                file.write(bytes(size))
+                file.flush()
+                os.fsync(file.fileno())
+            name.with_suffix(".partial").rename(name)
+
+    return shortest(write)
 
 
 @pytest.mark.parametrize("fields", [False, True], ids=["plain", "fields"])

@@ -62,15 +62,6 @@ def test_a_pin_that_is_all_worn_is_as_deep_as_the_cap_that_its_flat_cuts_off(pin
     assert worn.depth == pytest.approx(worn.width**2 / (8 * pin.radius))
 
 
-def test_the_width_of_a_contact_is_that_along_sliding_in_a_window_twice_as_long_as_wide():
-    window = Grid((120, 60), (8e-6, 8e-6), (False, False))
-    smooth = replace(ball(), pixels=window, roughness=None, wear=None)
-    hertz = smooth.pin.hertz(200.0, E_STAR)
-    width = measures(smooth, end(smooth))["contact_width"]
-    # The width counts whole elements; one at each end may touch in part only.
-    assert width == pytest.approx(2 * hertz.half_width, abs=2 * smooth.grid.spacing[0])
-
-
 def ellipse(half_x, half_y, elements=120):
     """Grid around an ellipse with half-axes a and b, and √(1 − x²/a² − y²/b²) on it."""
     sides = 2.4 * half_x / elements, 2.4 * half_y / elements

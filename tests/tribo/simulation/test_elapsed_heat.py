@@ -69,25 +69,19 @@ def test_it_is_the_integral_of_its_formula():
     assert excess_of_elapsed_heat(WORN, state) == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_hold_makes_it_less():
-    grown = last(WORN, 600.0, 0.001)
-    held = replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0))
-    foretold = excess_of_elapsed_heat(held, last(held, 600.0, 0.001))
-    assert foretold < 0.3 * excess_of_elapsed_heat(WORN, grown)
-    assert foretold / true_excess(held, 600.0, 0.001) == WITHIN
+def test_a_load_that_jumps_at_once_makes_hardly_any():
     at_once = replace(
         WORN, loading=MeasuredLoad(np.array([0.0, 1e-9, 5.0]), np.array([0.0, 599.0, 600.0]))
     )
     assert abs(excess_of_elapsed_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
 
 
-@pytest.mark.parametrize(("velocity", "least"), [(0.05, 0.1)])
-def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, least):
+def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows():
     jumping = MeasuredLoad(np.array([0.0, 1.0, 30.0, 30.1]), np.array([0.0, 60.0, 60.0, 600.0]))
     late = with_(replace(WORN, loading=jumping), contact_tolerance=1e-3)
-    true = true_excess(late, 600.0, velocity)
-    assert true > least
-    foretold = excess_of_elapsed_heat(late, last(late, 600.0, velocity))
+    true = true_excess(late, 600.0, 0.05)
+    assert true > 0.1
+    foretold = excess_of_elapsed_heat(late, last(late, 600.0, 0.05))
     assert 0.5 * true < foretold < 1.1 * true
 
 
@@ -96,10 +90,11 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, l
     [
         (small_scene(roughness=False, increments=20), 600.0, 0.001),
         (WORN, 600.0, 1.0),
+        (replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0)), 600.0, 0.001),
         (replace(WORN, disk=ALUMINA, wear=Wear(1.2e-14, "local")), 600.0, 0.001),
         (BALL, 20.0, 1.0),
     ],
-    ids=["smooth", "worn", "alumina", "ball"],
+    ids=["smooth", "worn", "hold", "alumina", "ball"],
 )
 def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
     foretold = excess_of_elapsed_heat(scene, last(scene, load, velocity))

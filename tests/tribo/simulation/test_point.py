@@ -7,20 +7,6 @@ from tests.helpers.scenes import last, small_scene
 from tribo import MeasuredRoughness, measures, simulate
 
 
-def test_every_state_carries_its_load_and_the_time_of_the_ramp():
-    scene = small_scene()
-    loads = []
-    for state in simulate(scene, 430.0, 1.25):
-        assert state.heat or np.isnan(measures(scene, state)["max_rise"])
-        on_patch = state.normal_load / scene.pin.windows(scene.grid)
-        assert state.pressure.sum() * scene.grid.element_area == pytest.approx(on_patch)
-        assert state.time == pytest.approx(state.normal_load / 150.0)
-        assert state.sliding_distance == pytest.approx(1.25 * state.time)
-        assert state.pressure.max() <= scene.hardness
-        loads.append(state.normal_load)
-    assert loads == [75.0, 150.0, 225.0, 300.0, 375.0, 430.0]
-
-
 def test_direction_of_sliding_is_a_mirror():
     scene = small_scene()
     mirrored = replace(
