@@ -18,8 +18,8 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
-- answers: `boundary`, `margin`, `compare_tests`, `points`, `infer`, `temperatures`, `warned`,
-  `Conditions`
+- answers: `boundary`, `margin`, `compare_tests`, `points`, `points_with_warnings`, `infer`,
+  `temperatures`, `Conditions`
 - accuracy: `trade`
 - figures and report: `plot`, `report`
 - quantities: `surface_statistics`, `to_si`

@@ -6,7 +6,7 @@ from .answers.critical_temperature import infer as infer
 from .answers.results import end_of_point as end_of_point
 from .answers.results import open_sweep as open_sweep
 from .answers.temperatures import temperatures as temperatures
-from .answers.warnings import warned as warned
+from .answers.warnings import points_with_warnings as points_with_warnings
 from .figures.plot import plot as plot
 from .page.report import report as report
 from .run.estimate import estimate as estimate

@@ -43,7 +43,7 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
     return pd.DataFrame(shown, columns=pd.Index(heads))
 
 
-def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
+def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
     """The frame without empty columns, and without the columns named in `without`."""
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
@@ -55,7 +55,7 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
 
 def transposed(frame: pd.DataFrame) -> pd.DataFrame:
     """Transpose a frame of one row: each column that is not empty becomes a row."""
-    columns = short(frame)
+    columns = without_columns(frame)
     (cells,) = cells_of(columns, "-")
     return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
 

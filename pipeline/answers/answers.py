@@ -27,8 +27,15 @@ from pipeline.answers.conditions import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
-from pipeline.answers.judge import ORIGINS, VERDICTS, Flag, Judge, JudgedCase, passes_severe
 from pipeline.answers.results import CaseResults, case_dims, cases_of, dataset_of, sweep_of
+from pipeline.answers.verdict import (
+    ORIGINS,
+    VERDICTS,
+    Flag,
+    JudgedCase,
+    VerdictModel,
+    passes_severe,
+)
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
@@ -177,19 +184,19 @@ def margin(
         at = Operation(
             loads, velocities, *np.array([[c.friction, c.bulk_temperature] for c in each]).T
         )
-        groups, judges, whole = dict[Any, list[int]](), JudgedCase(case), dict[str, Any]()
+        groups, models, whole = dict[Any, list[int]](), JudgedCase(case), dict[str, Any]()
         for k, c in enumerate(each):
             oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
             groups.setdefault(oil, []).append(k)
         for numbers in groups.values():
-            judge = judges.under(each[numbers[0]])
+            model = models.under(each[numbers[0]])
             for begin in range(0, len(numbers), _AT_ONCE):
                 part = np.array(numbers[begin : begin + _AT_ONCE])
-                for name, one in _answers_at(judge, at.take(part)).items():
+                for name, one in _answers_at(model, at.take(part)).items():
                     whole.setdefault(name, np.empty(shape.size, one.dtype))[part] = one
         found = {name: (shape.dims, one.reshape(shape.shape)) for name, one in whole.items()}
         varied = {k: one for k, one in own.items() if one.ndim}
-        described = _described(found, judge, varied, shape.drop_attrs().coords)
+        described = _described(found, model, varied, shape.drop_attrs().coords)
         several = len(set(map(id, each))) > 1
         return described.assign_attrs({"conditions": words.OWN_CONDITIONS} if several else {})
 
@@ -242,29 +249,29 @@ def _own_point(case: CaseResults, name: str) -> float:
     return float(values[0])
 
 
-def _answers_at(judge: Judge, at: Operation) -> dict[str, Any]:
+def _answers_at(model: VerdictModel, at: Operation) -> dict[str, Any]:
     """All variables of `margin` at k points."""
     for values, axis in ((at.load, "load"), (at.velocity, "velocity")):
-        ends = judge.ranges[axis]
+        ends = model.ranges[axis]
         values[:] = [snap(value, *ends) for value in values.tolist()]
-    found = judge.points(at)
+    found = model.points(at)
     known = ~np.isnan(found["log_rise_ratio"])
     for axis in ("velocity", "load"):
         found[f"critical_{axis}"] = np.full(known.shape, np.nan)
         found[f"outcome_along_{axis}"] = np.full(known.shape, int(Outcome.UNKNOWN), np.int8)
         if known.any():
-            line = judge.critical(axis, at.take(known))
+            line = model.critical(axis, at.take(known))
             for name in (f"critical_{axis}", f"outcome_along_{axis}"):
                 found[name][known] = line[name]
             if axis == "load":
                 margins = found["temperature_margin"][known]
-                passed = passes_severe(judge, at.take(known), line, margins)
+                passed = passes_severe(model, at.take(known), line, margins)
                 found["warning_flags"][known] += (passed * Flag.RAMP_PASSES_SEVERE).astype(np.int16)
     found["critical_velocity_p50"] = np.full(known.shape, np.nan)
-    if known.any() and judge.evidence.specimens:
-        found["critical_velocity_p50"][known] = judge.velocity_of_probability(at.take(known))
+    if known.any() and model.evidence.specimens:
+        found["critical_velocity_p50"][known] = model.velocity_of_probability(at.take(known))
     nearby = [
-        ", ".join(judge.evidence.nearby(*pair))
+        ", ".join(model.evidence.nearby(*pair))
         for pair in zip(at.load.tolist(), at.velocity.tolist(), strict=True)
     ]
     return found | {"nearby_tests": np.array(nearby, object), **at._asdict()}
@@ -303,7 +310,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     def answer(case: CaseResults) -> xr.Dataset:
         if not {*PLANE} <= {*ds["status"].dims}:
             raise InputError("each case has its own load and velocity, so there is no boundary")
-        judges = JudgedCase(case)
+        models = JudgedCase(case)
         own = _of_case(given, case)
         shape = xr.broadcast(*own.values())[0] if own else xr.DataArray(0)
         arrays = [one.broadcast_like(shape) for one in own.values()]
@@ -311,49 +318,49 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
         for place in np.ndindex(shape.shape):
             values = {name: one.values[place] for name, one in zip(own, arrays, strict=True)}
             here = {name: xr.DataArray(one) for name, one in values.items() if own[name].ndim}
-            rows.append(_boundary(judges.under(replaced(case.conditions, values)), here))
+            rows.append(_boundary(models.under(replaced(case.conditions, values)), here))
         return _joined(rows, [shape[dim] for dim in shape.dims])
 
     return _side_by_side(ds, answer)
 
 
-def _boundary(judge: Judge, varied: dict[str, xr.DataArray]) -> xr.Dataset:
-    loads, velocities = judge.field.loads, judge.field.velocities
+def _boundary(model: VerdictModel, varied: dict[str, xr.DataArray]) -> xr.Dataset:
+    loads, velocities = model.field.loads, model.field.velocities
     found: dict[str, Any] = {}
     for axis, line, places in (("velocity", "load", loads), ("load", "velocity", velocities)):
-        at = Operation.under(judge.conditions, places, places)
-        here = judge.critical(axis, at)
+        at = Operation.under(model.conditions, places, places)
+        here = model.critical(axis, at)
         for name in (f"critical_{axis}", f"outcome_along_{axis}"):
             found[name] = (line, here[name])
         crossings = np.pad(here["crossings"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8]
         found[f"crossings_along_{axis}"] = ((line, "crossing"), crossings)
-        if oil := find_lubrication(judge.case.sweep.scene, judge.case.sweep.lubricant):
+        if oil := find_lubrication(model.case.sweep.scene, model.case.sweep.lubricant):
             on = {line: places, axis: here[f"critical_{axis}"]}
-            bulk = judge.conditions.bulk_temperature
+            bulk = model.conditions.bulk_temperature
             film = oil.film_parameter(on["load"], on["velocity"], bulk)
             found[f"film_parameter_at_{line}"] = (line, film)
-    parts = judge.velocity_errors(loads, found["critical_velocity"][1])
+    parts = model.velocity_errors(loads, found["critical_velocity"][1])
     found["velocity_error"] = ("load", total(parts))
     for part, one in zip(PARTS, parts, strict=True):
         found[f"velocity_error_{part}"] = ("load", one)
-    at = Operation.under(judge.conditions, loads, loads)
+    at = Operation.under(model.conditions, loads, loads)
     for probability in DECIDED:
         name = f"critical_velocity_p{100 * probability:02.0f}"
-        found[name] = ("load", judge.velocity_of_probability(at, probability))
-    return _described(found | {"load": loads, "velocity": velocities}, judge, varied, {})
+        found[name] = ("load", model.velocity_of_probability(at, probability))
+    return _described(found | {"load": loads, "velocity": velocities}, model, varied, {})
 
 
 def _described(
-    variables: dict[str, Any], judge: Judge, varied: dict[str, xr.DataArray],
+    variables: dict[str, Any], model: VerdictModel, varied: dict[str, xr.DataArray],
     coordinates: Mapping[Any, Any],
 ) -> xr.Dataset:  # fmt: skip
     """Dataset with units, long names and conditions; attributes say what holds for all of it."""
     axes = {**coordinates} | {name: variables.pop(name) for name in PLANE}
     own = {name: variables.pop(name, None) for name in ("friction", "bulk_temperature")}
-    axes |= {name: getattr(judge.conditions, name) for name in NAMES}
+    axes |= {name: getattr(model.conditions, name) for name in NAMES}
     for name, one in varied.items():
         axes[name] = one if name in one.dims or own.get(name) is None else own[name]
-    return _with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(judge))
+    return _with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(model))
 
 
 def _with_attributes(found: xr.Dataset) -> xr.Dataset:
@@ -425,8 +432,8 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     ([750.0, 600.0, 400.0, 200.0], [0.03, -0.03, -0.11, -0.06])
     """
     case = cases_of(ds)[0]
-    judge = JudgedCase(case).under(judged(case.conditions, conditions))
-    evidence = judge.evidence
+    model = JudgedCase(case).under(judged(case.conditions, conditions))
+    evidence = model.evidence
     pairs = zip(evidence.specimens, evidence.posterior.expected, strict=True)
     share = {id(row): one for rows, one in pairs for row in rows}
     columns: dict[str, list[Any]] = {}
@@ -445,9 +452,9 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
             columns.setdefault(name, []).append(value)
     found = xr.Dataset({name: ("test", values) for name, values in columns.items()})
     found = found if columns else xr.Dataset(coords={"test": np.array([], object)})
-    bulk = np.full(1, judge.conditions.bulk_temperature)
-    levels = [float(evidence.levels(share, bulk)[0]) for share in DECIDED]
-    return _with_attributes(found).assign_attrs(words.about(judge), missing_points=0, levels=levels)
+    bulk = np.full(1, model.conditions.bulk_temperature)
+    levels = [float(evidence.log_rise_ratio_quantiles(share, bulk)[0]) for share in DECIDED]
+    return _with_attributes(found).assign_attrs(words.about(model), missing_points=0, levels=levels)
 
 
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
@@ -465,11 +472,11 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     case = cases_of(ds)[0]
     own = judged(case.conditions, conditions)
     y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
-    judge = JudgedCase(case).under(own)
+    model = JudgedCase(case).under(own)
     failed, pending = (case.status == one for one in (FAILED, PENDING))
-    kinds = case.done & (y > judge.limit), case.done, failed, pending
+    kinds = case.done & (y > model.limit), case.done, failed, pending
     state = np.select(kinds, ("severe", "mild", "failed", "pending"), "")
     axes = {"load": case.loads, "velocity": case.velocities}
     dims = ("realization", *PLANE)
     found = xr.Dataset({"state": (dims, state), "warned": (dims, warning_flags(case) != 0)}, axes)
-    return _with_attributes(found).assign_attrs(words.about(judge), missing_points=case.missing)
+    return _with_attributes(found).assign_attrs(words.about(model), missing_points=case.missing)

@@ -18,7 +18,7 @@ import xarray as xr
 from scipy.special import logsumexp
 
 from pipeline.answers.conditions import ConditionValues, judged
-from pipeline.answers.likelihood import (
+from pipeline.answers.posterior import (
     LEAST_BIAS,
     Outcome,
     Posterior,
@@ -27,7 +27,7 @@ from pipeline.answers.likelihood import (
     update,
 )
 from pipeline.answers.results import CaseResults, cases_of
-from pipeline.answers.specimen import Specimen, specimen_of
+from pipeline.answers.surface_sampling import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, outcome_of
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import WORTH

@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from pipeline.answers.field import Field
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.specimen import SWEPT, JackknifeQuality, Specimen
+from pipeline.answers.surface_sampling import SWEPT, JackknifeQuality, Specimen
 from pipeline.constants import (
     BEYOND,
     LEAST_BENT,

@@ -12,7 +12,7 @@ from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.units import usual_unit
 from pipeline.answers.words import ABOUT, probability_text
-from pipeline.frames import frame_of, short
+from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
@@ -80,7 +80,9 @@ def margin_frame(found: xr.Dataset) -> pd.DataFrame:
     """Rows of `pipeline.margin` to read: columns that decide, probabilities in words."""
     hidden = {*found.sizes, *PLANE, *ABOUT}
     own = [str(name) for name, one in found.coords.items() if one.ndim and name not in hidden]
-    frame = short(answer_frame(found, *own, *_ROWS), [CASE] * bool(own and CASE in found.sizes))
+    frame = without_columns(
+        answer_frame(found, *own, *_ROWS), [CASE] * bool(own and CASE in found.sizes)
+    )
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]

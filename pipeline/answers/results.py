@@ -237,7 +237,7 @@ class CaseResults:
         return int(np.count_nonzero(np.isin(self.status, (FAILED, PENDING))))
 
     @functools.cached_property
-    def counted(self) -> Indices:
+    def usable_realizations(self) -> Indices:
         """Realizations that count.
 
         One that failed is left out if 4 others have each of its places. One that shares no place
@@ -255,7 +255,7 @@ class CaseResults:
     def failed_realizations_note(self) -> str:
         """Which realizations failed and are left out, in words; empty if there are none."""
         failed = (self.status == FAILED).any(axis=(1, 2))
-        failed[self.counted] = False
+        failed[self.usable_realizations] = False
         if len(failed) == 1 or not failed.any():
             return ""
         seeds = ", ".join(map(str, self.ds["realization"].values[failed].tolist()))

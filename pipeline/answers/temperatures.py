@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.conditions import ConditionValues, judged
-from pipeline.answers.judge import conditions_of
 from pipeline.answers.results import cases_of, dataset_of, sweep_of, sweeps_of
+from pipeline.answers.verdict import conditions_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import allowable_rise
 from tribo import QUANTILES, InputError

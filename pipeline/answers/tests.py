@@ -12,10 +12,10 @@ import numpy as np
 from scipy.special import ndtr
 
 from pipeline.answers.conditions import Operation
-from pipeline.answers.likelihood import Outcome, Posterior, Prior, update
 from pipeline.answers.pchip import at_nodes
+from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
-from pipeline.answers.specimen import Specimen
+from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.sweep.case import SpecimenTest
@@ -87,7 +87,7 @@ class Evidence:
 
         return [np.asarray(ndtr(probits(y))) for y in ys]
 
-    def levels(self, probability: float, bulks: Array) -> Array:
+    def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
 
         def level(one: Posterior, here: Any) -> Array:

@@ -36,7 +36,7 @@ MOLTEN = (
 
 
 @dataclass(frozen=True, slots=True)
-class Warned:
+class WarnedPoints:
     """Counts of points that carry a warning, by kind."""
 
     points: int = 0  #: Points with at least one warning.
@@ -51,7 +51,9 @@ class Warned:
             yield from remarks("warning", f"{carry} a warning ({kinds})", f"at {self.example}")
 
 
-def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> Warned:
+def points_with_warnings(
+    ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]
+) -> WarnedPoints:
     """Count the points of a sweep that carry a warning, such as too few elements in contact.
 
     One kind, "molten", says that steel would melt under the conditions.
@@ -59,9 +61,9 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     Examples
     --------
     >>> import pipeline
-    >>> pipeline.warned("results/first_try.zarr").points
+    >>> pipeline.points_with_warnings("results/first_try.zarr").points
     0
-    >>> pipeline.warned("results/first_try.zarr", friction=2.0).kinds
+    >>> pipeline.points_with_warnings("results/first_try.zarr", friction=2.0).kinds
     {'molten': 22}
     """
     points, kinds, example = 0, dict[str, int](), ""
@@ -82,7 +84,7 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
             own = [named_value(case.ds[name]) for name in case.labels]
             place = ", ".join([f"{case.loads[i]:g} N", f"{case.velocities[j]:g} m/s", *own])
             example = f"{place}: {'; '.join(said)}"
-    return Warned(points, kinds, example)
+    return WarnedPoints(points, kinds, example)
 
 
 def warning_flags(case: CaseResults) -> Indices:

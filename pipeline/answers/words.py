@@ -19,7 +19,7 @@ from pipeline.answers.conditions import NAMES
 from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_notes import warning_lines
-from pipeline.answers.specimen import specimen_of
+from pipeline.answers.surface_sampling import specimen_of
 from pipeline.answers.tests import waiting_text
 from pipeline.answers.units import value_words
 from pipeline.constants import LEAST_STATED
@@ -34,8 +34,8 @@ from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
 if TYPE_CHECKING:
-    from pipeline.answers.judge import Judge
     from pipeline.answers.tests import Evidence
+    from pipeline.answers.verdict import VerdictModel
 
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
 OWN_CONDITIONS = "given for each point"
@@ -52,58 +52,58 @@ ABOUT = (
 """Attributes of an answer, which are coordinates where cases differ in them."""
 
 
-def about(judge: Judge) -> dict[str, str | int]:
+def about(model: VerdictModel) -> dict[str, str | int]:
     """Attributes of an answer: what holds for all of it, in words."""
-    evidence, tests = judge.evidence, judge.case.sweep.tests
+    evidence, tests = model.evidence, model.case.sweep.tests
     from_tests = evidence.critical is not None
     return {
-        "conditions": verdict_conditions(judge.conditions, tests, from_tests),
+        "conditions": verdict_conditions(model.conditions, tests, from_tests),
         "model_error": model_error(evidence),
-        "realizations": len(judge.specimen.apart),
+        "realizations": len(model.specimen.apart),
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers) or "",
         "tests_without_result": waiting_text(evidence),
-        "not_included": not_included(judge),
-        "notes": join_notes(_notes(judge)) or "",
+        "not_included": not_included(model),
+        "notes": join_notes(_notes(model)) or "",
     }
 
 
-def not_included(judge: Judge) -> str:
+def not_included(model: VerdictModel) -> str:
     """What is not included on the unsafe side, where a scene has it, on one line."""
-    sweep = judge.case.sweep
+    sweep = model.case.sweep
     parts = ["sharp pin ends (severe wear at 9 to 23 % lower velocity)"] * has_sharp_ends(sweep)
     if cold_tracks(sweep):
-        warmer = _with_earlier_turns(judge)
+        warmer = _with_earlier_turns(model)
         parts.append("heat from earlier revolutions" + f" (severe {warmer})" * bool(warmer))
-    parts += ["an oil film that carries load (unknown here)"] * judge.lacks_film
+    parts += ["an oil film that carries load (unknown here)"] * model.lacks_film
     parts.append("uncertain inputs")
-    if not judge.evidence.specimens:
-        bias = 100 * judge.evidence.prior.bias
+    if not model.evidence.specimens:
+        bias = 100 * model.evidence.prior.bias
         parts.append(f"a model bias beyond the assumed {bias:.3g} %, as no test confirms it")
     return ", ".join(parts)
 
 
-def _notes(judge: Judge) -> Iterator[str]:
+def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits that all answers of a case have, beside `not_included`."""
-    case, sweep = judge.case, judge.case.sweep
+    case, sweep = model.case, model.case.sweep
     lines = [
         case.failed_realizations_note, sweep.note, *warning_lines(sweep, answered=True),
-        added_rise_words(judge.conditions),
-        error_in_words(sweep) if judge.promised is None else None,
+        added_rise_words(model.conditions),
+        error_in_words(sweep) if model.promised is None else None,
     ]  # fmt: skip
     yield from filter(None, lines)
 
 
-def _with_earlier_turns(judge: Judge) -> str:
+def _with_earlier_turns(model: VerdictModel) -> str:
     """From where wear is severe with heat of earlier revolutions; empty if unknown."""
-    case, tracks = judge.case, cold_tracks(judge.case.sweep)
+    case, tracks = model.case, cold_tracks(model.case.sweep)
     if not {*NEEDED} <= {*case.ds}:
         return ""
-    parts = judge.conditions.corrections or Corrections()
+    parts = model.conditions.corrections or Corrections()
     parts = replace(parts, motion=case.sweep.scene.motion, **tracks)
-    conditions = replace(judge.conditions, corrections=parts)
+    conditions = replace(model.conditions, corrections=parts)
     field = specimen_of(case, conditions, np.zeros(case.status.shape, int)).field
-    lines = field.along_velocity(field.loads, np.full(field.loads.shape, judge.limit))
+    lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))
     if case.status.size == 1:  # a row with its own load and velocity
         return "with it" * bool(lines.severe_at_start[0])
     said = []
@@ -207,7 +207,7 @@ def probability_text(probability: float) -> str:
     return f"{100 * probability:.2g} %"
 
 
-def sentence(here: xr.Dataset) -> str:
+def headline(here: xr.Dataset) -> str:
     """The verdict on one point, and the probability of severe wear."""
     verdict, margin = verdict_text(here), here["temperature_margin"].item()
     if verdict == "outside the model":
@@ -264,7 +264,7 @@ def margin_lines(here: xr.Dataset) -> Iterator[str]:
     if verdict_text(here) == "unknown":
         yield f"Unknown: {here['reason'].item()}"
         return
-    yield sentence(here)
+    yield headline(here)
     yield from not_included_lines(here)
     yield from (f"  {name:22}  {text}" for name, text in margin_facts(here))
     yield from (f"warning: {text}" for text in margin_warnings(here))
@@ -272,7 +272,7 @@ def margin_lines(here: xr.Dataset) -> Iterator[str]:
 
 def not_included_lines(found: xr.Dataset) -> Iterator[str]:
     """The line below a verdict or a boundary on what is not included on the unsafe side."""
-    texts = told(found, "not_included")
+    texts = attribute_texts(found, "not_included")
     if len(texts) < 2 or found["not_included"].ndim != 1:
         yield from (f"not included: {one}" for one in texts)
         return
@@ -308,11 +308,11 @@ def margin_facts(here: xr.Dataset) -> Iterator[tuple[str, str]]:
         "interpolated": "interpolated between simulated points",
         "extrapolated": "extrapolated beyond the simulated points by a power law in velocity",
     }[str(code_text(here["origin"])[()])]
-    yield "conditions", told(here, "conditions")[0]
+    yield "conditions", attribute_texts(here, "conditions")[0]
     heat = display(here["governing_temperature"].item(), "°C", 4)
     yield "governing temperature", f"{heat}, {origin}"
     yield "numerical error (95 %)", error_text(here)
-    yield "model error", told(here, "model_error")[0]
+    yield "model error", attribute_texts(here, "model_error")[0]
     for axis in ("velocity", "load"):
         value, outcome = here[f"critical_{axis}"].item(), str(outcome_texts(here, axis)[()])
         if not outcome:
@@ -414,7 +414,7 @@ def error_lines(found: xr.Dataset) -> Iterator[str]:
 
 def model_error_line(found: xr.Dataset) -> str:
     """Line on how far the model may be off: in the first case, and how many others there are."""
-    first, *others = told(found, "model_error")
+    first, *others = attribute_texts(found, "model_error")
     return f"model error: {first}" + f", and {len(others)} more" * bool(others)
 
 
@@ -434,27 +434,30 @@ def common_lines(found: xr.Dataset) -> Iterator[str]:
     yield from test_lines(found)
     if missing := found.attrs["missing_points"]:
         yield f"{missing} points are pending or failed and were not used"
-    yield from split_notes(told(found, "notes"))
+    yield from split_notes(attribute_texts(found, "notes"))
 
 
 def test_lines(found: xr.Dataset) -> Iterator[str]:
     """Lines on tests that do not fit the others, and on those without a result."""
-    yield from split_notes(told(found, "outliers"))
+    yield from split_notes(attribute_texts(found, "outliers"))
     yield from withheld_lines(found)
 
 
 def withheld_lines(found: xr.Dataset) -> Iterator[str]:
     """Lines on verdicts that are withheld, as tests have no result."""
-    yield from (f"some verdicts are withheld: {why}" for why in told(found, "tests_without_result"))
+    yield from (
+        f"some verdicts are withheld: {why}"
+        for why in attribute_texts(found, "tests_without_result")
+    )
 
 
 def conditions_lines(found: xr.Dataset) -> list[str]:
     """The line with the conditions of an answer; those of the first where rows differ in them."""
-    each = told(found, "conditions")
+    each = attribute_texts(found, "conditions")
     return [f"conditions: {one}" + f"; {len(each) - 1} more" * (len(each) > 1) for one in each[:1]]
 
 
-def told(found: xr.Dataset, name: str) -> list[str]:
+def attribute_texts(found: xr.Dataset, name: str) -> list[str]:
     """Distinct values of an attribute, which is a coordinate where cases differ in it."""
     values: Iterable[Any] = (
         [found.attrs[name]] if name in found.attrs else found[name].values.ravel()

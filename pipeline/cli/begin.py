@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
-from pipeline.cli.output import Result, counted
+from pipeline.cli.output import Result, pluralized
 from pipeline.cli.parser import commands, parse
 from pipeline.scene.library import library
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
@@ -114,7 +114,7 @@ def _search(topic: str, pages: dict[str, str]) -> Result:
         heads = [" ".join(one) for one in re.findall(r"(?m)^(?:#+ (.+)|\*\*(.+?)\*\*)", text)]
         heads = [one.strip() for one in heads if word.search(one)]
         if count := len(word.findall(text)) + _HEAD * len(heads):
-            where = heads[0] if heads else f"{counted(count, 'time', 'times')} in the text"
+            where = heads[0] if heads else f"{pluralized(count, 'time', 'times')} in the text"
             found.append((count, f"irg help {name}", where))
     for name, path in shipped_scenes().items():
         text = path.read_text(encoding="utf-8")

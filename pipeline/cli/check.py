@@ -15,7 +15,7 @@ from pipeline.answers.condition_words import added_rise_words
 from pipeline.answers.discretization_error import has_unknown_error
 from pipeline.answers.scene_notes import warning_text
 from pipeline.cli.given import scene_in
-from pipeline.cli.output import Result, counted
+from pipeline.cli.output import Result, pluralized
 from pipeline.frames import frame_of, records
 from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
@@ -204,8 +204,8 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Yield rows on the cost of a sweep: points, steps, time and disk."""
     velocities = sweep.case_table.column("velocity") or sweep.velocities
     counts = [
-        counted(len(sweep.loads), "load", "loads"),
-        counted(len(velocities), "velocity", "velocities"),
+        pluralized(len(sweep.loads), "load", "loads"),
+        pluralized(len(velocities), "velocity", "velocities"),
     ]
     names = {"realization": "surfaces", CASE: "cases"}
     if sweep.case_table.column("load"):
@@ -218,11 +218,11 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     )
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     if cost.tests:
-        yield "tests", f"{counted(cost.tests, 'point', 'points')} for tests, simulated first"
+        yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
         widest = max((test.case.scene for test in sweep.tests), key=_pixels)
         if wider := _wider(sweep.scene.pixels.shape, widest):
             yield "", f"tests with load stages need wider windows, up to {wider}"
-    workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
+    workers, size = pluralized(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield (
         "time",

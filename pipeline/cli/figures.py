@@ -18,7 +18,9 @@ def plot(options: argparse.Namespace) -> Result:
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
     written = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))
-    return Result({"kind": options.kind, "file": written}, [written], pipeline.warned(ds))
+    return Result(
+        {"kind": options.kind, "file": written}, [written], pipeline.points_with_warnings(ds)
+    )
 
 
 def report(options: argparse.Namespace) -> Result:
@@ -32,4 +34,4 @@ def report(options: argparse.Namespace) -> Result:
     with working("writing the report"):
         conditions = given.conditions_in(options)
         written = str(pipeline.report(ds, out=out, command=command, **asked, **conditions))
-    return Result({"file": written}, [written], pipeline.warned(ds))
+    return Result({"file": written}, [written], pipeline.points_with_warnings(ds))

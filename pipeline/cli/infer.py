@@ -12,8 +12,8 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
-from pipeline.cli.output import Result, counted, working, wrapped
-from pipeline.frames import TABLES, frame_of, records, short, writable_path
+from pipeline.cli.output import Result, pluralized, working, wrapped
+from pipeline.frames import TABLES, frame_of, records, without_columns, writable_path
 from pipeline.quantities import display, shown_in
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.store.create import writing
@@ -49,7 +49,7 @@ def infer(options: argparse.Namespace) -> Result:
 def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
     """Result for the critical temperature: its value or bound, and the tests."""
     values = {str(name): one.item() for name, one in found.items()}
-    count = counted(tests.sizes["test"], "test", "tests")
+    count = pluralized(tests.sizes["test"], "test", "tests")
     if not math.isnan(values["at_least"]):
         said = f"critical temperature: at least {display(values['at_least'], '°C', 3)} (95 %)"
     elif not math.isnan(values["at_most"]):
@@ -61,7 +61,7 @@ def _inferred_result(found: xr.Dataset, tests: xr.Dataset) -> Result:
             f"{values['spread_this_rig']:.2g} K for this one"
         )
     frame = answer_frame(tests)
-    text = [f"{said}, from {count}", "", short(frame), *words.common_lines(tests)]
+    text = [f"{said}, from {count}", "", without_columns(frame), *words.common_lines(tests)]
     return Result({**values, "tests": records([frame])}, wrapped(text), frames=[frame])
 
 

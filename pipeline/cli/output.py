@@ -23,7 +23,7 @@ from pipeline.progress import Progress, Report
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pipeline.answers.warnings import Warned
+    from pipeline.answers.warnings import WarnedPoints
     from pipeline.store.status import Summary
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -40,7 +40,7 @@ class Result:
 
     document: dict[str, Any] | None = None  # for --json; None: the frames are the document
     text: Iterable[str | pd.DataFrame] = ()
-    warned: Warned | None = None  # warnings of its points
+    warned: WarnedPoints | None = None  # warnings of its points
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Any] | None = None
     code: int = DONE
@@ -96,7 +96,7 @@ def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
     return [*itertools.chain(*parts)]
 
 
-def counted(number: int, one: str, several: str) -> str:
+def pluralized(number: int, one: str, several: str) -> str:
     """Number with its noun, such as "1 load" or "3 loads"; `one` and `several` are the nouns."""
     return f"{number} {one if number == 1 else several}"
 

@@ -61,7 +61,7 @@ def _margin_result(ds: xr.Dataset, place: Place) -> Result:
         text = [*words.margin_lines(found), *words.common_lines(found)]
         frame = whole_frame(found).join(contact)
     text += ["", transposed(contact)]
-    return Result(text=wrapped(text), warned=pipeline.warned(ds), frames=[frame])
+    return Result(text=wrapped(text), warned=pipeline.points_with_warnings(ds), frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pipeline
 from pipeline.answers.discretization_error import error_in_words
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
-from pipeline.frames import frame_of, records, short
+from pipeline.frames import frame_of, records, without_columns
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.status import Summary, states
 
@@ -25,7 +25,8 @@ def status(options: argparse.Namespace) -> Result:
         frame = frame_of(_HEADS, rows)
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
         return Result(
-            text=[short(brief) if rows else f"{path} contains no results store"], frames=[frame]
+            text=[without_columns(brief) if rows else f"{path} contains no results store"],
+            frames=[frame],
         )
     state, sweep = states(path)
     text = [state.title, f"{state.total} points: {_counts(state)}"]
@@ -35,7 +36,7 @@ def status(options: argparse.Namespace) -> Result:
     text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]
     warned = None
     try:
-        warned = pipeline.warned(path)
+        warned = pipeline.points_with_warnings(path)
     except StoreError as error:  # points are counted nevertheless
         text.append(f"points with warnings could not be counted: {error}")
     frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
@@ -96,6 +97,6 @@ def verify(options: argparse.Namespace) -> Result:
     }
     document = {**counts, "damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:
-        return Result(document, text, pipeline.warned(options.store), [frame])
+        return Result(document, text, pipeline.points_with_warnings(options.store), [frame])
     text.append(REMEDY)
     return Result(document, text, frames=[frame], code=SOME_FAILED)

@@ -33,5 +33,5 @@ def _of_profile(options: argparse.Namespace) -> Result:
     pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
     with working("seeking the correlation length"):
         toml, assumed = data_sheet_toml(options.ra, options.rsm, pixel)
-    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumed, "toml": toml}
+    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumed, "random_tables": toml}
     return Result(document, [*assumed, "", *toml.splitlines()])

@@ -56,13 +56,13 @@ def run(options: argparse.Namespace) -> Result:
         *output.counted_tests(outcome.tests),
         *(f"failed: {point}" for point in failed),
     ]
-    told, is_reached = list[Any](), True
+    goals, is_reached = list[Any](), True
     if options.accuracy is not None:
         from pipeline.run.goal import reached, why_fixed
 
-        told = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
-        text += [line for one in told for line in one.lines(options.accuracy, fixed)]
-        is_reached = all(one.is_below(options.accuracy) for one in told)
+        goals = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
+        text += [line for one in goals for line in one.lines(options.accuracy, fixed)]
+        is_reached = all(one.is_below(options.accuracy) for one in goals)
     elif has_unknown_error(stored):
         text.append(error_in_words(stored))
     if failed:
@@ -79,9 +79,9 @@ def run(options: argparse.Namespace) -> Result:
             "points": tests.total, "done": tests.done, "failed": len(tests.failed),
         }  # fmt: skip
     if options.accuracy is not None:
-        document["accuracy"] = {"goal": options.accuracy, "scenes": [x._asdict() for x in told]}
+        document["accuracy"] = {"goal": options.accuracy, "scenes": [x._asdict() for x in goals]}
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
-    return Result(document, text, pipeline.warned(ds), code=code)
+    return Result(document, text, pipeline.points_with_warnings(ds), code=code)
 
 
 def _ending(ds: xr.Dataset, store: str) -> list[str]:

@@ -12,11 +12,11 @@ import xarray as xr
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
-from pipeline.answers.judge import UNKNOWN
 from pipeline.answers.units import named_value
+from pipeline.answers.verdict import UNKNOWN
 from pipeline.cli.given import conditions_in, dataset_in, operating_points_in
-from pipeline.cli.output import Result, counted, working, wrapped
-from pipeline.frames import short, some_rows
+from pipeline.cli.output import Result, pluralized, working, wrapped
+from pipeline.frames import some_rows, without_columns
 from pipeline.store.schema import PLANE
 from tribo import InputError
 
@@ -39,7 +39,9 @@ def margin(options: argparse.Namespace) -> Result:
     if is_one and (found["verdict"] == UNKNOWN).all():
         raise InputError(str(found["reason"].values.flat[0]))
     text = _margin_text(found, is_one, options.all)
-    return Result(text=wrapped(text), warned=pipeline.warned(ds), frames=[whole_frame(found)])
+    return Result(
+        text=wrapped(text), warned=pipeline.points_with_warnings(ds), frames=[whole_frame(found)]
+    )
 
 
 def _margin_text(found: xr.Dataset, is_one: bool, has_all: bool) -> list[str | pd.DataFrame]:
@@ -52,7 +54,7 @@ def _margin_text(found: xr.Dataset, is_one: bool, has_all: bool) -> list[str | p
         return [*lines, *words.common_lines(found)]
     verdicts, counts = np.unique(words.code_text(found["verdict"]).astype(str), return_counts=True)
     said = ", ".join(f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True))
-    lines += [f"{counted(int(counts.sum()), 'operating point', 'operating points')}: {said}"]
+    lines += [f"{pluralized(int(counts.sum()), 'operating point', 'operating points')}: {said}"]
     lines += [*words.conditions_lines(found), *words.not_included_lines(found)]
     frame = margin_frame(found)
     worst = frame if has_all else frame.sort_values("temperature margin [K]").head(_MOST_ROWS)
@@ -61,7 +63,7 @@ def _margin_text(found: xr.Dataset, is_one: bool, has_all: bool) -> list[str | p
         len(worst) < len(frame)
     )
     lines += [*words.reason_lines(found), *words.row_warnings(found)]
-    lines += [f"model error: {one}" for one in words.told(found, "model_error")[:1]]
+    lines += [f"model error: {one}" for one in words.attribute_texts(found, "model_error")[:1]]
     return [*lines, *words.common_lines(found)]
 
 
@@ -79,13 +81,15 @@ def boundary(options: argparse.Namespace) -> Result:
     with working("computing the boundary"):
         found = pipeline.boundary(ds, **conditions_in(options))
     parts = [name for name in map(str, found) if found[name].dims[-1:] == (options.by,)]
-    shown = short(boundary_frame(found, options.by))
+    shown = without_columns(boundary_frame(found, options.by))
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
     left = len(shown) - len(few)
     rests = [f"{left} more rows: use --all, or -o TABLE.csv"] * bool(left)
     rule = words.conditions_lines(found)
     text = [*wrapped(rule), "", few, "", *wrapped([*rests, *words.boundary_lines(found)])]
-    return Result(text=text, warned=pipeline.warned(ds), frames=[whole_frame(found, *parts)])
+    return Result(
+        text=text, warned=pipeline.points_with_warnings(ds), frames=[whole_frame(found, *parts)]
+    )
 
 
 def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
@@ -94,9 +98,9 @@ def _tests(ds: xr.Dataset, options: argparse.Namespace) -> Result:
     if not found.sizes["test"]:
         raise InputError("the scene has no tests; add [[tests]] to it")
     table = answer_frame(found)
-    lines: list[Any] = ["tests, each at its own conditions", short(table)]
+    lines: list[Any] = ["tests, each at its own conditions", without_columns(table)]
     return Result(
         text=wrapped([*lines, *words.common_lines(found)]),
-        warned=pipeline.warned(ds),
+        warned=pipeline.points_with_warnings(ds),
         frames=[whole_frame(found)],
     )

@@ -22,9 +22,9 @@ from scipy.ndimage import distance_transform_edt
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.units import value_words
+from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED
 from pipeline.figures import style
 from pipeline.figures.fields import QuantityLike, wanted_values
@@ -97,7 +97,7 @@ def diagram(
     bulk = float(found["bulk_temperature"].values.flat[0])
     tests, entry, caption = mark_tests(axes, case, bulk)
     marked = [*tests, *places]
-    each = [f"conditions: {one}" for one in words.told(found, "conditions")]
+    each = [f"conditions: {one}" for one in words.attribute_texts(found, "conditions")]
     legend = Legend()
     if several:
         x, y, plane = _plane(ds, case, conditions)
@@ -118,7 +118,9 @@ def diagram(
     surface = f", of which surface sampling {realization}" * (realization is not None)
     style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     legend |= entry
-    notes = [*words.not_included_lines(found)][:1] + split_notes(words.told(found, "notes"))[:1]
+    notes = [*words.not_included_lines(found)][:1] + split_notes(
+        words.attribute_texts(found, "notes")
+    )[:1]
     style.legend_below(
         figure,
         2 if len(legend) == 4 else 3,

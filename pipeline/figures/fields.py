@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.condition_words import heating_words
 from pipeline.answers.conditions import in_array
-from pipeline.answers.judge import conditions_of
 from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
+from pipeline.answers.verdict import conditions_of
 from pipeline.answers.words import extending, outside
 from pipeline.figures import style
 from pipeline.quantities import shown_in

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from pipeline.answers.condition_words import governing_words, heating_words
 from pipeline.answers.field import Field
 from pipeline.answers.scene_notes import warning_lines
-from pipeline.answers.specimen import specimen_of
+from pipeline.answers.surface_sampling import specimen_of
 from pipeline.figures import style
 from pipeline.figures.fields import (
     PointIndex,

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import sweep_of
+from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from tribo import InputError
@@ -78,9 +78,9 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     shown = axes.set_yticks(ticks, [labels[k] for k in ticks])
     for side in ticks:
         likely = found["probability"].values[side]
-        told = "" if np.isnan(likely) else words.probability_text(likely)
+        text = "" if np.isnan(likely) else words.probability_text(likely)
         axes.annotate(
-            "unknown" if np.isnan(margin[side]) else told, (1.0, side), (4, 0),
+            "unknown" if np.isnan(margin[side]) else text, (1.0, side), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
             annotation_clip=False, fontsize="small",
             fontweight="bold" if side == decides else "normal",
@@ -95,7 +95,7 @@ def draw_rows(found: xr.Dataset, title: str) -> Figure:
     style.write_title(axes, title)
     lines = [f"most critical: {names[decides]}"]
     lines += words.conditions_lines(found)
-    lines += [f"model error: {one}" for one in words.told(found, "model_error")[:1]]
+    lines += [f"model error: {one}" for one in words.attribute_texts(found, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 

@@ -63,7 +63,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     axes.set(xlabel="computed rise ratio of the test")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
-    caption = f"model error: {words.told(found, 'model_error')[0]}"
+    caption = f"model error: {words.attribute_texts(found, 'model_error')[0]}"
     if missing := found.sizes["test"] - len(pairs):
         caption += f"\n{missing} of {found.sizes['test']} tests have no result"
     style.legend_below(

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
-from pipeline.frames import cells_of, short
+from pipeline.frames import cells_of, without_columns
 
 _NARROW = 0.075  # width of figures on a telephone [m]
 
@@ -57,7 +57,7 @@ def as_sentence(line: str) -> str:
 
 def table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
     """Table with the values of a data frame; the row number `bold` stands out."""
-    frame = short(frame.replace("", None))
+    frame = without_columns(frame.replace("", None))
     heads = [str(head).replace("_", " ") for head in frame]
     return Grid(caption, heads, cells_of(frame, "–", digits=3), bold)
 

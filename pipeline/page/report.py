@@ -22,12 +22,12 @@ from jinja2 import Environment
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
-from pipeline.answers.judge import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
+from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
 from pipeline.figures.tests import draw_tests
-from pipeline.frames import short, writable_path, write_text
+from pipeline.frames import without_columns, writable_path, write_text
 from pipeline.page.parts import (
     Grid,
     Items,
@@ -76,7 +76,7 @@ _NO_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
 _AS_COMPUTED = "Critical velocity as computed"
-_MOST_TOLD = 12  # loads of a boundary that are told in place of a figure
+_MOST_LISTED = 12  # loads of a boundary that are listed in place of a figure
 
 
 Conditions = Mapping[str, Any]
@@ -151,9 +151,11 @@ def report(
         found = pipeline.margin(ds, **asked, **conditions)
     if found is None:
         line = words.next_run_line
-        told = pipeline.boundary(ds, **conditions)
-        said = [] if told["critical_velocity"].ndim > 1 else [as_sentence(line(told))]
-        said += map(as_sentence, words.not_included_lines(told))
+        plane_answer = pipeline.boundary(ds, **conditions)
+        said = (
+            [] if plane_answer["critical_velocity"].ndim > 1 else [as_sentence(line(plane_answer))]
+        )
+        said += map(as_sentence, words.not_included_lines(plane_answer))
         plane = _plane(ds, conditions)
         answer = Answer("", "Boundary between mild and severe wear", said, plane)
     elif not found.sizes:
@@ -242,8 +244,8 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     else:
         sections.append(("Errors", [Items(_errors(words.model_error_line(found)))]))
     counts = Counter(verdicts)
-    told = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
-    said = [f"Operating points: {told}.", *map(as_sentence, words.not_included_lines(found))]
+    numbers = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
+    said = [f"Operating points: {numbers}.", *map(as_sentence, words.not_included_lines(found))]
     if codes[decides] in HEADLINES:
         said.insert(0, _verdict(found.isel({row: decides})))
     return Answer(verdict, headline, said, sections)
@@ -251,7 +253,7 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
 
 def _verdict(here: xr.Dataset) -> str:
     """The sentence on one operating point, whose verdict the headline has."""
-    verdict, _, rest = words.sentence(here).partition(": ")
+    verdict, _, rest = words.headline(here).partition(": ")
     begins = "probability of severe wear "
     return as_sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
 
@@ -268,13 +270,13 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
     first = found.isel({dim: 0 for dim in found["critical_velocity"].dims if dim != "load"})
     columns = first["load"].values, first["critical_velocity"].values
     each = zip(*columns, words.outcome_texts(first, "velocity"), strict=True)
-    told = (
+    parts = (
         f"{load:g} N: {outcome if math.isnan(speed) else f'{speed:.3g} m/s'}"
-        for load, speed, outcome in itertools.islice(each, _MOST_TOLD)
+        for load, speed, outcome in itertools.islice(each, _MOST_LISTED)
     )
     alt = (
         f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
-        f"normal load. Computed critical velocity by load: {'; '.join(told)}"
+        f"normal load. Computed critical velocity by load: {'; '.join(parts)}"
     )
     caption = as_sentence(words.conditions_lines(found)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
@@ -290,7 +292,9 @@ def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ())
         needless.append("with tests, 50 % [m/s]")
     crosses = bool(found["critical_velocity"].notnull().all())
     is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
-    grid = table_of(short(boundary_frame(found), needless + ["outcome"] * is_plain), title)
+    grid = table_of(
+        without_columns(boundary_frame(found), needless + ["outcome"] * is_plain), title
+    )
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
@@ -311,9 +315,9 @@ def _errors(*lines: str) -> list[str]:
 def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
     """Yield tests beside what is computed for them."""
     found = pipeline.compare_tests(ds, **conditions)
-    told = "Computed rise ratio of each test, next to its outcome."
-    alt = f"{told} The table below has the numbers."
-    yield picture_of(lambda: draw_tests(ds, conditions), told, alt)
+    caption = "Computed rise ratio of each test, next to its outcome."
+    alt = f"{caption} The table below has the numbers."
+    yield picture_of(lambda: draw_tests(ds, conditions), caption, alt)
     table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
     y = found["log_rise_ratio"].values
     computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
@@ -342,8 +346,8 @@ def _common(
     inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], rows)
     yield "Conditions and inputs", [inputs]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
-    notes = split_notes(words.told(pipeline.points(ds, **single), "notes"))
-    limits = map(as_sentence, without_help([*notes, *pipeline.warned(ds).lines()]))
+    notes = split_notes(words.attribute_texts(pipeline.points(ds, **single), "notes"))
+    limits = map(as_sentence, without_help([*notes, *pipeline.points_with_warnings(ds).lines()]))
     others = [line for line in limits if line not in said]
     yield "What is not covered", [_MODEL, *[Items(others)] * bool(others)]
     choices = [

@@ -12,8 +12,8 @@ import xarray as xr
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import PARTS, SURFACE, total
-from pipeline.answers.judge import Judge, JudgedCase
 from pipeline.answers.results import CaseResults, ascending, cases_of
+from pipeline.answers.verdict import JudgedCase, VerdictModel
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
@@ -169,16 +169,16 @@ def searches(
 ) -> Iterator[tuple[CaseResults, Search]]:
     """The search of each case of a store, in the present state."""
     for case in cases:
-        judge = JudgedCase(case).under(case.sweep.conditions)
-        yield case, search_of(judge, Goal(accuracy, realizations, not is_fixed))
+        model = JudgedCase(case).under(case.sweep.conditions)
+        yield case, search_of(model, Goal(accuracy, realizations, not is_fixed))
 
 
-def search_of(judge: Judge, goal: Goal) -> Search:
+def search_of(model: VerdictModel, goal: Goal) -> Search:
     """The search of one case by what answers know of it."""
-    case, specimen = judge.case, judge.specimen
-    first = case.log_rises(judge.conditions)[0] + specimen.offset - judge.limit
+    case, specimen = model.case, model.specimen
+    first = case.log_rises(model.conditions)[0] + specimen.offset - model.limit
     tried = np.isin(case.status, (DONE, FAILED))
-    return Search(specimen, judge.limit, judge.promised, first, tried, goal)
+    return Search(specimen, model.limit, model.promised, first, tried, goal)
 
 
 class Reached(NamedTuple):

@@ -25,7 +25,7 @@ from pipeline.answers.error import (
     rise_errors,
     velocity_errors,
 )
-from pipeline.answers.specimen import Specimen
+from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from tribo.types import Array, Indices, Mask

@@ -41,7 +41,7 @@ from tribo import InputError, SelfAffineRoughness
 _FIXED = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
 _PLACE = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
-Row = dict[str, Any]
+CaseRow = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,9 @@ class Cases:
         return Cases(self.table * other.table, both)
 
 
-def with_first_case(entries: Entries, files: Files, faults: Faults) -> tuple[Entries, list[Row]]:
+def with_first_case(
+    entries: Entries, files: Files, faults: Faults
+) -> tuple[Entries, list[CaseRow]]:
     """Entries with the first value of ``over``, and the first row of ``along``, as defaults.
 
     Also returns the rows of ``along``, as entries by heading. Faulty rows are added to `faults`,
@@ -80,7 +82,7 @@ def with_first_case(entries: Entries, files: Files, faults: Faults) -> tuple[Ent
     return merged(replace_values({}, own), replace_values(entries, axes)), rows
 
 
-def _listed_rows(written: Any, files: Files, faults: Faults) -> list[Row]:
+def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
     if isinstance(written, list) and len(written) > MOST_SCENES:
         return []  # refused by the format
@@ -119,17 +121,17 @@ def _read_columns(sheet: Sheet, needed: tuple[str, ...]) -> list[TableColumn]:
     return columns
 
 
-def _place_of(number: int, row: Row, first: Row, faults: Faults) -> Row:
+def _place_of(number: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
     """Load and velocity of a row."""
     if other := row.keys() ^ first.keys():
         problem = f"not every row has {', '.join(sorted(other))}; add it to all rows"
         faults.refuse(f"sweep.along[{number}]", problem)
     place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
-    read: Row = _PLACE.read(place, f"sweep.along[{number}]", faults)
+    read: CaseRow = _PLACE.read(place, f"sweep.along[{number}]", faults)
     return read
 
 
-def listed_cases(scene: Built, along: list[Row]) -> Cases:
+def listed_cases(scene: Built, along: list[CaseRow]) -> Cases:
     """Cases of a scene: the rows of ``along``, by ``over``, by the seeds of its surfaces."""
     sweep, cases = scene.tables.sweep, Cases()
     if along:
@@ -160,7 +162,7 @@ def _cases_over(over: dict[str, Any]) -> Cases:
     return cases
 
 
-def _cases_along(rows: list[Row]) -> Cases:
+def _cases_along(rows: list[CaseRow]) -> Cases:
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
     found = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = {

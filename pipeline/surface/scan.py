@@ -186,8 +186,8 @@ def _read(path: Path, content: bytes) -> _File:
             "lines above the numbers, and give height_unit and pixel_size"
         )
     remarks = [one for one in text.splitlines() if one.lstrip()[:1] == "#"]
-    told = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
-    return _File(_require_map(matrix).T, notes=told[: len(remarks)])
+    found = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
+    return _File(_require_map(matrix).T, notes=found[: len(remarks)])
 
 
 def _array(content: bytes) -> Array:
@@ -330,8 +330,8 @@ def _of_library(reader: Any) -> _File:
         size = " × ".join(map(str, heights.shape))
         raise InputError(f"{size} heights are too few; give {_NARROWEST} along each side")
     names = [one.name for one in reader.channels]
-    told = (f"{channel.name} is read, of the channels {', '.join(names)}",)
-    notes = told[: len(names) - 1]
+    found = (f"{channel.name} is read, of the channels {', '.join(names)}",)
+    notes = found[: len(names) - 1]
     if topography.unit is None:
         return _File(heights, notes=notes)
     sides = [float(side) for side in topography.to_unit("m").pixel_size]

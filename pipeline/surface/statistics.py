@@ -48,7 +48,7 @@ class SurfaceStatistics:
     fitted: ArealRoughness  #: Of a random surface by the fit, in the window of the scan.
     heights: Array = field(repr=False)  #: Heights above the form [m], missing ones filled.
     fitted_heights: Array = field(repr=False)  #: Those of the random surface [m].
-    scan_toml: str = field(repr=False)  #: Tables of a scene that simulates the scan itself.
+    scan_tables: str = field(repr=False)  #: Tables of a scene that simulates the scan itself.
     notes: tuple[str, ...] = ()  #: On holes, doubtful units, and arguments that override the file.
     drawn_by: ClassVar = "pipeline.figures.scan:draw_surface"
 
@@ -80,7 +80,7 @@ class SurfaceStatistics:
             yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
 
     @property
-    def toml(self) -> str:
+    def random_tables(self) -> str:
         """Table ``[disk.roughness]`` of a scene, as text, for the random surface."""
         fit = self.fit
         return roughness_toml(self.roughness.sa, fit.hurst_exponent, fit.correlation_length)
@@ -88,7 +88,10 @@ class SurfaceStatistics:
     def as_dict(self) -> dict[str, Any]:
         """All statistics as plain data, without heights, and with the table as text."""
         kept = replace(self, heights=np.empty(0), fitted_heights=np.empty(0))
-        document = asdict(kept) | {"faults_of_fit": [*self.faults_of_fit], "toml": self.toml}
+        document = asdict(kept) | {
+            "faults_of_fit": [*self.faults_of_fit],
+            "random_tables": self.random_tables,
+        }
         return {key: one for key, one in document.items() if not key.endswith("heights")}
 
     def lines(self) -> Iterator[str]:
@@ -119,8 +122,8 @@ class SurfaceStatistics:
     @property
     def tables(self) -> str:
         """Tables of a scene as text: the random surface's and the scan's, the better one first."""
-        random = "for a random surface by the fit", self.toml
-        scan = "for the scan itself", self.scan_toml
+        random = "for a random surface by the fit", self.random_tables
+        scan = "for the scan itself", self.scan_tables
         both = (scan, random) if self.faults_of_fit else (random, scan)
         return "\n".join(f"In a scene, {use}:\n\n{toml}" for use, toml in both)
 
@@ -177,8 +180,8 @@ def surface_statistics(
     Returns
     -------
     SurfaceStatistics
-        Roughness of the scan and of the random surface that fits it best; ``toml`` has the table of
-        this for a scene.
+        Roughness of the scan and of the random surface that fits it best; ``random_tables`` has
+        the table of this for a scene.
 
     Raises
     ------
@@ -199,7 +202,7 @@ def surface_statistics(
     >>> from tribo.surface import self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
     >>> np.save("results/scan.npy", heights * 1e6)
-    >>> print(surface_statistics("results/scan.npy", "um", ("1 um", "1 um")).toml)
+    >>> print(surface_statistics("results/scan.npy", "um", ("1 um", "1 um")).random_tables)
     [disk.roughness]
     ra = "0.299 um"
     hurst_exponent = 0.876
@@ -223,7 +226,7 @@ def surface_statistics(
         found = _statistics(str(path), scan, missing)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return replace(found, scan_toml=_scan_toml(found, unit, given, missing))
+    return replace(found, scan_tables=_scan_tables(found, unit, given, missing))
 
 
 def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
@@ -254,7 +257,7 @@ def _doubts(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
         yield "neighbouring heights are hardly correlated: noise, or too coarse pixels"
 
 
-def _scan_toml(
+def _scan_tables(
     found: SurfaceStatistics,
     unit: float | None,
     sides: tuple[float, float] | None,

@@ -22,7 +22,7 @@ PLACE_UNITS = {"load": "N", "velocity": "m/s"}
 """Columns with a load or a velocity of each row's own, and their units."""
 Label = float | int | str
 """Value of a row in a column."""
-Row = Mapping[str, Label]
+CaseRow = Mapping[str, Label]
 """A row: its labels by column [SI]."""
 CaseName = tuple[tuple[str, Label], ...]
 """Name of a case: the dimensions in front of load and velocity, each with the row's label."""
@@ -76,7 +76,7 @@ class CaseTable:
     """
 
     columns: tuple[Column, ...] = ()
-    rows: tuple[Row, ...] = ({},)
+    rows: tuple[CaseRow, ...] = ({},)
 
     def __post_init__(self) -> None:
         if any(row.keys() != {one.name for one in self.columns} for row in self.rows):
@@ -92,7 +92,7 @@ class CaseTable:
         return CaseTable(self.columns + other.columns, tuple(rows))
 
     @cached_property
-    def by_name(self) -> dict[CaseName, Row]:
+    def by_name(self) -> dict[CaseName, CaseRow]:
         """Rows of the table by the names of cases; `InputError` if two have the same name."""
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row[dim]) for dim in dims]): row for row in self.rows}
@@ -133,7 +133,7 @@ class CaseTable:
         """Table of the cases that the user chose, without random surfaces."""
         seeds = {one.name for one in self.columns if one.is_seed}
         columns = tuple(one for one in self.columns if not one.is_seed)
-        rows = dict[CaseName, Row]()
+        rows = dict[CaseName, CaseRow]()
         for row in self.rows:
             own = {name: label for name, label in row.items() if name not in seeds}
             rows.setdefault((*own.items(),), own)
@@ -202,7 +202,7 @@ def surfaces(seeds: Sequence[int]) -> CaseTable:
     return CaseTable((column,), tuple({name: seed} for seed in seeds)) if seeds else CaseTable()
 
 
-def numbered_cases(columns: Iterable[Column], rows: Iterable[Row]) -> CaseTable:
+def numbered_cases(columns: Iterable[Column], rows: Iterable[CaseRow]) -> CaseTable:
     """Table of cases numbered from 0, with `columns`."""
     number = Column(CASE, meaning=ROWS[CASE])
     along = (replace(one, along=CASE) for one in columns)

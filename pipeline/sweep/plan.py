@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.sweep.case_table import CaseName, Row
+from pipeline.sweep.case_table import CaseName, CaseRow
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
@@ -126,7 +126,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     )
 
 
-def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
+def _places(row: CaseRow, axis: str, usual: Sequence[float]) -> Sequence[Any]:
     """Loads or velocities (`axis`) of a case: its own single value, else `usual`."""
     return (row[axis],) if axis in row else usual
 

@@ -19,7 +19,7 @@ from scipy.stats import binom
 import pipeline
 from pipeline.answers.discretization_error import preset_bound
 from pipeline.answers.error import INTERPOLATION, rise_errors, total
-from pipeline.answers.specimen import merged
+from pipeline.answers.surface_sampling import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.case_table import CaseTable
 from pipeline.sweep.plan import choose_stored_steps, run_point

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.answers.posterior import Outcome, Prior, update
 from tests.helpers.campaigns import conclude, table
 
 KINDS = "transitions", "stages", "outcomes"

@@ -17,8 +17,8 @@ import numpy as np
 
 import pipeline
 from pipeline.answers.error import SURFACE, rise_errors
-from pipeline.answers.judge import JudgedCase
 from pipeline.answers.results import cases_of
+from pipeline.answers.verdict import JudgedCase
 from tests.helpers.campaigns import conclude, table
 
 SCENES = {

@@ -180,5 +180,5 @@ def test_the_sliders_show_what_the_commands_answer():
         figure = eval(call, names)
     judged = {"friction": 0.12, "bulk_temperature": "40 degC"}
     here = names["pipeline"].margin(names["ds"], 400.0, 1.6, **judged)
-    assert names["sentence"](here) in said.getvalue()
+    assert names["headline"](here) in said.getvalue()
     assert isinstance(figure, Figure)

@@ -31,7 +31,7 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
     found = pipeline.summary(store)
     assert (found.done, found.failed) == (found.total, ())
     ds = pipeline.open_sweep(store)
-    assert pipeline.warned(ds).points == 0
+    assert pipeline.points_with_warnings(ds).points == 0
     velocities = pipeline.boundary(ds)["critical_velocity"]
     assert velocities.notnull().all()
     assert (velocities.diff("load") < 0).all()

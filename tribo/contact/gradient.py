@@ -46,7 +46,7 @@ def gradient_step(
     metric = problem.metric_on(nodes)
     if metric:
         old = pressure.take(nodes)
-        goal = old - gradient.length * metric.solve(gap.take(nodes))
+        goal = old - gradient.length * metric.steepest_direction(gap.take(nodes))
         step = np.zeros(pressure.shape)
         step.reshape(-1)[nodes] = problem.bounded_pressure(goal, nodes, pressure, metric) - old
     else:

@@ -86,7 +86,7 @@ class RowMetric:
     >>> metric = RowMetric(1.0, 2.0, rows=np.array([3, 3]))
     >>> metric.square(np.array([1.0, 3.0]))
     42.0
-    >>> metric.solve(np.array([1.0 + 2 * 4, 3.0 + 2 * 4]))
+    >>> metric.steepest_direction(np.array([1.0 + 2 * 4, 3.0 + 2 * 4]))
     array([1., 3.])
     """
 
@@ -110,8 +110,8 @@ class RowMetric:
         rows = self._sums(step)
         return self._d * float((step * step).sum()) + self._k * float((rows * rows).sum())
 
-    def solve(self, gradient: Array) -> Array:
-        """M⁻¹ gradient: in this metric, the direction in which the energy rises fastest."""
+    def steepest_direction(self, gradient: Array) -> Array:
+        """M⁻¹ gradient: the direction in which the energy rises fastest in this metric."""
         mean = self._sums(gradient) / self._count
         return np.asarray(
             (gradient - mean[self._row]) / self._d + (self._softness * mean)[self._row]

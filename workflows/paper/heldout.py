@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.results import cases_of
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.sweep.conditions import known_critical_temperature

@@ -16,9 +16,9 @@ from pipeline.answers.error import (
     rise_errors,
     velocity_errors,
 )
-from pipeline.answers.likelihood import Outcome, Prior, update
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.specimen import merged
+from pipeline.answers.posterior import Outcome, Prior, update
+from pipeline.answers.surface_sampling import merged
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
 

@@ -9,7 +9,7 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import t as student
 
 import pipeline
-from pipeline.answers.likelihood import Prior, update
+from pipeline.answers.posterior import Prior, update
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test

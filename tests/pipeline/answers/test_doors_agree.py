@@ -330,17 +330,22 @@ def test_conditions_of_any_type_are_read_by_every_door_or_refused_in_a_line(name
         same(pipeline.margin(plane(), 400.0, 2.0, **told)["probability"], usual()[0])
         same(pipeline.boundary(plane(), **told)["critical_velocity"], usual()[1])
         return
-    for door, place in (("margin", (400.0, 2.0)), ("boundary", ()), ("points", ()), ("warned", ())):
+    for door, place in (
+        ("margin", (400.0, 2.0)),
+        ("boundary", ()),
+        ("points", ()),
+        ("points_with_warnings", ()),
+    ):
         with pytest.raises(InputError, match=re.escape(said)) as error:
             getattr(pipeline, door)(plane(), *place, **told)
         assert "\n" not in str(error.value)
 
 
 def test_only_margin_and_boundary_take_several_values():
-    for door in ("points", "compare_tests", "warned", "infer", "temperatures"):
+    for door in ("points", "compare_tests", "points_with_warnings", "infer", "temperatures"):
         with pytest.raises(InputError, match="friction takes a single value here"):
             getattr(pipeline, door)(plane(), friction=[0.1, 0.2])
     for given in (None, 5, plane()["status"]):
         for door in ("margin", "boundary", "points", "infer", "temperatures"):
-            with pytest.raises(InputError, match=f"a sweep cannot be a {type(given).__name__}"):
+            with pytest.raises(InputError, match=f"not a {type(given).__name__}"):
                 getattr(pipeline, door)(given)

@@ -10,7 +10,7 @@ from scipy.stats import t
 
 import pipeline
 from pipeline.answers.error import PARTS, realizations_needed, surface_sampling_bound
-from pipeline.answers.specimen import JackknifeQuality
+from pipeline.answers.surface_sampling import JackknifeQuality
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic

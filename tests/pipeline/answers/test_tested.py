@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.field import Outcome as Along
-from pipeline.answers.likelihood import Outcome, Prior, update
+from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked

@@ -18,7 +18,7 @@ def drawn(monkeypatch):
 
     monkeypatch.setattr(given, "dataset_in", lambda options: "judged")
     monkeypatch.setattr(pipeline, "plot", draw)
-    monkeypatch.setattr(pipeline, "warned", lambda ds: None)
+    monkeypatch.setattr(pipeline, "points_with_warnings", lambda ds: None)
     return asked
 
 

@@ -190,8 +190,8 @@ def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
         (tmp_path / "a.toml").write_text(head + toml)
         return load_scene(tmp_path / "a.toml").scene.roughness
 
-    assert roughness(found.toml).ra == pytest.approx(found.roughness.sa, rel=1e-3)
-    scan = roughness(f"{found.scan_toml}pixels = [96, 64]\n").array
+    assert roughness(found.random_tables).ra == pytest.approx(found.roughness.sa, rel=1e-3)
+    scan = roughness(f"{found.scan_tables}pixels = [96, 64]\n").array
     assert scan.std() == pytest.approx(found.heights.std(), rel=0.01)
 
 

@@ -88,6 +88,6 @@ def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
 
 def test_ra_and_rsm_of_a_profile_make_a_table(irg):
     found = irg("surface", "--ra", "0.2 um", "--rsm", "60 um", "--json")
-    table = tomllib.loads(found["toml"])["disk"]["roughness"]
+    table = tomllib.loads(found["random_tables"])["disk"]["roughness"]
     assert (table["ra"], table["hurst_exponent"]) == ("0.2 um", 0.8)
     assert 1e-6 < to_si(table["correlation_length"], "1 um") < 60e-6

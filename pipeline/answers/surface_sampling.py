@@ -71,7 +71,7 @@ class Specimen(NamedTuple):
 
 def specimen_of(case: CaseResults, conditions: Conditions, flags: Indices) -> Specimen:
     """The specimen of a case; `flags` (m, n_load, n_velocity) are sums of `WarningKind` codes."""
-    counts = case.counted
+    counts = case.usable_realizations
     y, sampling = case.log_rises(conditions)[counts], case.sampling(conditions)[counts]
     durations, kinds = case.durations[counts].max(axis=0), np.bitwise_or.reduce(flags[counts], 0)
     sampling = _stated(sampling)
@@ -107,7 +107,7 @@ def merged(
         level = np.where(np.isnan(level), own - differences[-1], level)
     has_point = np.asarray(np.isfinite(y).any(axis=2))
     has_point[0] = has_point.any(axis=0)
-    is_alone = _alone(has_point)
+    is_alone = _between_several(has_point)
     known = has_point & ~is_alone
     apart = np.where(known[..., None], np.array(differences), np.nan)
     if is_highest:
@@ -156,7 +156,7 @@ def _along_load(loads: Array, values: Array, rows: Mask) -> Array:
     return np.transpose([np.interp(x, x[rows], column) for column in values[rows].T])
 
 
-def _alone(has_point: Mask) -> Mask:
+def _between_several(has_point: Mask) -> Mask:
     """Mask of the loads (n_load,) of one realization (m, n_load) between loads of several."""
     counts, number = has_point.sum(axis=0), np.arange(has_point.shape[1])
     several = np.flatnonzero(counts > 1)

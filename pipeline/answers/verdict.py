@@ -24,7 +24,7 @@ from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
 from pipeline.answers.pchip import at_nodes
 from pipeline.answers.results import CaseResults
-from pipeline.answers.specimen import Specimen, specimen_of
+from pipeline.answers.surface_sampling import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out
 from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED, FARTHEST
@@ -64,7 +64,7 @@ class JudgedCase:
             self._held[key] = make()
         return self._held[key]
 
-    def under(self, conditions: Conditions) -> Judge:
+    def under(self, conditions: Conditions) -> VerdictModel:
         """The judge under `conditions`, of which points may have another friction and bulk."""
         c, from_tests = conditions, self.case.sweep.base.critical_from_tests
         if not from_tests:
@@ -77,12 +77,12 @@ class JudgedCase:
             others = "from tests", c.added_rise_fraction, c.critical_area_fraction, c.corrections
             found = self._once(others, lambda: critical_temperature_of(self.case, specimen, c))
             c = replace(c, critical_temperature=found.temperature)
-            return Judge(self, c, specimen, replace(found.evidence, critical=found))
+            return VerdictModel(self, c, specimen, replace(found.evidence, critical=found))
         oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
         evidence = self._once(
             ("evidence", *oil, c.corrections), lambda: evidence_of(self.case, specimen, c)
         )
-        return Judge(self, c, specimen, evidence)
+        return VerdictModel(self, c, specimen, evidence)
 
     def film_excess(self, at: Operation) -> Array | None:
         """Ln of the film's pressure over that which carries a fifth of the load (k,); NaN unknown.
@@ -111,7 +111,7 @@ def conditions_of(case: CaseResults, given: Mapping[str, Any]) -> Conditions:
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
+class VerdictModel:
     """What is stated of operating points of one case, under its conditions."""
 
     judged_case: JudgedCase
@@ -229,13 +229,13 @@ class Judge:
 
     def _withhold(self, verdict: Array, reason: Any, at: Operation) -> Mask:
         """Points at which tests do not allow the verdict; `reason` gets why, in words."""
-        told = ruled_out(self.case, self.evidence, self.conditions, at)
+        rulings = ruled_out(self.case, self.evidence, self.conditions, at)
         open_mild, open_severe = self.evidence.withheld
-        no_mild, no_severe = told.mild | bool(open_mild), told.severe | bool(open_severe)
+        no_mild, no_severe = rulings.mild | bool(open_mild), rulings.severe | bool(open_severe)
         against = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
         for k in np.flatnonzero(against).tolist():
             why = open_mild if verdict[k] == MILD else open_severe
-            reason[k] = why or f"{told.names[k]} rules it out"
+            reason[k] = why or f"{rulings.names[k]} rules it out"
         return np.asarray(against)
 
     def _reasons(self, at: Operation, rise: Array) -> Any:
@@ -293,7 +293,9 @@ class Judge:
         It is the first such velocity, for a probability above a half the last. NaN where there is
         none among the velocities of the sweep, or where a film carries too much.
         """
-        levels = self.limits(at) + self.evidence.levels(probability, at.bulk_temperature)
+        levels = self.limits(at) + self.evidence.log_rise_ratio_quantiles(
+            probability, at.bulk_temperature
+        )
         lines = self.field.along_velocity(at.load, levels, FARTHEST)
         last = np.where(lines.ends_severe, np.fmax.reduce(lines.places, axis=1), np.nan)
         found = last if probability > 0.5 else lines.critical
@@ -309,7 +311,7 @@ class Judge:
         return velocity_errors(self.field, parts, self.promised, loads, velocities)
 
 
-def passes_severe(judge: Judge, at: Operation, line: dict[str, Any], margin: Array) -> Mask:
+def passes_severe(model: VerdictModel, at: Operation, line: dict[str, Any], margin: Array) -> Mask:
     """Mild points at whose velocity wear is severe at a lower load, through which a ramp passes."""
     lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
     return np.asarray((lowest < at.load) & (margin >= 0))
