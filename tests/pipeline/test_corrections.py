@@ -15,7 +15,7 @@ from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
-from tribo import Corrections, Friction
+from tribo import Corrections, Friction, InputError
 
 RISE, ADDED = {"added_rise_fraction": "+6 %"}, 1.06
 LINE = "+6 % is added to the rise for effects outside the model (irg help physics)"
@@ -172,3 +172,37 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
     point = run_point(sweep_under(LOADINGS[loading], motion), LOAD, VELOCITY)
     verdict = point.verdict(sweep.conditions)
     assert margin.governing_temperature == pytest.approx(verdict.governing_temperature, rel=1e-9)
+
+
+# A scene without a critical temperature can do all that needs none.
+
+UNKNOWN = replace(tiny.sweep().conditions, critical_temperature=None)
+
+
+def test_without_a_critical_temperature_temperatures_are_known_and_no_boundary(alone):
+    ds = with_fields(pipeline.open_sweep(alone), conditions=UNKNOWN)
+    found = pipeline.temperatures(ds)
+    assert np.isfinite(found["max_temperature"].values).any()
+    assert "failed_area_fraction" not in found
+    for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
+        with pytest.raises(InputError, match=r"temperature is needed.*--critical-temperature"):
+            judge(ds)
+    assert pipeline.plot(ds, "ramp").axes
+    crossings = pipeline.boundary(ds, critical_temperature=330.0)
+    assert crossings["critical_velocity"].notnull().any()
+
+
+def test_a_scene_file_may_leave_it_out(tmp_path, irg):
+    (tmp_path / "known.toml").write_text(SCENE)
+    scene = tmp_path / "scene.toml"
+    scene.write_text('extends = "known.toml"\nwithout = ["temperature.critical"]\n')
+    assert pipeline.load_scene(scene).conditions == UNKNOWN
+    place = ["--load", "200 N", "--velocity", "1 m/s"]
+    (row,) = irg("point", scene, *place, "--json")
+    assert "verdict" not in row
+    assert row["highest temperature [°C]"] > 25
+    assert "without temperature.critical there is no verdict" in irg("point", scene, *place)
+    out = str(tmp_path / "out.zarr")
+    assert "a critical temperature is needed" in irg(
+        "run", scene, "--accuracy", "2%", "-o", out, "--workers", "1", code=2
+    )

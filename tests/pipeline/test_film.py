@@ -3,7 +3,6 @@
 import functools
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,7 +160,6 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypa
 
 # In which regime of lubrication a crossing lies.
 
-WORKFLOWS = Path(__file__).parents[3] / "workflows"
 WHITE = Oil((32e-6, 5e-6), 866.0, 20e-9)
 LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5, 2.25, 3.75])
 
@@ -172,7 +170,7 @@ def film_of(sweep):
 
 @pytest.fixture(scope="module")
 def sweep():
-    return changed(pipeline.load_scene(WORKFLOWS / "first_try.toml"), oil=WHITE)
+    return changed(pipeline.load_scene("first_try"), oil=WHITE)
 
 
 def test_film_parameters_of_the_papers_transitions(sweep):

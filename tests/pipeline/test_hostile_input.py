@@ -144,6 +144,3 @@ def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(
     code, megabytes = done.stdout.split()[-2:]
     assert code == "2"
     assert int(megabytes) < 300
-
-
-# Scenes and stores of strangers: nothing that they name is imported, run or called.

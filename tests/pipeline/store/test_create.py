@@ -129,9 +129,6 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
-# Points of another store
-
-
 @pytest.mark.parametrize("loads", [(100.0, 250.0, 900.0), (900.0, 100.0, 250.0)])
 def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(path, loads):
     asked = set()

@@ -7,7 +7,6 @@ import pytest
 
 import tribo
 from pipeline import run_point
-from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import choose_stored_steps
@@ -28,17 +27,6 @@ def same(first, second):
     for name, values in (first.columns | first.fields).items():
         assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
     return first.warnings == second.warnings
-
-
-@pytest.mark.parametrize(("load", "count"), [(150.0, 3), (400.0, 4)])
-def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, count):
-    result = run_point(SWEEP, load, 1.0)
-    assert len(choose_stored_steps(SWEEP).kept(SWEEP.scene, load)) == count
-    names = COLUMNS.keys() | MADE.keys()
-    assert {k: len(values) for k, values in result.columns.items()} == dict.fromkeys(names, count)
-    assert result.columns["normal_load"][-1] == load
-    assert result.columns["rise_quantile"].shape == (count, len(tribo.QUANTILES))
-    assert all(np.isfinite(values).all() for values in result.columns.values())
 
 
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
