@@ -71,96 +71,97 @@ def test_from_so_many_elements_in_contact_on_there_are_enough(name):
         assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
-@pytest.mark.parametrize(
-    ("pin", "places", "words"),
-    [
-        (BALL, np.s_[10:21, 1:15], "11 elements wide"),
-        (BALL, np.s_[10:22, 2:14], None),
-        (None, np.s_[10:15], "5 elements wide"),
-        (None, np.s_[10:16], None),
-    ],
-)
-def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, words):
-    scene = small_scene(periodic=(False, not pin))
-    scene = replace(scene, pin=pin or scene.pin)
-    assert_told(words, scene, touching(scene, places), WarningKind.COARSE_PIXELS)
-    coarser = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=2))
-    small = texts(coarser, touching(coarser, np.s_[4:7, 3:6]), WarningKind.COARSE_PIXELS)
-    assert "use smaller elements" in small[0]
+SMALL, BALL_SCENE = small_scene(), replace(small_scene(periodic=(False, False)), pin=BALL)
+FREE_BALL = replace(
+    SMALL, pin=BALL, roughness=None, wear=Wear(3e-15),
+    pixels=Grid((32, 32), (25e-6, 25e-6), (False, False)),
+)  # fmt: skip
+ROLLING_TURN = 2 * np.pi * SMALL.pin.radius / 0.5  # [s], rolling at half of 1 m/s of sliding
 
 
-@pytest.mark.parametrize(
-    ("length", "words"), [(15e-6, "1.9 pixels along x and 1.9 pixels along y"), (16e-6, None)]
-)
-def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, words):
-    scene = small_scene()
-    scene = replace(scene, roughness=replace(scene.roughness, correlation_length=(length, length)))
-    assert_told(words, scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
+def correlated(length):
+    return replace(SMALL, roughness=replace(SMALL.roughness, correlation_length=(length,) * 2))
 
 
-@pytest.mark.parametrize(
-    ("radius", "depth", "words"),
-    [
-        (2e-3, 0.0, None),
-        (0.46e-3, 0.0, "0.28 mm wide"),  # 35 rows of 8 µm are 0.61 of the radius
-        (0.47e-3, 0.0, None),
-        (2e-3, 0.091e-3, "worn 0.091 mm deep"),
-        (2e-3, 0.089e-3, None),
-    ],
-)
-def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, words):
-    scene = small_scene()
-    scene = replace(scene, pin=replace(scene.pin, radius=radius))
-    state = touching(scene, np.s_[5:40])
-    state = replace(state, wear_depth=np.full_like(state.wear_depth, depth))
-    assert_told(words, scene, state, WarningKind.BEYOND_SHAPE)
+def pin_of(radius):
+    return replace(SMALL, pin=replace(SMALL.pin, radius=radius))
 
 
-@pytest.mark.parametrize(
-    ("motion", "velocity", "words"),
-    [
-        (Motion(slide_roll_ratio=1.9999), 1.0, "turns 0.00"),
-        (Motion(slide_roll_ratio=1.0), 1.0, None),
-        (Motion(slide_roll_ratio=2.0), 1.0, None),  # the pin is at rest at every velocity
-        (None, 1.0, None),
-    ],
-)
-def test_a_pin_that_hardly_turns_warns(motion, velocity, words):
-    scene = replace(small_scene(), motion=motion)
-    state = replace(touching(scene, np.s_[5:40]), sliding_distance=velocity, time=1.0)
-    assert_told(words, scene, state, WarningKind.FEW_TURNS)
-    assert not texts(replace(scene, wear=None), state, WarningKind.FEW_TURNS)
+def rolling(slide_roll_ratio):
+    return replace(SMALL, motion=Motion(slide_roll_ratio=slide_roll_ratio))
 
 
-@pytest.mark.parametrize(
-    ("changes", "velocity", "words"),
-    [
-        ({}, 0.05, None),  # 0.9 % too warm
-        ({}, 0.02, "by about 1.2 %"),
-        ({}, 1.0, None),  # 0.3 % too warm
-        ({"heat_model": "history"}, 0.02, None),
-    ],
-)
-def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, words):
-    scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    assert_told(words, scene, last(scene, 600.0, velocity), WarningKind.PRESENT_HEAT)
+def wide(scene, **changes):
+    """State of a scene with a contact of 35 rows, 0.28 mm wide."""
+    return replace(touching(scene, np.s_[5:40]), **changes)
 
 
-def test_a_ball_worn_at_speed_whose_rise_hardly_grows_with_the_velocity_warns():
-    grid = Grid((32, 32), (25e-6, 25e-6), (False, False))
-    worn = replace(small_scene(), pin=BALL, roughness=None, pixels=grid, wear=Wear(3e-15))
-    assert_told("--accuracy", worn, last(worn, 10.0, 20.0), WarningKind.SLOW_RISE)
-    assert_told(None, worn, last(worn, 10.0, 1.0), WarningKind.SLOW_RISE)
-    unworn = replace(worn, wear=None)
-    assert_told(None, unworn, last(unworn, 10.0, 20.0), WarningKind.SLOW_RISE)
+def worn(scene, depth):
+    state = wide(scene)
+    return replace(state, wear_depth=np.full_like(state.wear_depth, depth))
 
 
-@pytest.mark.parametrize(("turns", "words"), [(9.9, "turns 9.9 times"), (10.1, None)])
-def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
-    scene = replace(small_scene(), motion=Motion(slide_roll_ratio=1.0))
-    time = turns * 2 * np.pi * scene.pin.radius / 0.5  # the pin rolls at half the sliding velocity
-    state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
-    assert_told(words, scene, state, WarningKind.FEW_TURNS)
+def slid(scene, seconds=1.0):
+    return wide(scene, sliding_distance=seconds, time=seconds)
+
+
+def reached(scene, steps):
+    return wide(scene, index=steps)
+
+
+def at(load, velocity):
+    return lambda scene: last(scene, load, velocity)
+
+
+COARSE, SHAPE, TURNS = (
+    WarningKind.COARSE_PIXELS, WarningKind.BEYOND_SHAPE, WarningKind.FEW_TURNS,
+)  # fmt: skip
+STEPS, HEAT, SLOW = WarningKind.FEW_STEPS, WarningKind.PRESENT_HEAT, WarningKind.SLOW_RISE
+ROWS = [  # kind, scene, function of the scene that makes a state, words of the warning or None
+    (COARSE, BALL_SCENE, lambda s: touching(s, np.s_[10:21, 1:15]), "11 elements wide"),
+    (COARSE, BALL_SCENE, lambda s: touching(s, np.s_[10:22, 2:14]), None),
+    (COARSE, SMALL, lambda s: touching(s, np.s_[10:15]), "5 elements wide"),
+    (COARSE, SMALL, lambda s: touching(s, np.s_[10:16]), None),
+    (COARSE, small_scene(roughness=False, pixels_per_element=2),
+     lambda s: touching(s, np.s_[4:7]), "use smaller elements"),
+    (COARSE, correlated(15e-6), wide, "1.9 pixels along x and 1.9 pixels along y"),
+    (COARSE, correlated(16e-6), wide, None),
+    (SHAPE, pin_of(2e-3), wide, None),
+    (SHAPE, pin_of(0.46e-3), wide, "0.28 mm wide"),  # 0.61 of the radius
+    (SHAPE, pin_of(0.47e-3), wide, None),
+    (SHAPE, SMALL, lambda s: worn(s, 0.091e-3), "worn 0.091 mm deep"),
+    (SHAPE, SMALL, lambda s: worn(s, 0.089e-3), None),
+    (TURNS, rolling(1.9999), slid, "only 0.002 revolutions"),
+    (TURNS, replace(rolling(1.9999), wear=None), slid, None),
+    (TURNS, rolling(2.0), slid, None),  # the pin is at rest at every velocity
+    (TURNS, SMALL, slid, None),
+    (TURNS, rolling(1.0), lambda s: slid(s, 9.9 * ROLLING_TURN), "only 9.9 revolutions"),
+    (TURNS, rolling(1.0), lambda s: slid(s, 10.1 * ROLLING_TURN), None),
+    (HEAT, scene_of(), at(600.0, 0.05), None),  # 0.9 % too warm
+    (HEAT, scene_of(), at(600.0, 0.02), "by about 1.2 %"),
+    (HEAT, scene_of(heat_model="history"), at(600.0, 0.02), None),
+    (SLOW, FREE_BALL, at(10.0, 20.0), "--accuracy"),
+    (SLOW, FREE_BALL, at(10.0, 1.0), None),
+    (SLOW, replace(FREE_BALL, wear=None), at(10.0, 20.0), None),
+    (STEPS, small_scene(as_published=True), lambda s: reached(s, 1), "reached in a single step"),
+    (STEPS, small_scene(as_published=True), lambda s: reached(s, 2), "reached in 2 steps"),
+    (STEPS, small_scene(as_published=True), lambda s: reached(s, 3), None),
+    (STEPS, SMALL, lambda s: reached(s, 1), "reached in a single step"),
+    (STEPS, SMALL, lambda s: reached(s, 2), None),
+    (STEPS, replace(SMALL, wear=None), lambda s: reached(s, 1), None),
+    (STEPS, replace(SMALL, wear=Wear(0.0)), lambda s: reached(s, 1), None),
+    *(
+        (WarningKind.UNSTABLE_WEAR,
+         small_scene("local", as_published=True, increments=30, imprint=imprint),
+         at(400.0, 1.25), "the explicit wear scheme is unstable")
+        for imprint in (0.0, 0.1)
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "scene", "made", "words"), ROWS)
+def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, made, words):
+    assert_told(words, scene, made(scene), kind)
 
 
 def test_kinds_keep_the_bits_that_stores_have():
@@ -176,28 +177,3 @@ def test_kinds_keep_the_bits_that_stores_have():
         "slow rise": 256,
         "molten": 512,
     }
-
-
-@pytest.mark.parametrize(
-    ("as_published", "steps", "words"),
-    [
-        (True, 1, "reached in a single step"),
-        (True, 2, "reached in 2 steps"),
-        (True, 3, None),
-        (False, 1, "reached in a single step"),
-        (False, 2, None),
-    ],
-)
-def test_wear_in_few_steps_warns(as_published, steps, words):
-    scene = small_scene(as_published=as_published)
-    state = replace(touching(scene, np.s_[5:40]), index=steps)
-    assert_told(words, scene, state, WarningKind.FEW_STEPS)
-    for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
-        assert not texts(unworn, state, WarningKind.FEW_STEPS)
-
-
-@pytest.mark.parametrize("imprint", [0.0, 0.1])
-def test_explicit_wear_is_unstable_whatever_imprint_a_step_may_leave(imprint):
-    scene = small_scene("local", as_published=True, increments=30, imprint=imprint)
-    state = last(scene, 400.0, 1.25)
-    assert_told("the explicit wear scheme is unstable", scene, state, WarningKind.UNSTABLE_WEAR)
