@@ -107,12 +107,18 @@ def run_page(name, replaced=None):
 def test_what_a_page_shows_runs_on_coarse_elements(name, copy, monkeypatch):
     monkeypatch.setitem(tribo.PRESETS, "standard", COARSE)
     monkeypatch.chdir(copy)
-    # Coarse elements reach no accuracy.
-    run_page(name, {r" --accuracy \d+%": "", 'step = "0.5 m/s"': 'step = "3 m/s"'})
+    run_page(
+        name,
+        {
+            r" --accuracy \d+%": "",  # which coarse elements do not reach
+            r"irg report [^\n]*\n": "",  # which takes longer than all others
+            'step = "0.5 m/s"': 'step = "3 m/s"',
+        },
+    )
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", PAGES)
 def test_what_a_page_shows_runs_as_typed_and_prints_what_it_shows(name, copy, monkeypatch):
     monkeypatch.chdir(copy)

@@ -30,7 +30,7 @@ SMALLER = {
         ("pixels = [576, 480]", "pixels = [288, 240]"),
         ('"0.816 um", "0.95 um"', '"1.632 um", "1.9 um"'),
         ("fields = true", "fields = false"),
-        ('step = "0.25 m/s"', 'step = "2.25 m/s"'),
+        ('step = "0.25 m/s"', 'step = "4.5 m/s"'),
         ('{ from = "200 N", to = "750 N", step = "50 N" }', '["200 N", "400 N", "600 N", "750 N"]'),
     ),
     "table4": (("pixels = [480, 480]", "pixels = [240, 240]"),),
