@@ -111,7 +111,7 @@ def columns(rows, *names):
         yield name, values + 273.15 * (name == "governing_temperature")
 
 
-def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg_both):
+def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg):
     name, ds, found = asked
     by_table = pipeline.margin(ds, table(name))
     for one in (*NUMBERS, "verdict", "warning_flags", "outcome_along_velocity"):
@@ -122,7 +122,7 @@ def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg
     assert len({*seen}) >= 3
     table(name).to_csv(tmp_path / "t.csv", index=False)
     command = "margin", "out.zarr", "--points", tmp_path / "t.csv", "-o", tmp_path / "out.csv"
-    said, rows = irg_both(*command)
+    said, rows = irg(*command), irg(*command, "--json")
     assert [row["verdict"] for row in rows] == seen
     for one, values in columns(rows, *NUMBERS):
         same(values, found[one].values.ravel(), 1e-9)
@@ -134,7 +134,7 @@ def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg
     assert all(f"{count} {verdict}" in said for verdict, count in counts.items())
 
 
-def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg, irg_both):
+def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg):
     name, ds, found = asked
     load, velocity, friction, bulk = table(name).iloc[17].tolist()
     own = {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
@@ -147,7 +147,7 @@ def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg, irg_both):
     if "unknown" in words(there):
         assert there["reason"].values.ravel()[0] in irg(*place, *told, code=2)
         return
-    said, rows = irg_both(*place, *told)
+    said, rows = irg(*place, *told), irg(*place, *told, "--json")
     assert [row["verdict"] for row in rows] == words(there).tolist()
     for one, values in columns(rows, *NUMBERS):
         same(values, there[one].values.ravel(), 1e-9)

@@ -34,7 +34,7 @@ def words(**entries):
     return [word for change in changes for word in ("--set", change)]
 
 
-def run(sweep, path, accuracy=0.03, **more):
+def run(sweep, path, accuracy=0.04, **more):
     return pipeline.run_sweep(sweep, path, workers=1, accuracy=accuracy, **more)
 
 
@@ -57,7 +57,7 @@ def small(tmp_path_factory):
 
 def test_the_stated_error_is_below_the_goal_with_the_ends_of_few_points(small):
     found = pipeline.boundary(small)
-    assert (found["velocity_error"] < 0.03).all()
+    assert (found["velocity_error"] < 0.04).all()
     assert found.attrs["missing_points"] == 0
     ds = pipeline.open_sweep(small)
     assert np.array_equal(ds["status"] == NOT_NEEDED, ds["status"] != DONE)
@@ -128,7 +128,7 @@ def test_a_later_run_computes_the_plane_of_the_first_realization(small, tmp_path
 
 def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
     for plain in (scene(), scene(**{"fidelity.preset": "fine", "sweep.realizations": 2})):
-        with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --accuracy 3%"):
+        with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --accuracy 4%"):
             pipeline.run_sweep(plain, small, workers=1)
     with pytest.raises(InputError, match="preset of the store errs by up to"):
         run(scene(), small, 0.009)
@@ -166,7 +166,7 @@ def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_
 
 
 RECIPE = re.findall(r"^\t\$\(BIN\)/irg (run .*)$", Path("Makefile").read_text(), re.MULTILINE)
-FEWER = {"sweep.velocities": ["1 m/s", "2 m/s", "4 m/s"]}
+FEWER = {"sweep.loads": ["750 N"], "sweep.velocities": ["1 m/s", "2 m/s", "4 m/s"]}
 
 
 def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path, irg):
@@ -174,7 +174,7 @@ def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path
     own = [*words(**FEWER), "-o", out, "--workers", "1"]
     plane, goal = ([*shlex.split(step), *own] for step in RECIPE)
     accuracy = float(goal[goal.index("--accuracy") + 1].removesuffix("%"))
-    assert f"{out}: 6 of 6 points done" in irg(*plane)
+    assert f"{out}: 3 of 3 points done" in irg(*plane)
     said = irg(*goal)
     reached = re.search(r"accuracy 3 % reached: at most ± ([\d.]+) %, at (\d+) N", said)
     rows = irg("boundary", out, "--json")

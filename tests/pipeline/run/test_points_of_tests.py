@@ -212,14 +212,14 @@ def test_damage_of_a_test_is_named_apart_and_mended(made, tmp_path, irg):
     assert answered(path) == answered(made[1])
 
 
-def test_commands_count_the_tests_apart(made, tmp_path, irg_both):
+def test_commands_count_the_tests_apart(made, tmp_path, irg):
     sweep, path = made
     load(tmp_path, STEP, WORN, HELD)
     assert pipeline.estimate(sweep, workers=1).tests == 4
     copy = shutil.copytree(path, tmp_path / "lab.zarr")
-    said, document = irg_both("run", tmp_path / "lab.toml", "-o", copy)
-    assert "tests: 4 of 4 points done" in said
-    assert document["tests"] == {"points": 4, "done": 4, "failed": 0}
+    command = "run", tmp_path / "lab.toml", "-o", copy
+    assert "tests: 4 of 4 points done" in irg(*command)
+    assert irg(*command, "--json")["tests"] == {"points": 4, "done": 4, "failed": 0}
 
 
 def test_points_of_tests_are_taken_from_another_store(made, tmp_path):
