@@ -11,6 +11,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.cli.parser import parse
+from pipeline.constants import BOUNDS_OF_HIGHEST, PRESET_BOUNDS
 
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = ROOT / "workflows"
@@ -125,3 +126,13 @@ def test_the_numbers_of_the_first_hour_are_those_printed(folder_with_results, ca
     said = capsys.readouterr().out
     assert len(shown) == 4
     assert ["".join(one) for one in shown if "".join(one) not in said] == [], said
+
+
+def test_the_bounds_of_presets_are_those_of_the_answers():
+    page = text_of("workflows/CHOOSING.md")
+    stated = re.findall(r"^\| [^|]+ \| `(standard|fine)`[^|]* \| ([\d.]+) % \|", page, re.MULTILINE)
+    assert {name: float(bound) / 100 for name, bound in stated} == pytest.approx(
+        {name: PRESET_BOUNDS[name] for name in ("standard", "fine")}
+    )
+    (highest,) = re.findall(r"0 is the highest temperature \| (\d+) %", page)
+    assert float(highest) / 100 == BOUNDS_OF_HIGHEST["standard"]

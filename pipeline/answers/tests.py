@@ -167,8 +167,8 @@ class Evidence:
 def waiting_text(evidence: Evidence) -> str:
     """Which tests have no result yet, and why; empty if all have one."""
     rows = evidence.without_result
-    others = f" and {len(rows) - 1} more" * (len(rows) > 1)
-    return f"{rows[0]}{others} {rows[0].reason}" if rows else ""
+    others = f"; {len(rows) - 1} more without a result" * (len(rows) > 1)
+    return f"{rows[0]} {rows[0].reason}{others}" if rows else ""
 
 
 def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
