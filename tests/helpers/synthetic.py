@@ -8,7 +8,7 @@ import xarray as xr
 import tribo
 from pipeline import Conditions
 from pipeline.answers.results import sweep_of
-from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, variable_of_tests
+from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, TEST_STEP, variable_of_tests
 from pipeline.sweep.points_of_tests import TEST_POINT, list_points_of_tests
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
@@ -30,7 +30,6 @@ MEASURED = (
 OIL = tribo.Oil((32e-6, 5e-6), 866.0, 20e-9)
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
-NOTHING = {(load, velocity): PENDING for load in LOADS for velocity in VELOCITIES}
 RATE, INCREMENT = 150.0, 37.5
 _STEP = ("load", "velocity", "step")
 

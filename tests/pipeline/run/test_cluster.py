@@ -25,7 +25,6 @@ from pipeline import ExecutionError, run_sweep, summary
 from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, client_of, connected
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
-from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -34,6 +33,7 @@ ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
 SHORT = tiny.sweep(velocities=(1.0,))
 SLOW = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 
 
 class Cluster:
@@ -76,6 +76,17 @@ class Cluster:
 
     def close(self):
         self._stack.close()
+
+
+@contextmanager
+def here(count, threads=1, **settings):
+    """A cluster of workers that a user has started, by default in this process; and its client."""
+    settings = {"processes": False, "dashboard_address": "127.0.0.1:0"} | settings
+    with (
+        LocalCluster(n_workers=count, threads_per_worker=threads, **settings) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield cluster, client
 
 
 def when_done(act):
@@ -226,20 +237,16 @@ class Tasks(SchedulerPlugin):
 
 
 def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
-    settings, tasks = {"processes": False, "n_workers": 2, "threads_per_worker": 3}, Tasks()
-    with (
-        LocalCluster(**settings, dashboard_address="127.0.0.1:0") as cluster,
-        Client(cluster) as client,
-    ):
+    tasks = Tasks()
+    with here(2, threads=3) as (cluster, client):
         cluster.scheduler.add_plugin(tasks)
         tasks.scheduler = cluster.scheduler
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         given = dict(tasks.below)
-        many = tuple(0.5 + 0.01 * number for number in range(60))  # too many to be done meanwhile
         for _ in range(2):  # workers are lost during the run, then missing from its start
             with pytest.raises(ExecutionError, match="no Dask worker takes tasks within 1 s"):
                 run_sweep(
-                    tiny.sweep(velocities=many),
+                    MANY,  # too many to be done meanwhile
                     tmp_path / "later.zarr",
                     client=client,
                     progress=when_done(lambda: cluster.scale(0)),
@@ -255,11 +262,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
 
 
 def test_a_worker_that_is_paused_beside_others_is_named_within_the_patience(tmp_path):
-    settings = {"processes": False, "n_workers": 2, "threads_per_worker": 1, "memory_limit": 0}
-    with (
-        LocalCluster(**settings, dashboard_address="127.0.0.1:0") as cluster,
-        Client(cluster) as client,
-    ):
+    with here(2, memory_limit=0) as (cluster, client):
         paused = cluster.workers[0]
 
         def look(progress):
@@ -314,9 +317,6 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings(monkeypatch):
                     urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
 
 
-MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
-
-
 class Hungry(tiny.FaultyRamp):
     """A ramp that takes more and more memory at one load, until its process is killed."""
 
@@ -330,66 +330,20 @@ Hungry.__name__ = "Ramp"
 HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=(0.5,))
 
 
-@pytest.fixture
-def threads():
-    """A cluster of two workers in this process, and its client."""
-    dashboard = {"dashboard_address": "127.0.0.1:0"}
-    with (
-        LocalCluster(n_workers=2, processes=False, threads_per_worker=1, **dashboard) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        yield cluster, client
-
-
-@contextmanager
-def processes(count, memory):
-    """A client of workers with a memory limit [B], each a process."""
-    settings = {"memory_limit": memory, "dashboard_address": "127.0.0.1:0"}
-    with (
-        dask.config.set(CONFIGURATION),
-        LocalCluster(None, count, 1, **settings) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        yield client
-
-
-def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(
-    threads, path, alone
-):
-    cluster, client = threads
-    cluster.scale(0)
-    cluster.adapt(minimum=0, maximum=2, interval="50ms")
-    outcome = run_sweep(SWEEP, path, client=client, patience=60.0)
+def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(path, alone):
+    with here(2) as (cluster, client):
+        cluster.scale(0)
+        cluster.adapt(minimum=0, maximum=2, interval="50ms")
+        outcome = run_sweep(SWEEP, path, client=client, patience=60.0)
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
 
 
-def test_a_client_that_is_closed_ends_a_run_with_one_error(threads, path):
-    client, lost = threads[1], "scheduler is lost; finished points are"
-    with pytest.raises(ExecutionError, match=lost):
+def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
+    lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are")
+    with here(2) as (_, client), lost:
         run_sweep(MANY, path, client=client, progress=when_done(client.close), patience=5.0)
     assert 0 < summary(path).done < len(MANY.loads) * 60
-
-
-def test_a_run_goes_on_with_a_scheduler_that_was_started_again(path):
-    def start(port):
-        settings = {"protocol": "tcp://", "dashboard_address": "127.0.0.1:0"}
-        return LocalCluster(None, 1, 1, processes=False, scheduler_port=port, **settings)
-
-    began = start(0)
-    port = int(began.scheduler_address.rpartition(":")[2])
-    others = []
-
-    def restart():
-        if not others:
-            began.close()
-            others.append(start(port))
-
-    sweep = changed(MANY, loads=(150.0,))
-    with Client(began.scheduler_address, set_as_default=False) as client:
-        outcome = run_sweep(sweep, path, client=client, progress=when_done(restart), patience=60.0)
-    others[0].close()
-    assert (outcome.done, outcome.computed, outcome.failed) == (60, 60, ())
 
 
 def test_a_run_goes_on_after_its_workers_were_restarted(path, alone):
@@ -399,14 +353,15 @@ def test_a_run_goes_on_after_its_workers_were_restarted(path, alone):
         if next(restarts, False):
             client.restart()
 
-    with processes(2, "auto") as client:
+    with dask.config.set(CONFIGURATION), here(2, processes=True) as (_, client):
         outcome = run_sweep(SWEEP, path, client=client, progress=when_done(restart))
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
 
 
 def test_a_point_that_takes_all_memory_fails_alone(path):
-    with processes(1, "500 MB") as client:
+    limit = {"processes": True, "memory_limit": "500 MB"}
+    with dask.config.set(CONFIGURATION), here(1, **limit) as (_, client):
         outcome = run_sweep(HUNGRY, path, client=client)
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)
