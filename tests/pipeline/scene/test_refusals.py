@@ -5,13 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-import tribo
 from pipeline import load_scene, new_scene, to_si
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.units import difference_in_si, in_si, require_count, share_of
-from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
-from tests.helpers.stored import parse_sweep, sweep_text
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
@@ -257,22 +254,8 @@ TEXTS = {
 }
 
 
-def scanned():
-    """Heights of a sweep read from its data, whose array is missing."""
-    heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
-    sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
-    read = parse_sweep(sweep_text(sweep), {})
-    return read.scene.roughness.heights(read.scene.pixels)
-
-
-KEPT = {"no array": (scanned, "are missing; open the store")}
-
-REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **TEXTS}
-
-ELSEWHERE = {}
-"""Refusals that are not in the table: where they are tested, or why not."""
-
+REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "scene", REFUSALS, ELSEWHERE
+    "scene", REFUSALS
 )

@@ -86,9 +86,8 @@ def test_others_are_refused_with_row_and_column(tmp_path, text, words):
 
 
 def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):
-    for cell in ("1.250", "1.5", "1.250,5"):
-        with pytest.raises(InputError, match=f"{cell} has a point, though decimals have commas"):
-            points(tmp_path, f"load [N];velocity [m/s]\n{cell};1,5\n", ",")
+    with pytest.raises(InputError, match=r"1.250 has a point, though decimals have commas"):
+        points(tmp_path, "load [N];velocity [m/s]\n1.250;1,5\n", ",")
 
 
 def test_columns_without_a_meaning_are_named_once(tmp_path):

@@ -71,12 +71,9 @@ def exchange(path):
     zarr.open_group(path, mode="r+")["inputs"][:] = 0.0
 
 
-def unfinished(is_held):
-    """Read a store whose root is not written yet, whether locked or not."""
+def unfinished():
+    """Read a store whose root is not written yet while it is locked."""
     Path("a.zarr/status").mkdir(parents=True)
-    if not is_held:
-        Path("a.zarr", LOCK).touch()
-        return summary("a.zarr")
     with lock.locked(place_of("a.zarr")):
         return summary("a.zarr")
 
@@ -92,29 +89,16 @@ def with_a_file():
     commit("a.zarr", tiny.full(loads=(700.0,)), ())
 
 
-def below_file():
-    Path("file").touch()
-    commit("file/a.zarr", SWEEP, ())
-
-
 def foreign():
     Path("a.zarr").mkdir()
     Path("a.zarr", ROOT).write_text('{"zarr_format": 3, "node_type": "group", "attributes": {}}')
     return summary("a.zarr")
 
 
-def folder():
-    Path("mine").mkdir()
-    Path("mine", "thesis.tex").touch()
-    return summary("mine")
-
-
 REFUSALS = {
     # paths
     "top": (lambda: place_of("/"), "/ cannot be a store; choose a folder below it"),
-    "below": (below_file, "cannot be written: File exists"),
     "nothing": (lambda: summary("a.zarr"), "no store at "),
-    "folder": (folder, "mine is no store: it is a folder with other files"),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
@@ -123,8 +107,7 @@ REFUSALS = {
     "in use": (in_use, f"in use by process {os.getpid()}"),
     "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
                   "on node7; if that has ended, delete"),
-    "unfinished": (lambda: unfinished(is_held=False), "no store at "),
-    "being made": (lambda: unfinished(is_held=True), "is being created by process"),
+    "being made": (unfinished, "is being created by process"),
     # the root
     "old": (changed(forged(lambda _, facts: facts.update(format=3))), "has format 3, and this"),
     "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),

@@ -12,7 +12,7 @@ from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.entries import changed, rows
+from tests.helpers.entries import rows
 from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
 from tribo.simulation import RampCache, contact_ramp, disk_positions, heat
@@ -122,15 +122,6 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     assert result.fields["rise"] == pytest.approx(blocks.mean(axis=(1, 3)))
     load = result.fields["pressure"].sum() * sweep.scene.grid.element_area
     assert load * sweep.scene.pin.windows(sweep.scene.grid) == pytest.approx(250.0)
-
-
-def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
-    sweep = tiny.sweep(loading=RAMP)
-    held = run_point(sweep, 250.0, 1.0).columns
-    assert held["normal_load"].tolist() == [250.0, 250.0]
-    assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
-    every = run_point(changed(sweep, steps="course"), 250.0, 1.0).columns
-    assert every["normal_load"].tolist() == [125.0, 250.0, 250.0]
 
 
 STEPS = {
