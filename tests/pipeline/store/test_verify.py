@@ -56,8 +56,8 @@ def cut(file):
 
 # All columns are written in one way, and so are flags: one array of each kind is enough.
 HARMED = [
-    *((flipped, name) for name in ("load", "status", "mean_rise", "message", "x", "rise")),
-    *((Path.unlink, name) for name in ("load", "status", "mean_rise")),
+    *((flipped, name) for name in ("status", "mean_rise", "message", "rise")),
+    *((Path.unlink, name) for name in ("load", "mean_rise")),
 ]
 
 
