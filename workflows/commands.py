@@ -15,7 +15,7 @@ COMMANDS = (
             o.LIST.but(help="list the figures and tables"),
             o.output("PATH", "figure to draw, or the folder for it; all results need a folder"),
             o.PRESET.but(help="preset of the numerical choices, or as-published"),
-            Option("--surfaces", metavar="N", type=int, help="number of random surfaces"),
+            o.value("--surfaces N", "number of random surfaces", o.values.count),
             o.WORKERS.but(help="workers for the diagram"),
         ),
     ),

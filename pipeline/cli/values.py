@@ -94,7 +94,7 @@ def share(text: str) -> float:
     with suppress(ValueError):
         if 0 < (value := share_of(text)) < 1:
             return value
-    raise Refused(f'"{text}" is not between 0 and 1; give a fraction such as 2%')
+    raise Refused(f'"{text}" is not a fraction between 0 and 1; give one such as 2%')
 
 
 def number(text: str) -> float:

@@ -175,7 +175,7 @@ def find_root(place: StorePlace) -> Root | None:
         return _parsed(place, content)
     is_file = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
     if is_file or not (keys <= {LOCK} or _is_begun(place, keys)):
-        raise StoreError(f"{place} is no store: {_what_it_is(place, keys)}")
+        raise StoreError(f"{place} is not a store: {_what_it_is(place, keys)}")
     return None
 
 

@@ -45,6 +45,7 @@ REFUSALS = {
     "critical": (irg("boundary", "tiny.zarr", "--critical-temperature", "20 degC"),
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
     "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "a.txt: the file name must end in"),
+    "surfaces": (irg("paper", "fig4", "--surfaces", "0"), "not a whole number of at least 1"),
     "count": (irg("run", "first_try", "--workers", "-1"), '"-1" is not a whole number of at least'),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"),
                  '"0,12" is not a number; give one such as 0.12 or 12%'),
@@ -52,7 +53,7 @@ REFUSALS = {
                   "friction.coefficient takes a single value here"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
                    "velocity -1 m/s is outside the sweep (0.5 to"),
-    "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%" is not between 0 and 1'),
+    "share": (irg("run", "first_try", "--accuracy", "200%"), 'is not a fraction between 0 and 1'),
     "area fraction": (
         irg("boundary", "tiny.zarr", "--critical-area-fraction", "0,1"),
         "is '0,1'; give a number such as 0.1"

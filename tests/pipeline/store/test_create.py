@@ -317,9 +317,9 @@ def without_facts(path):
 @pytest.mark.parametrize(
     ("make", "complaint"),
     [
-        (laid(""), "is no store"),
-        (laid("thesis.tex"), "is no store: it is a folder with other files"),
-        (laid("load/mine.csv"), "is no store"),
+        (laid(""), "is not a store"),
+        (laid("thesis.tex"), "is not a store: it is a folder with other files"),
+        (laid("load/mine.csv"), "is not a store"),
         (without_facts, "has lost its about/zarr.json; restore it from a backup, or run the scene"),
     ],
 )

@@ -124,7 +124,7 @@ def test_what_is_no_store_is_refused(address):
         commit("s3://no-such-bucket/tiny.zarr", SWEEP, ())
     for name in ("thesis.tex", "status/mine"):
         request("put_object", f"{address}/{name}", Body=b"years of work")
-    with pytest.raises(StoreError, match="is no store: it is a folder with other files"):
+    with pytest.raises(StoreError, match="is not a store: it is a folder with other files"):
         commit(address, SWEEP, ())
     assert request("list_objects_v2", address)["KeyCount"] == 2
 
