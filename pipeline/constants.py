@@ -69,6 +69,13 @@ ALONE_IN_LOCAL_WEAR = 1, 2.0
 Elsewhere they are 7 and 1. Local wear makes the strips of one contact more alike than realizations
 are, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
 """
+CORRELATION = 0.7
+"""Correlation of ln(rise) of realizations at two loads that is counted on.
+
+It is 0.6 from 200 to 750 N, and 0.9 between neighbours. Realizations of another load count by this
+share alone, and the bound takes their spread as it is.
+Judged by `python -m pytest tests/pipeline/answers/test_specimen.py`.
+"""
 OF_WARNED = {
     # The largest error seen with each of these three warnings; too few scenes of
     # `tests.promises.errors` have them for a quantile. Preset `fine` has the error of coarse pixels
@@ -133,8 +140,10 @@ ROUGH_LINE = 0.003
 
 It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
-OF_POINTS, OF_LOADS = 1 / 3, 1 / 2
+OF_POINTS, OF_LOADS = 1 / 3, 0.65
 """Shares of what the preset leaves of a goal: for points left out along velocity, and for loads.
+
+Above that share a load gets points of its own, which costs less than more realizations beside it.
 
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """

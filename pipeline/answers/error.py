@@ -16,11 +16,10 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from pipeline.answers.field import Field
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.surface_sampling import SWEPT, JackknifeQuality, Specimen
+from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import (
     BEYOND,
     LEAST_BENT,
@@ -44,7 +43,6 @@ were below 0.6 of it.
 _SLOPE = 0.1  # error of the exponent beyond the computed velocities, as between its neighbours
 _FLATTEST = 0.5  # exponent of the rise down to which a preset's promise of velocities was measured
 _BESIDE = 1.01  # ratio of velocities between which an exponent is taken
-_BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed"."""
 
@@ -62,7 +60,7 @@ def rise_errors(
         np.hypot(along.sum(axis=0), between),
         np.nan if promised is None else RISE_SHARE * promised,
         field.bilinear(points, loads, velocities),
-        field.bilinear(surface_errors(specimen), loads, velocities),
+        field.bilinear(specimen.mean.bound, loads, velocities),
     ))  # fmt: skip
 
 
@@ -201,78 +199,6 @@ def _smooth_bounds(curves: Pchip, rough: Array) -> Array:
 def _shape(way: Any) -> Array:
     """Error within a gap over that in its middle: 0 at both points, and steep beside them."""
     return np.asarray(2 * np.sqrt(np.clip(way * (1 - way), 0, None)))
-
-
-def surface_errors(specimen: Specimen) -> Array:
-    """Bound of ln(rise) at 95 % due to the choice of realizations, at points (n_load, n_velocity).
-
-    The spread of realizations is pooled over loads, at each of which they are the same surfaces.
-    """
-    count, known = specimen.realizations[:, None], np.isfinite(specimen.apart)
-    mean = np.where(known, specimen.apart, 0.0).sum(axis=0) / np.maximum(count, 1)
-    squares = np.square(np.where(known, specimen.apart - mean, 0.0)).sum(axis=(0, 1))
-    freedom = np.maximum(count - 1, 0)
-    squares = freedom * squares / max(freedom.sum(), 1)
-    return surface_sampling_bound(
-        count, squares, specimen.sampling, specimen.is_highest, specimen.alone
-    )
-
-
-def surface_sampling_bound(
-    count: Indices | int, squares: Array | float, sampling: Array | float,
-    is_highest: bool = False, alone: JackknifeQuality = SWEPT,
-) -> Array:  # fmt: skip
-    """Bound of ln(rise) at 95 % due to the choice of `count` realizations.
-
-    The deviation s of a realization has the realizations' own estimates J (`sampling`) and their
-    spread, the sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P).
-    The bound of the mean of P realizations is t s/√P, with Student's t of 6 + P degrees; the
-    highest of them is as uncertain as one. It is NaN for a single realization that states nothing.
-
-    Examples
-    --------
-    >>> float(surface_sampling_bound(1, 0.0, 0.02).round(4))
-    0.0473
-    >>> float(surface_sampling_bound(16, 0.006, 0.02).round(4))
-    0.0104
-    """
-    own = np.where(np.isnan(sampling), 0, alone.degrees)
-    freedom = own + count - 1
-    known = own * (alone.factor * np.nan_to_num(sampling)) ** 2 + squares
-    deviation = np.sqrt(known / np.where(freedom > 0, freedom, np.nan))
-    reduced = 1.0 if is_highest else np.sqrt(np.maximum(count, 1))
-    return np.asarray(stdtrit(freedom, _BOUND) * deviation / reduced)
-
-
-def realizations_needed(
-    count: int, ratio: float, most: int, is_highest: bool = False, alone: JackknifeQuality = SWEPT
-) -> int:
-    """Number of realizations, `most` at most, whose bound is that of `count` of them over `ratio`.
-
-    It is taken that further realizations differ as those that there are. The highest of them is as
-    uncertain as one, so that no number suffices.
-
-    Examples
-    --------
-    >>> [realizations_needed(1, ratio, 256) for ratio in (0.9, 4.0)]
-    [1, 13]
-    >>> realizations_needed(8, 2.0, 20)
-    20
-    """
-    if ratio <= 1:
-        return count
-    numbers = np.arange(1, most + 1)
-    shares = realizations_share(numbers, is_highest, alone)
-    enough = numbers[shares <= shares[count - 1] / ratio]
-    return int(enough[0]) if enough.size else most
-
-
-def realizations_share(
-    count: Any, is_highest: bool = False, alone: JackknifeQuality = SWEPT
-) -> Array:
-    """Bound by `count` realizations over the deviation of one; all state their own deviation."""
-    bound = stdtrit(alone.degrees - 1 + count, _BOUND)
-    return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
 
 
 def warned_errors(flags: Indices, durations: Array) -> Array:

@@ -17,29 +17,15 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.answers.field import TWINS, Field
+from pipeline.answers.realizations import (
+    SWEPT,
+    JackknifeQuality,
+    RealizationMean,
+    mean_of_realizations,
+)
 from pipeline.answers.results import CaseResults
-from pipeline.constants import ALONE_IN_LOCAL_WEAR
 from pipeline.sweep.conditions import Conditions
-from tribo import Scene
-from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask
-
-
-class JackknifeQuality(NamedTuple):
-    """What a realization alone tells of how realizations differ, by its jackknife."""
-
-    degrees: int = GROUPS - 1  # of freedom
-    factor: float = 1.0  # of the deviation of realizations over that which one states
-
-    @classmethod
-    def of(cls, scene: Scene) -> JackknifeQuality:
-        """What a realization of a scene tells."""
-        is_local = scene.wear is not None and scene.wear.pattern == "local"
-        return JackknifeQuality(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
-
-
-SWEPT = JackknifeQuality()
-"""What a realization alone tells unless wear is local."""
 
 
 class Specimen(NamedTuple):
@@ -49,9 +35,7 @@ class Specimen(NamedTuple):
     # ln(rise) of each realization minus that of the first one (m, n_load, n_velocity); NaN at loads
     # where the realization has no point.
     apart: Array
-    # ln(rise) of the specimen minus that of its first realization (n_load, n_velocity)
-    offset: Array
-    sampling: Array  # what realizations state of their deviation there, rms (n_load, n_velocity)
+    mean: RealizationMean
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
     is_highest: bool  # the highest temperature decides: then that of the hottest realization
@@ -63,9 +47,9 @@ class Specimen(NamedTuple):
         return np.asarray(np.isfinite(self.apart[..., 0]).sum(axis=0))
 
     def offset_at(self, load: float, velocity: float) -> float:
-        """`offset` at a place, beyond the points that of the nearest."""
+        """ln(rise) minus that of the first realization; beyond the points that of the nearest."""
         f = self.field
-        along = [np.interp(velocity, f.velocities, row) for row in self.offset]
+        along = [np.interp(velocity, f.velocities, row) for row in self.mean.offset]
         return float(np.interp(math.log(load), np.log(f.loads), along))
 
 
@@ -110,15 +94,12 @@ def merged(
     is_alone = _between_several(has_point)
     known = has_point & ~is_alone
     apart = np.where(known[..., None], np.array(differences), np.nan)
-    if is_highest:
-        offset = np.where(known[..., None], apart, -np.inf).max(axis=0)
-    else:
-        count = np.maximum(known.sum(axis=0), 1)[:, None]
-        offset = np.where(known[..., None], apart, 0.0).sum(axis=0) / count
-    offset = _along_load(loads, offset, np.asarray(known.any(axis=0)))
+    mean = mean_of_realizations(loads, apart, sampling, alone, is_highest)
+    offset = _along_load(loads, mean.offset, np.asarray(known.any(axis=0)))
     plane = np.where(is_alone[:, None], np.nan, level + offset)
     field = Field(loads, velocities, plane, factor)
-    return Specimen(field, apart, offset, sampling, flags, durations, is_highest, alone)
+    mean = mean._replace(offset=offset)
+    return Specimen(field, apart, mean, flags, durations, is_highest, alone)
 
 
 def _stated(sampling: Array) -> Array:

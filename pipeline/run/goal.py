@@ -176,7 +176,7 @@ def searches(
 def search_of(model: VerdictModel, goal: Goal) -> Search:
     """The search of one case by what answers know of it."""
     case, specimen = model.case, model.specimen
-    first = case.log_rises(model.conditions)[0] + specimen.offset - model.limit
+    first = case.log_rises(model.conditions)[0] + specimen.mean.offset - model.limit
     tried = np.isin(case.status, (DONE, FAILED))
     return Search(specimen, model.limit, model.promised, first, tried, goal)
 

@@ -20,11 +20,12 @@ from pipeline.answers.error import (
     INTERPOLATION,
     PRESET,
     SURFACE,
+    exponents,
     interpolation_errors,
-    realizations_needed,
     rise_errors,
     velocity_errors,
 )
+from pipeline.answers.realizations import realizations_needed, realizations_share
 from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
@@ -249,31 +250,58 @@ class Search:
 
     def needed(self, loads: set[int]) -> Array:
         """Realizations that each of `loads` with a crossing needs (n_load,), by what is known."""
-        found, counts = np.zeros(len(self.critical), int), self.specimen.realizations
+        found, allowed = np.zeros(len(self.critical), int), self._allowed(loads)
         for load in loads:
-            line = self._lines[load][0]
-            if not line.turns:
+            if not self._lines[load][0].turns:
                 continue
-            between, surface = self._between(loads, load), self.errors[SURFACE, load]
-            if counts[load] == 0:
+            if self.specimen.realizations[load] == 0:
                 found[load] = 2  # or the first realization's own points do not count
             elif not self.goal.counts_surface:
                 found[load] = self.goal.realizations
-            elif between < self.left[load] and np.isfinite(surface):
-                ratio = surface / math.sqrt(self.left[load] ** 2 - between**2)
-                kind = self.specimen.is_highest, self.specimen.alone
-                found[load] = realizations_needed(
-                    int(counts[load]), ratio, 4 * MOST_REALIZATIONS, *kind
-                )
+            elif allowed[load] > 0 and np.isfinite(self.errors[SURFACE, load]):
+                found[load] = self._needed(load, allowed)
         return found
 
+    def _allowed(self, loads: set[int]) -> Array:
+        """Error that is left to the choice of realizations at each of `loads` (n_load,), else 0."""
+        found = np.zeros(len(self.critical))
+        for load in loads:
+            found[load] = self.left[load] ** 2 - self._between(loads, load) ** 2
+        return np.sqrt(np.maximum(found, 0.0))
+
+    def _needed(self, load: int, allowed: Array) -> int:
+        """Realizations that a load needs, beside those that others are allowed to need."""
+        specimen, mean = self.specimen, self.specimen.mean
+        place = self.loads[load : load + 1], self.critical[load : load + 1]
+        exponent = exponents(specimen.field, *place).item()
+        bound, deviation, shared = (
+            specimen.field.bilinear(one, *place).item() / exponent
+            for one in (mean.bound, mean.deviation, mean.shared)
+        )
+        count, kind = int(specimen.realizations[load]), (specimen.is_highest, specimen.alone)
+
+        def number(error: float, room: float) -> int:
+            return realizations_needed(count, error / room, 4 * MOST_REALIZATIONS, *kind)
+
+        alone = number(deviation * float(realizations_share(count, *kind)), allowed[load])
+        if (other := mean.shared_from[load]) < 0:
+            return alone
+        to_come = float(np.fmin(1.0, allowed[other] / self.errors[SURFACE, other]))
+        room = allowed[load] ** 2 - (shared * to_come) ** 2
+        own = math.sqrt(bound**2 - shared**2)
+        return min(alone, number(own, math.sqrt(room))) if room > 0 else alone
+
     def _between(self, loads: set[int], load: int) -> float:
-        """Error by points left out at a load, and at those beside that are interpolated from it."""
+        """Error by points left out at a load, and at those beside that are interpolated from it.
+
+        Those that cannot be interpolated well enough get points of their own.
+        """
         done, errors = sorted(loads), np.nan_to_num(self.errors[INTERPOLATION])
         place = done.index(load)
         low, high = done[max(place - 1, 0)], done[min(place + 1, len(done) - 1)]
         beside = np.append(errors[low + 1 : load], errors[load + 1 : high]).max(initial=0.0)
-        return max(float(errors[load]), min(float(beside), OF_LOADS * float(self.left[load])))
+        is_near = beside <= OF_LOADS * self.left[load]
+        return max(float(errors[load]), float(beside) if is_near else 0.0)
 
     def is_out_of_reach(self, loads: set[int]) -> bool:
         """True if realizations cannot reach the goal at one of `loads`, as far as is known."""

@@ -17,7 +17,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import SURFACE, curve_errors, exponents, realizations_share, total
+from pipeline.answers.error import SURFACE, curve_errors, exponents, total
+from pipeline.answers.realizations import realizations_share
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
@@ -143,10 +144,12 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     ] / exponents(field, loads, critical)
     realizations = len(sweep.case_table.axes.get("realization", (0,)))
     kind = specimen.is_highest, specimen.alone
-    shares = realizations_share(realizations, *kind) / realizations_share(
-        specimen.realizations[crosses], *kind
+    deviation, bound = (
+        field.bilinear(one, loads, critical)
+        for one in (specimen.mean.deviation, specimen.mean.bound)
     )
-    surface = shares * search.errors[SURFACE, crosses]
+    alone = realizations_share(realizations, *kind) * deviation / bound
+    surface = alone * search.errors[SURFACE, crosses]
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))

@@ -4,7 +4,8 @@ import functools
 
 import numpy as np
 
-from pipeline.answers.surface_sampling import SWEPT, merged
+from pipeline.answers.realizations import SWEPT
+from pipeline.answers.surface_sampling import merged
 from pipeline.run.search import Search
 from pipeline.sweep.conditions import allowable_rise
 
@@ -49,7 +50,7 @@ class Told:
             self._alone,
         )
         limit = np.log(allowable_rise(self.conditions))
-        first = y[0] + specimen.offset - limit
+        first = y[0] + specimen.mean.offset - limit
         return Search(specimen, limit, self.promised, first, self.asked, self.goal)
 
     def ask(self):

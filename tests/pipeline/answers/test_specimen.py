@@ -9,9 +9,13 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.error import PARTS, realizations_needed, surface_sampling_bound
-from pipeline.answers.surface_sampling import JackknifeQuality
-from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
+from pipeline.answers.error import PARTS
+from pipeline.answers.realizations import (
+    JackknifeQuality,
+    realizations_needed,
+    surface_sampling_bound,
+)
+from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
@@ -123,12 +127,44 @@ def test_the_surface_is_a_bound_by_the_realizations_own_estimates_and_their_spre
     found = asked(realizations(LIFTS[:count], sampling=0.03), 400.0, 2.0)
     levels = np.log(LIFTS[:count])
     spread = np.sum((levels - levels.mean()) ** 2)
-    deviation = math.sqrt((7 * 0.03**2 + spread) / (6 + count))
+    scale = (7 + spread / 0.03**2) / (6 + count)  # all loads tell the same
+    deviation = math.sqrt((7 * scale * 0.03**2 + spread) / (6 + count))
     expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
     rise = found.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
     assert found.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
     parts = [getattr(found, f"temperature_error_{part}") for part in PARTS]
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_state():
+    """Two realizations at 400 N are hotter than the five at 200 N: so is their mean."""
+    levels = np.array([0.075, 0.025, -0.025, -0.075, 0.0])
+    sparse = {k: only(*((200.0, V) for V in VELOCITIES)) for k in range(2, 5)}
+    ds = realizations(np.exp(levels), sparse, sampling=0.03)
+    is_high = (ds["load"] > 200.0).drop_attrs()
+    own = ds["rise_realization_std"]
+    ds["rise_realization_std"] = (own / (1 + 2 * is_high)).assign_attrs(own.attrs)
+    spread = np.array([np.square(levels).sum(), 0.05**2 / 2])
+    stated, freedom = [0.03, 0.01], [4, 1]
+    ratios = spread / np.square(stated)
+    scale = (7 + 4 * (ratios[0] + 2 * ratios[1]) / 6) / 11  # 400 and 600 N tell the same
+
+    def bound(squares, load, share=1.0):
+        known = 7 * scale * share * stated[load] ** 2 + squares
+        degrees = 7 + freedom[load]
+        return t(degrees).ppf(0.975) * math.sqrt(known / degrees / (freedom[load] + 1))
+
+    slope = CORRELATION / 3
+    few = bound((1 - slope) ** 2 * spread[1], 1, 1 - CORRELATION**2)
+    for load, expected in (
+        (200.0, bound(spread[0], 0)),
+        (400.0, math.hypot(few, slope * bound(spread[0], 0))),
+    ):
+        found = asked(ds, load, 2.0)
+        rise = found.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+        assert found.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
+    means = np.array([0.0, 0.05 * (1 - slope), 0.05 * (1 - slope)])
+    np.testing.assert_allclose(factor(ds), np.exp(means), rtol=1e-12)
 
 
 def test_with_local_wear_a_realization_alone_tells_little_and_several_tell_by_their_spread():
