@@ -74,7 +74,7 @@ CORRELATION = 0.7
 
 It is 0.6 from 200 to 750 N, and 0.9 between neighbours. Realizations of another load count by this
 share alone, and the bound takes their spread as it is.
-Judged by `python -m pytest tests/pipeline/answers/test_specimen.py`.
+Judged by `python -m tests.promises.realizations`.
 """
 OF_WARNED = {
     # The largest error seen with each of these three warnings; too few scenes of
