@@ -91,5 +91,5 @@ def _value(name: str, cell: Any) -> float:
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
         advice = f"; give a {name} above 0" * (name in _PLACE)
-        raise InputError(f"{quoted(cell)} is out of range{advice}")
+        raise InputError(f"{quoted(cell)} is outside the allowed range{advice}")
     return value

@@ -248,6 +248,6 @@ def _require_alike(row: Built, base: Built) -> None:
     """Raise an `InputError` if a row stores other variables than the scene itself (`base`)."""
     if base.tables.sweep.fields and row.case.scene.grid != base.case.scene.grid:
         raise InputError(
-            "this changes the grid of the stored fields, which must be the same for all values; "
-            "sweep each value into a separate store"
+            "this changes the grid of the stored fields, which must be equal in all cases; run "
+            "each value into its own store"
         )

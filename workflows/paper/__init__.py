@@ -83,7 +83,7 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
     if name not in _MAKERS:
         raise InputError(
             f"{name!r} is not a figure or table{did_you_mean(name, _MAKERS)}; "
-            f"there are {', '.join(_MAKERS)}"
+            f"available: {', '.join(_MAKERS)}"
         )
     study = Study(**choices)
     if out is not None and Path(out).is_dir():
