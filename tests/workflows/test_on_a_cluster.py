@@ -18,4 +18,4 @@ def test_a_job_bears_blanks_in_paths_and_a_walltime_as_slurm_writes_it(tmp_path)
     lines.remove(f"cd '{folder}/my results/s.zarr.jobs'")
     assert "a b" not in "\n".join(lines)
     said = subprocess.run([*command, "--walltime", "1:00"], cwd=folder, capture_output=True)
-    assert said.stderr == b'on_a_cluster.py: "1:00" is not a number followed by a unit\n'
+    assert said.stderr == b'on_a_cluster.py: "1:00" is not a number with a unit\n'

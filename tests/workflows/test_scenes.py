@@ -39,7 +39,11 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
 
 @pytest.mark.parametrize(
     ("name", "load", "velocity"),  # as stated at the top of these files
-    [("pin_on_disk", 200.0, 0.24), ("mtm", 75.0, 1.1), ("srv", 200.0, 0.16)],
+    [
+        ("pin_on_disk", 200.0, 0.24),
+        ("mtm", 75.0, 1.1),
+        pytest.param("srv", 200.0, 0.16, marks=pytest.mark.slow),
+    ],
 )
 def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):
     scene = pipeline.load_scene(name)
