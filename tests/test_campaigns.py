@@ -76,6 +76,7 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, f
     assert warned.mean() < 0.5
 
 
+@pytest.mark.slow
 def test_two_halves_of_eight_realizations_are_as_near_as_they_state():
     small = {"sweep.loads": ["400 N", "750 N"], "fidelity.preset": "standard"}
     for _, apart, ratio in realizations.rows_of("line", count=8, **small):
