@@ -143,13 +143,15 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         for row, one in zip(field.rows(field.velocities)[crosses], at, strict=True)
     ] / exponents(field, loads, critical)
     realizations = len(sweep.case_table.axes.get("realization", (0,)))
+    known = specimen.realizations[crosses]  # which tell more of the deviation than those of a plane
     kind = specimen.is_highest, specimen.alone
+    alone = realizations_share(known, *kind)
+    alone = alone if specimen.is_highest else alone * np.sqrt(known / realizations)
     deviation, bound = (
         field.bilinear(one, loads, critical)
         for one in (specimen.mean.deviation, specimen.mean.bound)
     )
-    alone = realizations_share(realizations, *kind) * deviation / bound
-    surface = alone * search.errors[SURFACE, crosses]
+    surface = alone * deviation / bound * search.errors[SURFACE, crosses]
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
