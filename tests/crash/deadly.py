@@ -10,7 +10,7 @@ from contextlib import ExitStack
 
 import numpy as np
 
-import pipeline
+from pipeline.store.read import open_store
 from tests.crash.loop import code_of, end, faults_of, job, started
 from tests.crash.sweeps import Expected
 from tests.helpers import tiny
@@ -52,7 +52,7 @@ def campaign(run):
                 trial.fault("processes of a driver that ended go on")
             if code != 1:
                 trial.fault(f"it ends with {code}, not 1")
-            with pipeline.open_sweep(trial.path) as ds:
+            with open_store(trial.path) as ds:
                 for fault in faults_of(ds, expected, may_fail=_has_killed):
                     trial.fault(fault)
                 failed = int((ds["status"] == 2).sum())

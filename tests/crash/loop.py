@@ -24,6 +24,7 @@ import pipeline
 from pipeline import verify_store
 from pipeline.store.create import find_sweep
 from pipeline.store.files import PARTIAL
+from pipeline.store.read import open_store
 from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.sweep.sweep import Point
 from tests.crash.drive import drive
@@ -300,7 +301,7 @@ class Trial:
                 return
             for fault in faults_of_files(verify_store(self.path)):
                 self.fault(fault)
-            with pipeline.open_sweep(self.path) as ds:
+            with open_store(self.path) as ds:
                 for fault in faults_of(ds.load(), self.expected, acknowledged):
                     self.fault(fault)
         except Exception as error:
