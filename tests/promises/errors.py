@@ -242,7 +242,7 @@ def most(values):
     return float(np.quantile(np.abs(values), 0.99))
 
 
-HELD, SURPRISE, MOST_OVER = 0.99, 0.05, 4
+HELD, SURPRISE, MOST_OVER = 0.95, 0.05, 4
 COVERED = ("places", "scenes", "number", "rms error", "99 % within", "stated, rms", "over", "held")
 
 
@@ -256,7 +256,7 @@ def covered(name, places):
 
 
 def are_covered(lines):
-    """True if the stated errors may hold at 99 % of places, and are not stated much too large.
+    """True if the stated errors may hold at 95 % of places, and are not much too large.
 
     Fewer are no surprise in a small sample: a promise is broken where a sample has so many misses
     in fewer than one of 20 cases if it is kept. Without a warning stated errors are at most 4 times
