@@ -204,7 +204,8 @@ class _Tasks:
                     self._lost.append(job)
                     future.release()
         for answer in [one for one in self._fetches if one.done()]:
-            results = answer.result()
+            # Restarted workers cancel it, and Dask forgets what they had.
+            results = {} if answer.cancelled() else answer.result()
             for future, job in self._fetches.pop(answer).items():
                 future.release()
                 if result := results.get(future.key):
