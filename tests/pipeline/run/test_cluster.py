@@ -1,5 +1,6 @@
 """Clusters here and elsewhere, which change, stop or die, and what the user is told."""
 
+import asyncio
 import itertools
 import json
 import os
@@ -356,6 +357,22 @@ def test_a_run_goes_on_after_its_workers_were_restarted(path, alone):
     with dask.config.set(CONFIGURATION), here(2, processes=True) as (_, client):
         outcome = run_sweep(SWEEP, path, client=client, progress=when_done(restart))
     assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_results_whose_fetch_is_cancelled_are_computed_again(path, alone, monkeypatch):
+    """As by a restart of all workers at that moment."""
+
+    async def cancelled():
+        raise asyncio.CancelledError
+
+    with here(2) as (_, client):
+        gather, first = client.gather, iter([True])
+        monkeypatch.setattr(
+            client, "gather", lambda *a, **k: cancelled() if next(first, False) else gather(*a, **k)
+        )
+        outcome = run_sweep(SWEEP, path, client=client)
+    assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
     assert content(path) == content(alone)
 
 
