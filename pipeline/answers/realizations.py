@@ -81,15 +81,18 @@ def mean_of_realizations(
     zeroed = np.where(known, apart, 0.0)
     offset = zeroed.sum(axis=0) / np.maximum(count, 1)
     squares = np.square(np.where(known, apart - offset, 0.0)).sum(axis=0)
-    stated = _stated(squares, count, sampling, alone)
-    deviation, reduced = _deviation(count, squares, stated, alone)
-    none, zero = np.full(len(loads), -1), np.zeros_like(deviation)
     if is_highest:
         offset = np.where(known, apart, -np.inf).max(axis=0)
-        return RealizationMean(offset, deviation * reduced, deviation, zero, none)
+    stated = _stated(squares, count, sampling, alone)
     found = RealizationMean(
-        offset, deviation * reduced / np.sqrt(np.maximum(count, 1)), deviation, zero, none
+        offset,
+        bound=surface_sampling_bound(count, squares, stated, is_highest, alone),
+        deviation=_deviation(count, squares, stated, alone)[0],
+        shared=np.zeros_like(squares),
+        shared_from=np.full(len(loads), -1),
     )
+    if is_highest:
+        return found
     for load in np.argsort(-count[:, 0], kind="stable").tolist():
         more = np.flatnonzero(count[:, 0] > count[load, 0])
         if count[load, 0] > 1 and more.size:

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import SURFACE, curve_errors, exponents, total
+from pipeline.answers.error import curve_errors, exponents, total
 from pipeline.answers.realizations import realizations_share
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.frames import frame_of, lines_of
@@ -138,20 +138,16 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     crosses = np.isfinite(search.critical) & (specimen.realizations > 0)
     loads, critical = field.loads[crosses], search.critical[crosses]
     x, at = np.log(field.velocities), np.log(critical)
+    exponent = exponents(field, loads, critical)
     between = [
         curve_errors(x, row, one[None])[0]
         for row, one in zip(field.rows(field.velocities)[crosses], at, strict=True)
-    ] / exponents(field, loads, critical)
+    ] / exponent
     realizations = len(sweep.case_table.axes.get("realization", (0,)))
     known = specimen.realizations[crosses]  # which tell more of the deviation than those of a plane
-    kind = specimen.is_highest, specimen.alone
-    alone = realizations_share(known, *kind)
-    alone = alone if specimen.is_highest else alone * np.sqrt(known / realizations)
-    deviation, bound = (
-        field.bilinear(one, loads, critical)
-        for one in (specimen.mean.deviation, specimen.mean.bound)
-    )
-    surface = alone * deviation / bound * search.errors[SURFACE, crosses]
+    bound = realizations_share(known, specimen.is_highest, specimen.alone)
+    bound = bound if specimen.is_highest else bound * np.sqrt(known / realizations)
+    surface = bound * field.bilinear(specimen.mean.deviation, loads, critical) / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
