@@ -10,7 +10,7 @@ import pytest
 from tests.crash.power import kinds
 from tests.helpers.processes import python
 
-pytestmark = pytest.mark.timeout(900)
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mounted here")
 
 
@@ -32,7 +32,6 @@ def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
     assert any(report[name] > 0 for name in report if name.startswith(("cuts", "kills")))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "campaign", ["kills", "damage", "deadly", pytest.param("power", marks=needs_disks)]
 )

@@ -14,7 +14,6 @@ from tests.helpers import scenes
 from tests.helpers.stores import killed_after
 from tests.helpers.sweeps import deciding_rise
 
-OWN_WORKERS = True
 SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace(
     'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true',
     'loads = ["400 N"]\nvelocities = ["1 m/s", "2 m/s"]',
@@ -132,7 +131,7 @@ def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(tmp_pat
     before, sweep = load(tmp_path, STEP), load(tmp_path, HELD, STEP, WORN)
     assert compute(tmp_path / "before.zarr", before) == 2
     kills = 0
-    for count in range(0, 400, 47):
+    for count in range(0, 400, 97):
         path = shutil.copytree(tmp_path / "before.zarr", tmp_path / "lab.zarr")
         with killed_after(monkeypatch, count) as was_killed, writing(path, sweep):
             pass

@@ -1,7 +1,6 @@
 """Sweeps on a cluster (pipeline/run/sweep.py and cluster.py)."""
 
 import errno
-import multiprocessing
 import os
 import re
 import signal
@@ -18,7 +17,6 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_store
-from pipeline.run import cluster as of_run
 from pipeline.run import sweep as execute
 from pipeline.store import create, files
 from pipeline.store.create import writing
@@ -34,7 +32,6 @@ from tests.helpers.reported import Heard
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import plain_values
 
-OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
 
@@ -55,7 +52,6 @@ def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
     assert done == sorted(done)
     assert reports[0].time_to_go is None
     assert reports[-1].time_to_go == 0.0
-    assert multiprocessing.active_children() == []
 
 
 def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
@@ -90,7 +86,6 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
 
 
 def test_other_versions_are_told_and_noted(copy, monkeypatch):
-    monkeypatch.setattr(of_run, "LocalCluster", None)
     other = create.versions().replace(f"numpy {np.__version__}", "numpy 99.0")
     for module in (create, execute):
         monkeypatch.setattr(module, "versions", lambda: other)
@@ -115,20 +110,6 @@ def test_other_conditions_of_the_scene_are_told(copy):
         run_sweep(warmer, copy, progress=messages.hear)
     assert len(messages) == 1  # told once: then the store has the new entries
     assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
-
-
-def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
-    deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
-    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
-    assert {failed.load for failed in outcome.failed} == {250.0}
-    words = "3 workers died; the last one was computing only this point: it crashed, or was killed"
-    assert all(failed.message.startswith(words) for failed in outcome.failed)
-    assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
-    assert verify_store(path).is_clean
-    with xr.open_zarr(path, chunks=None) as ds:
-        rises = ds["max_rise"].sel(load=150.0, velocity=velocities[1]).values
-    expected = pipeline.run_point(tiny.sweep(), 150.0, velocities[1]).columns["max_rise"]
-    assert rises[-len(expected) :].tobytes() == expected.tobytes()
 
 
 def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
@@ -158,7 +139,6 @@ def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, monkeypatc
         patch.setattr(files, "write_file", full)
         with pytest.raises(StoreError, match=r"cannot be written: No space left .*are saved"):
             run_sweep(slow, path, workers=1)
-    assert multiprocessing.active_children() == []
     assert 1 <= summary(path).done < 3
     assert summary(path).failed == ()
     assert verify_store(path).is_clean
@@ -195,7 +175,7 @@ def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(copy):
 
 
 def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(copy, monkeypatch):
-    monkeypatch.setattr(of_run, "LocalCluster", None)
+    monkeypatch.setattr(execute, "connected", None)
     with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
         run_sweep(tiny.sweep(increments=5), copy)
     in_use = f"in use by process {os.getpid()}"
