@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import chdtri, stdtrit
 
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION
 from tribo import Scene
@@ -196,3 +196,15 @@ def realizations_share(
     """Bound by `count` realizations over the deviation of one; all state their own deviation."""
     bound = stdtrit(alone.degrees - 1 + count, _BOUND)
     return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
+
+
+def least_variance_share(count: Any, alone: JackknifeQuality = SWEPT) -> Array:
+    """Least variance of realizations at 97.5 % over that which `count` of them tell.
+
+    Examples
+    --------
+    >>> least_variance_share(np.array([1, 16, 256])).round(2).tolist()
+    [0.44, 0.6, 0.85]
+    """
+    freedom = alone.degrees + np.asarray(count) - 1
+    return np.asarray(freedom / chdtri(freedom, 1 - _BOUND))

@@ -25,14 +25,17 @@ from pipeline.answers.error import (
     rise_errors,
     velocity_errors,
 )
-from pipeline.answers.realizations import realizations_needed, realizations_share
+from pipeline.answers.realizations import (
+    least_variance_share,
+    realizations_needed,
+    realizations_share,
+)
 from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from tribo.types import Array, Indices, Mask
 
 MOST_REALIZATIONS = 256
-_UNSURE = 1.3  # by which the surface's part may be smaller than few realizations tell
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
 _NEAR = 0.005  # least distance of a further velocity from another one, in ln(velocity)
 _GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
@@ -312,11 +315,16 @@ class Search:
         ]
         without = np.sqrt(np.square(np.delete(self.errors[:, own], SURFACE, axis=0)).sum(axis=0))
         tried = self._has_realization.sum(axis=0)
-        few = (self.needed(loads) / _UNSURE**2 > self.goal.realizations) & (
+        few = (self.needed(loads) * self._least_share > self.goal.realizations) & (
             tried < self.goal.realizations
         )
         is_short = self.goal.counts_surface and few.any()
         return bool(is_short or not (without < self.goal.accuracy).all())
+
+    @property
+    def _least_share(self) -> Array:
+        """Share of the realizations needed that may suffice, as few tell badly (n_load,)."""
+        return least_variance_share(np.maximum(self.specimen.realizations, 1), self.specimen.alone)
 
     def _further_realizations(self, loads: set[int]) -> list[Place]:
         """Points of further realizations beside the crossings, about as many as each load needs."""

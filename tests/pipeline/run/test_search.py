@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from pipeline.answers.realizations import SWEPT, JackknifeQuality
 from pipeline.run.search import Goal
 from tests.helpers.search_in_memory import Told
 from tribo import Conditions, Corrections, Friction
@@ -43,7 +44,7 @@ class Specimen:
     def __init__(self, seed, turns=0, loads=10, scatter=SCATTER, velocities=VELOCITIES):
         generator = np.random.default_rng([turns, seed])
         self.law, self.shape = friction(generator, turns), int(generator.integers(2**31))
-        self.loads, self.scatter = np.geomspace(200.0, 800.0, loads), scatter
+        self.loads, self.stated = np.geomspace(200.0, 800.0, loads), scatter
         self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
         self.failing, self.velocities, self._few = set(), velocities, velocities
 
@@ -54,8 +55,9 @@ class Specimen:
 
     def search(self, accuracy, promised=0.0, realizations=256, **more):
         judged = conditions(self.law, more.pop("share", 0.1))
+        alone = more.pop("alone", SWEPT)
         goal = Goal(accuracy, realizations, **more)
-        return Told(self.loads, self._few, judged, promised, goal)
+        return Told(self.loads, self._few, judged, promised, goal, alone)
 
     def rise(self, place):
         if place[1:] in self.failing:
@@ -73,7 +75,7 @@ class Specimen:
             asked += batch
             self.velocities = search.velocities
             rises = np.array([self.rise(place) for place in batch])
-            search.tell(batch, rises, np.full(len(batch), self.scatter))
+            search.tell(batch, rises, np.full(len(batch), self.stated))
         return asked
 
     def crossings(self, load, realization=None):
@@ -133,6 +135,13 @@ def test_a_smaller_goal_takes_more_realizations_and_rougher_loads_more():
         specimen.run(search := specimen.search(accuracy, 0.01))
         counts.append(search.asked.any(axis=2).sum(axis=0).max())
     assert counts == sorted(set(counts))
+
+
+def test_a_realization_that_states_too_large_a_deviation_refuses_no_goal():
+    specimen = Specimen(3, loads=2, scatter=0.01)
+    specimen.stated = 0.04  # times 2 below
+    specimen.run(search := specimen.search(0.01, alone=JackknifeQuality(1, 2.0)))
+    assert np.sqrt((search.errors**2).sum(axis=0)).max() <= 0.01
 
 
 @pytest.mark.parametrize("turns", [0, 2])
