@@ -242,103 +242,67 @@ def test_nothing_is_mild_that_is_no_easier_than_a_severe_test(film):
 
 # Arguments of every type
 
-N, M = "500 N", "2 m/s"
-SAME = {
-    "int": 400, "numpy": np.float32(400), "no dimension": np.array(400.0), "text": "400 N",
-    "text of numpy": np.str_("400 N"), "kilo": "0.4 kN", "mixed": ["0.4 kN", 400.0],
-    "series": pd.Series([400.0]), "texts of pandas": pd.Series(["400 N"]),
-    "its unit": xr.DataArray([0.4], dims="a", attrs={"units": "kN"}),
-    "variable": xr.Variable("a", [0.4], {"units": "kN"}), "its text": xr.DataArray("400 N"),
-}  # fmt: skip
-REFUSED = {
-    "no unit": ("400", '"400" has no unit'), "a time": ("300 s", "cannot be converted to N"),
-    "unit of time": (xr.DataArray(3.0, attrs={"units": "s"}), "cannot be converted to N"),
-    "comma": ("0,4 kN", "use a decimal point"), "word": ("much", "is not a number"),
-    "empty text": ("", "is not a number"), "true": (True, "True is no number"),
-    "flags": ([True, False], "True is no number"), "none within": ([None], "NoneType is no number"),
-    "empty": ([], "load is empty"), "empty array": (np.array([]), "load is empty"),
-    "complex": (4 + 0j, "complex is no number"), "huge": (10**400, "too large"),
-    "ragged": ([[1.0], [1.0, 2.0]], "list is no number"), "plane": ([[1.0]], "2 dimensions"),
-    "dataset": (xr.Dataset(), "load is a Dataset"), "object": (object(), "object is no number"),
-    "packed": (xr.DataArray(4, attrs={"scale_factor": 100.0}), "load is packed (scale_factor)"),
-    "masked": (np.ma.masked_array([4.0, 5.0], [True, False]), "load has masked values"),
-    "alone": (None, "give both a load and a velocity"),
-}  # fmt: skip
-UNKNOWN = np.nan, np.inf, -400.0, 0, "-4 N"
-
 
 @functools.cache
 def plane():
     return synthetic.sweep(**SMALL)
 
 
-@functools.cache
-def usual():
-    """Probability at 400 N and 2 m/s, and critical velocities, as the scene is."""
-    found = pipeline.margin(plane(), 400.0, 2.0), pipeline.boundary(plane())
-    return found[0]["probability"].item(), found[1]["critical_velocity"].values
+def with_unit(value, unit, **attributes):
+    return xr.DataArray(value, attrs={"units": unit, **attributes})
 
 
-@pytest.mark.parametrize("name", SAME)
-def test_a_load_of_any_type_is_the_same_load(name):
-    found = pipeline.margin(plane(), SAME[name], "2 m/s")["probability"].values.ravel()
-    same(found, np.full(found.shape, usual()[0]))
+@pytest.mark.parametrize(
+    ("load", "told"),
+    [
+        (np.str_("0.4 kN"), {"friction": "10 %"}),
+        (["0.4 kN", 400.0], {"bulk_temperature": with_unit(25.0, "degC")}),
+        (pd.Series(["400 N"]), {"friction": with_unit(10.0, "%")}),
+        (with_unit(0.4, "kN"), {"critical_temperature": None}),
+    ],
+)
+def test_values_are_taken_with_their_units_by_every_door(load, told):
+    usual = pipeline.margin(plane(), 400.0, 2.0)["probability"].item()
+    found = pipeline.margin(plane(), load, "2 m/s", **told)["probability"].values.ravel()
+    same(found, np.full(found.shape, usual))
+    critical = [pipeline.boundary(plane(), **own)["critical_velocity"] for own in ({}, told)]
+    same(*critical)
+
+
+REFUSED = {  # by the place or the conditions that are given
+    "no unit": (("400", 2.0), {}, '"400" has no unit'),
+    "of time": ((with_unit(3.0, "s"), 2.0), {}, "cannot be converted to N"),
+    "true": ((True, 2.0), {}, "True is no number"),
+    "empty": (([], 2.0), {}, "load is empty"),
+    "plane": (([[1.0]], 2.0), {}, "2 dimensions"),
+    "dataset": ((xr.Dataset(), 2.0), {}, "load is a Dataset"),
+    "packed": ((with_unit(4, "N", scale_factor=100.0), 2.0), {}, "load is packed (scale_factor)"),
+    "masked": ((np.ma.masked_array([4.0], [True]), 2.0), {}, "load has masked values"),
+    "alone": ((None, 2.0), {}, "give both a load and a velocity"),
+    "newtons": ((), {"friction": "300 N"}, "friction is '300 N'"),
+    "nan": ((), {"friction": np.nan}, "must be one finite number"),
+    "celsius as kelvin": ((), {"bulk_temperature": 25}, "at which no oil works"),
+    "hot bulk": ((), {"bulk_temperature": "150 degC"}, "must be above the bulk temperature"),
+    "slip": ((), {"fricton": 0.1}, "fricton is no condition"),
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_load_is_refused_in_a_line(name):
-    value, said = REFUSED[name]
-    with pytest.raises(InputError, match=re.escape(said)) as error:
-        pipeline.margin(plane(), value, 2.0)
-    assert "\n" not in str(error.value)
-
-
-def test_a_load_that_no_contact_has_is_unknown_and_said():
-    found = pipeline.margin(plane(), [*UNKNOWN, 400.0], 2.0)
-    assert words(found).tolist() == ["unknown"] * len(UNKNOWN) + ["undecided"]
-    reasons, chances = found["reason"].values[:-1], found["probability"].values[:-1]
-    for reason, chance in zip(reasons, chances, strict=True):
-        assert "give a value inside it" in reason
-        assert np.isnan(chance)
-
-
-OF_CONDITIONS = {
-    "share": ({"friction": "10 %"}, ""),
-    "percent": ({"friction": xr.DataArray(10.0, attrs={"units": "%"})}, ""),
-    "kelvin": ({"bulk_temperature": 298.15}, ""),
-    "its unit": ({"bulk_temperature": xr.DataArray(25.0, attrs={"units": "degC"})}, ""),
-    "text of numpy": ({"bulk_temperature": np.array("25 °C")}, ""),
-    "none": ({"critical_temperature": None}, ""),
-    "newtons": ({"friction": "300 N"}, "friction is '300 N'"),
-    "flag": ({"friction": True}, "friction is True"),
-    "nan": ({"friction": np.nan}, "must be one finite number"),
-    "infinite": ({"critical_temperature": np.inf}, "must be one finite number"),
-    "negative": ({"friction": -0.1}, "must be finite and ≥ 0"),
-    "empty": ({"friction": []}, "friction is empty"),
-    "celsius as kelvin": ({"bulk_temperature": 25}, "at which no oil works"),
-    "no unit": ({"bulk_temperature": "25"}, "has no unit"),
-    "hot bulk": ({"bulk_temperature": "150 degC"}, "must be above the bulk temperature"),
-    "packed": ({"friction": xr.DataArray(1, attrs={"add_offset": 0.0})}, "friction is packed"),
-    "slip": ({"fricton": 0.1}, "fricton is no condition"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", OF_CONDITIONS)
-def test_conditions_of_any_type_are_read_by_every_door_or_refused_in_a_line(name):
-    told, said = OF_CONDITIONS[name]
-    if not said:
-        same(pipeline.margin(plane(), 400.0, 2.0, **told)["probability"], usual()[0])
-        same(pipeline.boundary(plane(), **told)["critical_velocity"], usual()[1])
-        return
-    for door, place in (
-        ("margin", (400.0, 2.0)),
-        ("boundary", ()),
-        ("points", ()),
-        ("points_with_warnings", ()),
-    ):
+def test_what_is_no_load_and_no_condition_is_refused_in_a_line(name):
+    place, told, said = REFUSED[name]
+    doors = ("margin",) if place else ("boundary", "points", "points_with_warnings")
+    for door in doors:
         with pytest.raises(InputError, match=re.escape(said)) as error:
             getattr(pipeline, door)(plane(), *place, **told)
         assert "\n" not in str(error.value)
+
+
+def test_a_load_that_no_contact_has_is_unknown_and_said():
+    impossible = np.nan, np.inf, -400.0, 0, "-4 N"
+    found = pipeline.margin(plane(), [*impossible, 400.0], 2.0)
+    assert words(found).tolist() == ["unknown"] * len(impossible) + ["undecided"]
+    assert np.isnan(found["probability"].values[:-1]).all()
+    assert all("give a value inside it" in one for one in found["reason"].values[:-1])
 
 
 def test_only_margin_and_boundary_take_several_values():

@@ -8,30 +8,11 @@ import xarray as xr
 
 import pipeline
 from pipeline import boundary
-from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 from tests.helpers.stores import contents
 from tribo import Corrections, Friction, WarningKind
-
-
-@pytest.mark.parametrize(
-    ("command", "harm"), [("boundary", "missing"), ("plot", "flipped"), ("margin", "flipped")]
-)
-def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys, command, harm):
-    chunk = copy / "rise_quantile" / "c.0.0.0.0"
-    content = bytearray(chunk.read_bytes())
-    content[len(content) // 2] ^= 1
-    chunk.write_bytes(content)
-    if harm == "missing":
-        chunk.unlink()
-    place = ["--load", "300 N", "--velocity", "1.1 m/s"] if command == "margin" else []
-    out = ["-o", str(tmp_path / "a.png")] if command == "plot" else []
-    assert main([command, str(copy), *place, *out]) == 2
-    missing = "is missing at 150 N, 0.5 m/s and at 8 more"
-    words = {"flipped": "cannot be read", "missing": missing}[harm]
-    assert f"rise_quantile {words}; irg verify names what is damaged" in capsys.readouterr().err
 
 
 def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):

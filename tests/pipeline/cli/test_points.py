@@ -2,7 +2,6 @@
 
 import csv
 
-import pandas as pd
 import pytest
 
 import pipeline
@@ -37,29 +36,6 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert (first["flank"], first["remark"]) == ("A", "cold start")
     assert beyond["verdict"] == "unknown"
     assert "load 9000 N is outside the sweep" in beyond["reason"]
-
-
-OWN = pd.DataFrame(
-    {
-        "load [N]": [400.0, 400.0], "velocity [m/s]": [1.2, 1.2],
-        "temperature.bulk [degC]": [60.0, 25.0], "friction": [0.12, 0.1],
-    }
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("form", ["paths", "xlsx", "mapping"])
-def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, form):
-    points = OWN if form == "paths" else tmp_path / "duty.xlsx"
-    if form == "xlsx":
-        OWN.to_excel(points, index=False)
-    if form == "mapping":
-        points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, 0.1]}
-        points["bulk_temperature"] = [333.15, 298.15]
-    table = pipeline.margin(store, points)
-    own = {"bulk_temperature": "60 degC", "friction": 0.12}
-    for row, conditions in enumerate((own, {})):
-        expected = asked(store, 400.0, 1.2, **conditions).temperature_margin
-        assert table["temperature_margin"].values[row] == pytest.approx(expected, rel=1e-9)
 
 
 def test_limits_of_a_row_judge_it_and_further_columns_are_kept(store, tmp_path, irg):

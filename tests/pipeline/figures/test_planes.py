@@ -127,20 +127,6 @@ def test_operating_points_are_marked_as_pairs_with_their_numbers():
     assert sides["500 N, 3 m/s"] == ("left", "bottom")
 
 
-def test_the_heavy_line_is_the_boundary_with_tests_if_there_are_any():
-    def widths(ds):
-        axes, words, _ = drawn(ds)
-        named = ("boundary", "boundary with tests")
-        found = [one for one in axes.collections if one.get_gid() in named]
-        return {one.get_gid(): one.get_linewidth()[0] for one in found}, words
-
-    alone, words = widths(sweep())
-    assert not any("with tests" in one for one in words)
-    both, words = widths(sweep(tests=(bare_test(400.0, 2.25),)))
-    assert words[1:3] == ["boundary with tests (50 %)", "computed boundary, numerical error"]
-    assert both["boundary with tests"] == alone["boundary"] > 2 * both["boundary"]
-
-
 def test_a_single_load_or_velocity_has_its_points_alone():
     for one in ({"loads": (400.0,)}, {"velocities": (2.0,)}):
         axes, words, _ = drawn(sweep(**one))

@@ -1,6 +1,5 @@
 """The report: what stands in it is what the answers say, escaped, without scripts."""
 
-import json
 import re
 from base64 import b64decode, b64encode
 from html.parser import HTMLParser
@@ -23,12 +22,6 @@ from tests.pipeline.figures.test_planes import sweep as plane
 from tribo import InputError
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror=alert(2)> & 'a'"
-PAYLOADS = (
-    "<script>alert(1)</script>", "</title><script>alert(1)</script>",
-    "\"><svg onload=alert(1)>", "' onmouseover='alert(1)", "<iframe src=javascript:alert(1)>",
-    "</style><script>alert(1)</script>", "--><b>x</b>", "<base href=//evil>", "{{ 7 * 7 }}",
-    "&lt;script&gt;", "]]><script>alert(1)</script>", "$\\frac{1}{0}$", "<textarea></main>",
-)  # fmt: skip
 VOID = {"meta", "img", "source", "br", "link"}
 TESTS = (
     bare_test(250.0, 1.5, outcome="mild"),
@@ -86,7 +79,7 @@ def checked(text):
 
 @pytest.fixture(scope="module")
 def sweep():
-    return synthetic.sweep(tests=TESTS)
+    return synthetic.sweep((200.0, 400.0, 600.0, 750.0), (0.5, 1.0, 2.0, 4.0), tests=TESTS)
 
 
 @pytest.fixture(scope="module")
@@ -131,23 +124,6 @@ def test_nothing_of_a_user_is_read_as_html(page):
     assert policy.startswith("default-src 'none'; img-src data:; style-src 'sha256-")
     assert "http:" not in page.replace("http-equiv", "")
     assert "https:" not in page
-
-
-def test_titles_authors_labels_and_paths_are_text(undrawn):
-    hostile = " ".join(PAYLOADS)
-    tests = [bare_test(250.0, 1.5, outcome="mild", number=one) for one in PAYLOADS]
-    inputs = "\n".join(f"{json.dumps(one)} = 1" for one in PAYLOADS)  # names of entries
-    ds = synthetic.sweep(tests=tests, title=hostile, note=hostile)
-    points = {
-        "case": PAYLOADS,
-        "load [N]": [300.0] * len(PAYLOADS),
-        "velocity [m/s]": [1.0 + 0.05 * k for k in range(len(PAYLOADS))],
-    }
-    ds = ds.assign_attrs(scene=f"[materials]\n{inputs}")
-    told = {"title": hostile, "author": hostile, "command": f"irg report '{hostile}.zarr'"}
-    found = checked(pipeline.report(ds, points=points, **told))
-    # Titles of window and page, the scene's, its note, author, command, row, test and input.
-    assert [one for one in PAYLOADS if found.words.count(one) < 9] == []
 
 
 def test_a_screen_reader_finds_headings_captions_and_words_for_pictures(page):
