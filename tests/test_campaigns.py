@@ -59,11 +59,7 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
 
 
 @pytest.mark.parametrize(
-    ("name", "family"),
-    [
-        *(("standard", family) for family in ("local", "record", "tops", "stages")),
-        ("fine", "lay"),
-    ],
+    ("name", "family"), [("standard", "tops"), ("standard", "stages"), ("fine", "tops")]
 )
 def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, family):
     number = 7 if family == "stages" else 1
@@ -92,7 +88,7 @@ def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_c
         (2550, "95.0%", "1.0", True),
         (255, "99.6%", "4.5", False),
     ):
-        line = "fine, without a warning", 5, count, "1%", "1%", "1%", over, held
+        line = "fine, without a warning, share 0.1", 5, count, "1%", "1%", "1%", over, held
         assert errors.are_covered([line]) == is_right
 
 
@@ -101,9 +97,9 @@ def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_c
 
 @pytest.mark.parametrize("kind", laboratories.KINDS)
 def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_say(kind):
-    held, mild, severe = laboratories.judged(kind, 4, 16)
-    assert 0.75 <= held <= 0.99  # 16 laboratories: ± 7 points for one standard deviation
-    assert max(mild, severe) <= 0.10  # of some 40 and 80 points, ± 2 to 3
+    held, mild, severe = laboratories.judged(kind, 4, 6)
+    assert held >= 0.65  # 6 laboratories: ± 12 points for one standard deviation
+    assert max(mild, severe) <= 0.12  # of some 15 and 30 points, ± 3 to 5
 
 
 # Accuracies that are asked for
@@ -119,6 +115,7 @@ def numbered_planes(tmp_path_factory):
         yield number, goals.Planes(goals.scene(case, falls=True), path)
 
 
+@pytest.mark.slow  # on planes in closed form: tests/pipeline/run/test_search.py
 def test_a_search_finds_every_crossing_of_the_plane(numbered_planes):
     number, planes = numbered_planes
     counts = np.array(planes.crossings(number))

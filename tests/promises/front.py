@@ -1,13 +1,12 @@
-"""Judge the presets on scenes of twelve families, and what else was tried on others.
+"""Judge the presets on scenes of twelve families, on which none was chosen.
 
 The error at a place is that of the critical velocity, ln(rise/true rise) over the exponent with
 which the rise grows with the velocity, against `reference` as `truth` has it. A preset promises a
-bound of 99 % of its errors at places without a warning. Scenes of an odd number judge the presets.
-With ``--search`` those of an even number show what other choices would give: a preset is on the
-front if none takes a tenth less time at no larger quantile. All take over an hour; draw some.
+bound of 99 % of its errors at places without a warning. Scenes of an odd number judge the presets;
+all take over an hour.
 
     python -m tests.promises.front
-    python -m tests.promises.front --search --scenes 10
+    python -m tests.promises.front --scenes 8
 """
 
 import argparse
@@ -32,28 +31,7 @@ from tribo.simulation import RampCache, forget_kernels
 PROMISED = "standard", "fine"
 NUMBERS = 16
 _QUANTILE, _WARNED = 0.99, 0.06
-_CHEAPER = 0.9
 _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest", "CPU [s]"
-
-
-def varied():
-    """The presets, and copies of each with one numerical choice changed, by name."""
-    changes = {
-        "pixels_per_element": (1, 2, 4),
-        "fewest_elements": (0.25, 4.0),
-        "increments": (0.5, 2.0),
-        "contact_tolerance": (0.6, 3.0),
-    }
-    choices = {name: PRESETS[name] for name in PROMISED}
-    for name in PROMISED:
-        preset = PRESETS[name]
-        for field, values in changes.items():
-            own = getattr(preset, field)
-            for value in values:
-                new = value if field == "pixels_per_element" else type(own)(own * value)
-                if new not in (own, 0):
-                    choices[f"{name}, {field} = {new:g}"] = replace(preset, **{field: new})
-    return choices
 
 
 def dividing(scene, fidelity):
@@ -147,56 +125,32 @@ def are_kept(rows):
     return all(row[4] <= PRESET_BOUNDS[row[0]] and row[2] <= _WARNED for row in rows)
 
 
-def beaten(rows):
-    """Yield (preset, choice) if the choice takes a tenth less time at no larger error."""
-    for row in rows:
-        for other in rows:
-            if row[0] in PROMISED and other[6] < _CHEAPER * row[6] and other[4] <= row[4]:
-                yield row[0], other[0]
-
-
-def searched(path, choices, scenes, ends):
-    """Table rows of the choices over scenes done with all of them, and these scenes' names."""
-    texts = [json.dumps(asdict(fidelity)) for fidelity in choices.values()]
+def judged(path, scenes, minutes):
+    """Table rows of the presets over scenes done with all of them, and how many these are."""
+    texts = {name: json.dumps(asdict(PRESETS[name])) for name in PROMISED}
     rows = known_rows(path)
     tasks = [
-        (name, choices[name], case.family, case.number)
+        (name, PRESETS[name], case.family, case.number)
         for case in scenes
-        for name, text in zip(choices, texts, strict=True)
+        for name, text in texts.items()
         if (text, case.digest) not in rows
     ]
-    compute(computed, tasks, path, (ends - time.monotonic()) / 60)
+    compute(computed, tasks, path, minutes)
     rows = known_rows(path)
-    done = [one for one in scenes if all((text, one.digest) in rows for text in texts)]
-    digests = [one.digest for one in done]
-    found = [summary(name, fidelity, rows, digests) for name, fidelity in choices.items()]
-    return found, [one.name for one in done]
+    digests = [case.digest for case in scenes]
+    done = [one for one in digests if all((text, one) in rows for text in texts.values())]
+    return [summary(name, PRESETS[name], rows, done) for name in PROMISED], len(done)
 
 
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.front", description=__doc__)
-    parser.add_argument("--search", action="store_true", help="what else was tried")
     parser.add_argument("--scenes", type=int, help="so many, drawn; all if not given")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
     options = parser.parse_args()
-    path = Path("results/front.jsonl")
-    numbers, ends = range(0 if options.search else 1, NUMBERS, 2), 60 * options.minutes
-    choices = varied() if options.search else {name: PRESETS[name] for name in PROMISED}
-    ends += time.monotonic()
-    found, names = searched(path, choices, drawn(numbers, options.scenes), ends)
-    if not options.search:
-        lines = table(_COLUMNS, map(worded, found)), "", f"{len(names)} scenes"
-        return conclude("front", "\n".join(lines), are_kept(found))
-    lines = [table(_COLUMNS, map(worded, sorted(found, key=lambda row: row[6])))]
-    lines += ["", f"drawn scenes: {', '.join(names)}"]
-    worse = list(beaten(found))
-    if worse and options.scenes:  # choices better on few scenes are tried on all
-        choices = {name: choices[name] for pair in worse for name in pair}
-        found, names = searched(path, choices, drawn(numbers, None), ends)
-        lines += ["", table(_COLUMNS, map(worded, found)), "", f"{len(names)} scenes"]
-        worse = list(beaten(found))
-    lines += [f"{preset} is beaten by {choice}" for preset, choice in worse]
-    return conclude("front_search", "\n".join(lines), not worse)
+    scenes = drawn(range(1, NUMBERS, 2), options.scenes)
+    found, count = judged(Path("results/front.jsonl"), scenes, options.minutes)
+    lines = table(_COLUMNS, map(worded, found)), "", f"{count} scenes"
+    return conclude("front", "\n".join(lines), are_kept(found))
 
 
 if __name__ == "__main__":
