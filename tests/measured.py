@@ -98,13 +98,6 @@ def scan(text, _):
     )
 
 
-def workers(text, _):
-    found = json.loads(text)
-    each = (f"{one['points_a_second']:.0f} on {one['workers']}" for one in found)
-    share = found[-1]["driver_share_of_a_core"]
-    return f"points a second: {', '.join(each)}, where the driver takes {share:.0%} of a core"
-
-
 def many(text, _):
     found = json.loads(text)["large"]
     return (
@@ -140,7 +133,7 @@ ROWS = {
         "stated errors hold, at points and between them",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.errors",
-        "--scenes 3 --minutes 1",
+        "--scenes 3 --minutes 5",
         "",
         stated,
     ),
@@ -186,14 +179,6 @@ ROWS = {
         None,
         cpu,
     ),
-    "workers": Row(
-        "what workers gain with the driver, by points that wait 60 ms",
-        RUN,
-        "python -m tests.cluster.wide",
-        "--workers 1 2 16 --points 3000 --seconds 0.06 --for 10",
-        None,
-        workers,
-    ),
     "scan": Row(
         "CPU time of the driver for a cheap point, above an empty task; what a scan of "
         "1000 × 1000 heights (8 MB, of noise) adds",
@@ -234,14 +219,6 @@ ROWS = {
         "--trials 20",
         "",
         faults("damage", "(?!seconds|faults|looks|ack|trials)", "files"),
-    ),
-    "deadly": Row(
-        "a load kills its worker: its points fail, no other",
-        ("pipeline/run",),
-        "python -m tests.crash deadly",
-        "--trials 1",
-        "",
-        faults("deadly", "points that kill", "points that kill"),
     ),
 }
 

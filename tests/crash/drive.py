@@ -16,7 +16,6 @@ from unittest import mock
 
 from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
-from pipeline.run import drive as driver
 from pipeline.run import sweep as running
 from pipeline.run.tally import Tally
 from pipeline.store import place as files
@@ -28,7 +27,7 @@ GIVEN_UP = 2
 """Exit code of a driver that ends with a word."""
 
 
-def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, source=None):
+def drive(sweep, path, log, records=None, mistake=None, pace=0.0, source=None):
     """Run or resume a sweep; return the exit code that the command would have.
 
     Without workers, `records` are what they would return by point, each task after `pace` [s].
@@ -38,9 +37,7 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, sou
         stack.enter_context(MISTAKES[mistake]())
         stack.enter_context(computing(records, pace) if records else nullcontext())
         try:
-            outcome = running.run_sweep(
-                sweep, path, workers=workers, retry_failed=True, source=source
-            )
+            outcome = running.run_sweep(sweep, path, workers=2, retry_failed=True, source=source)
         except (StoreError, ExecutionError) as error:
             print(error, file=sys.stderr)
             return GIVEN_UP
@@ -97,15 +94,10 @@ def _unsynced():
     return mock.patch.object(files.os, "fsync")
 
 
-def _all_blamed():
-    return mock.patch.object(driver, "_DEATHS", 0)
-
-
 MISTAKES = {
     None: nullcontext,
     "status first": _status_first,
     "unsynced": _unsynced,
-    "all blamed": _all_blamed,
 }
 """Mistakes that the campaigns are there to notice."""
 

@@ -165,13 +165,11 @@ def differing(arrays, index, result):
             yield f"{name} beyond its end"
 
 
-def is_meant_to_fail(point, message):
-    """True if the failure of a point is the intended one of the first stage."""
-    return (point, message) == (FAILING, REASON)
+def faults_of(ds, expected, acknowledged):
+    """Yield faults of a dataset: lost points, wrong values, and values of points not done.
 
-
-def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
-    """Yield faults of a dataset: lost points, wrong values, and values of points not done."""
+    A point may have failed as it is meant to in the first stage.
+    """
     arrays = values_of_points(ds)
     left = set(acknowledged)
     for index, point in places(ds):
@@ -181,7 +179,7 @@ def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
             names = list(differing(arrays, index, expected(point)))
             yield from (f"{point}: {name} differs" for name in names)
             continue
-        if status == FAILED and not may_fail(point, arrays["message"][index]):
+        if status == FAILED and (point, arrays["message"][index]) != (FAILING, REASON):
             yield f"{point} has failed: {arrays['message'][index]}"
         for name in {*COLUMNS, *FIELDS} & set(arrays):
             if _is_known(arrays[name][index]).any():

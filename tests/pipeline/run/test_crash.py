@@ -32,8 +32,6 @@ def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
     assert any(report[name] > 0 for name in report if name.startswith(("cuts", "kills")))
 
 
-@pytest.mark.parametrize(
-    "campaign", ["kills", "damage", "deadly", pytest.param("power", marks=needs_disks)]
-)
+@pytest.mark.parametrize("campaign", ["kills", "damage", pytest.param("power", marks=needs_disks)])
 def test_broken_rules_would_be_noticed(campaign, tmp_path):
     assert reported(tmp_path, campaign, "--mistake", trials=3)["faults"]
