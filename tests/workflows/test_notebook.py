@@ -1,4 +1,4 @@
-"""The notebooks: what they store, and their cells and commands on smaller scenes.
+"""The notebooks: what they store, and what their cells show.
 
 `make notebooks` runs them whole, in kernels, and stores what the cells show.
 """
@@ -20,14 +20,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
-SMALLER = {
-    "first_diagram": (),
-    "steps": (
-        "window.pixels = [480, 60]",
-        'window = { pixels = [240, 36], pixel_size = ["1.632 um", "1.9 um"] }',
-    ),
-}
-"""A text in the cells of each notebook, and one in its place that takes less time."""
+NOTEBOOKS = "first_diagram", "steps"
 _OF_A_RUN = (
     r"/(home|root|tmp|usr|var|work|Users|opt)/|[A-Z]:\\",  # paths of one machine
     r"localhost|\b\d+\.\d+\.\d+\.\d+\b|:\d{4,5}\b",  # addresses and ports
@@ -91,9 +84,6 @@ def run_cells(name):
     cells = code_cells(name)
     assert len(cells) > 4
     sources = [source_of(cell) for cell in cells]
-    if SMALLER[name]:
-        assert any(SMALLER[name][0] in source for source in sources)
-        sources = [source.replace(*SMALLER[name]) for source in sources]
     assert sum(source.count("assert ") for source in sources) >= 2
     names, figures, texts = {}, [], []
     for source in sources:
@@ -134,7 +124,7 @@ def assert_stored(name, texts):
     return compared
 
 
-@pytest.mark.parametrize("name", SMALLER)
+@pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_stores_what_its_cells_show_and_nothing_of_a_machine(name):
     path = WORKFLOWS / f"{name}.ipynb"
     assert path.stat().st_size < 200_000

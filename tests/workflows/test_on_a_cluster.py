@@ -1,21 +1,21 @@
 """The recipe for a batch system (workflows/on_a_cluster.py)."""
 
-import subprocess
-import sys
-from pathlib import Path
+import pytest
 
-RECIPE = Path(__file__).parents[2] / "workflows" / "on_a_cluster.py"
+from tribo import TriboError
+from workflows import on_a_cluster
 
 
-def test_a_job_bears_blanks_in_paths_and_a_walltime_as_slurm_writes_it(tmp_path):
+def test_a_job_bears_blanks_in_paths_and_a_walltime_as_slurm_writes_it(
+    tmp_path, monkeypatch, capsys
+):
     (folder := tmp_path / "a b").mkdir()
-    command = [sys.executable, RECIPE, "first_try", "my results/s.zarr", "--dry-run"]
-    done = subprocess.run(
-        [*command, "--walltime", "02:00:00"], cwd=folder, capture_output=True, text=True, check=True
-    )
-    lines = done.stdout.splitlines()
+    monkeypatch.chdir(folder)  # the recipe changes it, and this brings it back
+    options = ["first_try", "my results/s.zarr", "--dry-run", "--walltime", "02:00:00"]
+    on_a_cluster.main(on_a_cluster.parser.parse_args(options))
+    lines = capsys.readouterr().out.splitlines()
     assert "#SBATCH -t 120:00" in lines
     lines.remove(f"cd '{folder}/my results/s.zarr.jobs'")
     assert "a b" not in "\n".join(lines)
-    said = subprocess.run([*command, "--walltime", "1:00"], cwd=folder, capture_output=True)
-    assert said.stderr == b'on_a_cluster.py: "1:00" is not a number with a unit\n'
+    with pytest.raises(TriboError, match='"1:00" is not a number with a unit'):
+        on_a_cluster.seconds_of("1:00")

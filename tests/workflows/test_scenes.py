@@ -9,6 +9,7 @@ from tribo import QUANTILES
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 PAPER = pipeline.load_scene(WORKFLOWS / "irg_transition.toml")
+SLOW = ("mtm", 75.0, 1.1), ("srv", 200.0, 0.16)
 MEASURED = {400.0: 2.25, 200.0: 3.75}  # Table 4: N, m/s
 
 
@@ -41,8 +42,7 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
     ("name", "load", "velocity"),  # as stated at the top of these files
     [
         ("pin_on_disk", 200.0, 0.24),
-        ("mtm", 75.0, 1.1),
-        pytest.param("srv", 200.0, 0.16, marks=pytest.mark.slow),
+        *(pytest.param(*row, marks=pytest.mark.slow) for row in SLOW),
     ],
 )
 def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):

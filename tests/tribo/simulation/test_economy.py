@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
-from tribo import QUANTILES, Cylinder, Grid, MeasuredRoughness, Ramp, Wear, measures, simulate
-from tribo.simulation import forget_contacts, loading_step
+from tribo import QUANTILES, Cylinder, Grid, MeasuredRoughness, Wear, measures, simulate
 
 DECISIVE = QUANTILES.index(0.9)
 
@@ -64,29 +63,6 @@ def test_without_wear_a_point_is_one_step(wear):
     assert measures(scene, states[0])["plastic_fraction"] > 0
     assert states[0].pressure == pytest.approx(hardly[-1].pressure, abs=1e-5 * 6.6e9)
     assert states[0].heat.rise == pytest.approx(hardly[-1].heat.rise, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("wear", "velocity"), [(None, 1.25), (Wear(0.0), 1.25), (Wear(1.2e-15), 0.0)]
-)
-def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity, monkeypatch):
-    solved = []
-    solve = loading_step.solve_contact
-    monkeypatch.setattr(
-        loading_step, "solve_contact", lambda *args, **kw: solved.append(1) or solve(*args, **kw)
-    )
-    counts, ends = [], []
-    for hold in (0.0, 60.0):
-        forget_contacts()
-        scene = replace(small_scene(), wear=wear, loading=Ramp(150.0, 750.0, hold=hold))
-        solved.clear()
-        *_, end = simulate(scene, 600.0, velocity, requested=range(9, 12) if hold else ())
-        counts.append(len(solved))
-        ends.append(end)
-    assert counts[0] == counts[1] > 0
-    assert np.array_equal(ends[0].pressure, ends[1].pressure)
-    assert ends[1].time == 64.0
-    assert (ends[1].heat.max_rise > ends[0].heat.max_rise) == (velocity > 0)
 
 
 # Two smooth bodies

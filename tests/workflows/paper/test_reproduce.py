@@ -17,7 +17,6 @@ from pipeline import load_scene
 from pipeline.cli import main
 from pipeline.shipped import WORKFLOWS
 from workflows import paper
-from workflows.paper import transition_diagram
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.report import WORDS
 from workflows.paper.study import Study
@@ -258,14 +257,6 @@ def test_the_shipped_record_is_the_synthetic_one():
     rate, onset = load_scene(WORKFLOWS / "fig8.toml").scene.loading.linear_fit()
     assert rate == pytest.approx(150.0, rel=0.01)
     assert 0.3 < onset < 0.6
-
-
-def test_the_diagram_is_computed_once(small, folder, scenes):
-    assert small("fig10").data["computed"] == small("fig10").data["points"]
-    with mock.patch.object(transition_diagram, "ACCURACY", None):
-        again = paper.reproduce("fig10", scenes=scenes, results=folder, **SMALL)
-    assert again.data["computed"] == 0
-    assert again.data["transitions"] == small("fig10").data["transitions"]
 
 
 def test_the_legend_of_the_diagram_names_the_kind_of_wear_at_its_line(small):
