@@ -48,9 +48,6 @@ class Refusals:
         """Outcome of a table entry; it runs in a folder with links to the stores."""
         if name not in self.outcomes:
             build = self.table[name][0]
-            if sys.gettrace():  # so that a coverage tool sees the lines that are traced below
-                with contextlib.suppress(TriboError), contextlib.chdir(self._place()):
-                    build()
             self.outcomes[name] = self._run(build, self._place())
         return self.outcomes[name]
 

@@ -31,7 +31,7 @@ def test_a_smooth_contact_tells_a_range_of_wear_rates():
 
 
 def test_a_width_must_differ_from_both_ends_by_half_an_element():
-    scene = small_scene()
+    scene = small_scene(increments=3)
     side = scene.grid.spacing[0]
     plain = replace(scene, wear=None)
     unworn = measures(plain, last(plain, 750.0, 1.25))["contact_width"]

@@ -75,8 +75,8 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
 
     Examples
     --------
-    >>> print(reproduce("fig8", preset="standard").title)
-    a recorded load (synthetic) and its linear fit, 600 N at 1.5 m/s
+    >>> print(reproduce("fig4").title)
+    pressure under a cylinder of radius 8 mm, on a window of 0.456 mm
     """
     if name in NOT_REPRODUCED:
         raise InputError(f"{name} is not recomputed: {NOT_REPRODUCED[name]}")

@@ -99,7 +99,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     """A ball that always meets new summits does not conform to them by wear."""
     # True value: the mean over many more patches than the scene uses, each worn locally.
     few = {"pixels": 96, "side": 640e-6 / 96}
-    true = hot(end(ball(fewest_elements=0, pixels_per_element=1, increments=40, **few)))
+    true = hot(end(ball(fewest_elements=0, pixels_per_element=1, increments=20, **few)))
     swept, patch = ball(**few), ball(pattern="local", **few)
     of_ball, of_patch = end(swept), end(patch)
     assert hot(of_ball) == pytest.approx(true, rel=0.01)
@@ -108,7 +108,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
 
 
-def few_elements(increments):
+def few_elements():
     """Scene of a rough ball whose contact has 220 elements."""
     return Scene(
         pin=Ball(5e-3, STEEL),
@@ -117,16 +117,8 @@ def few_elements(increments):
         loading=Ramp(20.0, 40.0),
         roughness=SelfAffineRoughness(0.3e-6, 0.8, (30e-6, 30e-6), 3),
         wear=Wear(1e-14, "swept"),
-        fidelity=Fidelity(pixels_per_element=1, increments=increments, contact_tolerance=1e-2),
+        fidelity=Fidelity(pixels_per_element=1, increments=4, contact_tolerance=1e-2),
     )
-
-
-def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps():
-    """The temperature is a mean over positions of the disk; at a single one it varies strongly."""
-    states = [end(few_elements(increments), 40.0) for increments in (4, 5)]
-    own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
-    assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)
-    assert own[0] != pytest.approx(own[1], rel=0.05)
 
 
 def test_a_smooth_pin_wears_swept_as_it_wears_locally():
@@ -140,7 +132,7 @@ def test_a_smooth_pin_wears_swept_as_it_wears_locally():
 
 
 def test_a_temperature_over_positions_is_the_mean_of_those_at_each():
-    scene = few_elements(4)
+    scene = few_elements()
     state = end(scene, 40.0)
     assert state.passing
     pressures = (state.pressure, *state.passing)

@@ -11,7 +11,6 @@ from tribo import (
     Fidelity,
     Grid,
     Material,
-    MeasuredRoughness,
     Ramp,
     Scene,
     SelfAffineRoughness,
@@ -106,21 +105,6 @@ def test_units_scale(seed):
     assert there.wear_depth / metre == pytest.approx(
         here.wear_depth, abs=1e-5 * max(here.wear_depth.max(), 1e-300)
     )
-
-
-@few
-def test_translation_along_the_period_translates_everything(seed):
-    rng, load, scene = drawn(seed)
-    velocity, places = rng.uniform(0.1, 20.0), rng.integers(1, 20)
-    heights = scene.roughness.heights(scene.pixels)
-    moved = replace(scene, roughness=MeasuredRoughness(np.roll(heights, places, 1)))
-    here, there = (last(s, load, velocity) for s in (scene, moved))
-    back = replace(
-        there,
-        pressure=np.roll(there.pressure, -places, 1),
-        heat=replace(there.heat, rise=np.roll(there.heat.rise, -places, 1)),
-    )
-    assert_alike(here, back)
 
 
 @few

@@ -39,8 +39,8 @@ SMALLER = {
 }
 """Texts in shipped scenes that are replaced by ones that take less time."""
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
-BEYOND = "heldout", "inverse", "steel"
-"""Results beyond the paper's figures and tables, some 10 s each: by ``-m slow`` alone."""
+BEYOND = "contra", "heldout", "inverse", "rivals", "steel"
+"""Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
 
 
 @pytest.fixture(scope="module", autouse=True)
