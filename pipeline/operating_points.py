@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.limits import MOST_PLACES
-from pipeline.sweep.case import Place
+from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import read_table, rows_of
 from pipeline.units import share_of, to_si
@@ -32,13 +32,13 @@ class OperatingPoints:
     them.
     """
 
-    places: tuple[Place, ...]
+    places: tuple[OperatingPoint, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
 
     @property
-    def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
-        """Place and conditions of each row."""
+    def rows(self) -> list[tuple[OperatingPoint, Mapping[str, float]]]:
+        """Operating point and conditions of each row."""
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
     @classmethod

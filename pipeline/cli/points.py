@@ -18,7 +18,7 @@ from pipeline.frames import frame_of, transposed
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
-from pipeline.sweep.case import Place
+from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.sweep import Point
 from tribo import InputError
 
@@ -51,7 +51,7 @@ def point(options: argparse.Namespace) -> Result:
     return _margin_result(computed_dataset(store), (load, velocity))
 
 
-def _margin_result(ds: xr.Dataset, place: Place) -> Result:
+def _margin_result(ds: xr.Dataset, place: OperatingPoint) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     contact = _contact_frame(ds.sel(load=[place[0]], velocity=[place[1]]))
     if not scene_sweep(ds).base.is_judged:

@@ -31,7 +31,7 @@ from pipeline.figures.fields import QuantityLike, wanted_values
 from pipeline.figures.markers import mark_places, mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
-from pipeline.sweep.case import Place
+from pipeline.sweep.case import OperatingPoint
 from pipeline.words import split_notes
 from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
@@ -132,7 +132,7 @@ def diagram(
     return figure
 
 
-def _places(load: QuantityLike, velocity: QuantityLike) -> list[Place]:
+def _places(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
     loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
     if len(loads) != len(velocities):
@@ -143,7 +143,7 @@ def _places(load: QuantityLike, velocity: QuantityLike) -> list[Place]:
     return [*zip(loads, velocities, strict=True)]
 
 
-def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[Place], log: bool) -> None:
+def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[OperatingPoint], log: bool) -> None:
     """Scale the axes to the sweep and to what is marked, and label them."""
     if log:
         axes.set(xscale="log", yscale="log")
@@ -261,7 +261,9 @@ def zero_line(
     return True
 
 
-def _name_regions(axes: Axes, x: Array, y: Array, verdicts: Array, marked: Iterable[Place]) -> None:
+def _name_regions(
+    axes: Axes, x: Array, y: Array, verdicts: Array, marked: Iterable[OperatingPoint]
+) -> None:
     """Write the name of each region where it is widest, beside marks; none without room."""
     free = np.ones(verdicts.shape, bool)
     for load, velocity in marked:

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from pipeline.answers.results import CaseResults
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, FAINT, OPERATING
-from pipeline.sweep.case import Place
+from pipeline.sweep.case import OperatingPoint
 
 TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLACK)}
 """Marker and face colour of a test, by its outcome."""
@@ -52,13 +52,13 @@ def legend_of_tests(outcomes: Iterable[str]) -> dict[str, Any]:
 
 def mark_tests(
     axes: Axes, case: CaseResults, bulk: float
-) -> tuple[list[Place], dict[str, Any], list[str]]:
+) -> tuple[list[OperatingPoint], dict[str, Any], list[str]]:
     """Mark the tests in or near the sweep's range, faint if their bulk temperature is not `bulk`.
 
     Returns their places, their entry of the legend, and lines of the caption.
     """
     own = case.sweep.conditions.bulk_temperature
-    places, kinds, far, others = list[Place](), list[Any](), list[str](), False
+    places, kinds, far, others = list[OperatingPoint](), list[Any](), list[str](), False
     for position, test in enumerate(case.sweep.tests, 1):
         number, place = test.number or str(position), (test.normal_load, abs(test.velocity))
         pairs = zip(place, (case.loads, case.velocities), strict=True)
@@ -77,7 +77,7 @@ def mark_tests(
     return places, legend_of_tests(kinds), caption
 
 
-def mark_places(axes: Axes, places: Sequence[Place]) -> None:
+def mark_places(axes: Axes, places: Sequence[OperatingPoint]) -> None:
     """Mark operating points; few have their numbers beside, on the side away from the boundary."""
     look: dict[str, Any] = {"mfc": OPERATING, "mec": "white", "zorder": 5, "clip_on": False}
     for load, velocity in places:

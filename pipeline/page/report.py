@@ -41,7 +41,7 @@ from pipeline.page.parts import (
 from pipeline.scene.entries import flat
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.case import Place
+from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.codec import digest
 from pipeline.sweep.notes import library_tables
@@ -258,7 +258,9 @@ def _verdict(here: xr.Dataset) -> str:
     return as_sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
 
 
-def _plane(ds: xr.Dataset, conditions: Conditions, places: Iterable[Place] = ()) -> list[Section]:
+def _plane(
+    ds: xr.Dataset, conditions: Conditions, places: Iterable[OperatingPoint] = ()
+) -> list[Section]:
     """Sections with the diagram, the boundary, tests beside what is computed, and errors."""
     found = pipeline.boundary(ds, **conditions)
     ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]

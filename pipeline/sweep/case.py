@@ -11,7 +11,7 @@ from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 OUTCOMES = ("mild", "severe", "transition")
 """Outcomes of a test."""
-Place = tuple[float, float]
+OperatingPoint = tuple[float, float]
 """Load [N] and velocity [m/s]."""
 LARGEST = 1e15
 """Load [N] or velocity [m/s] at most; scenes have smaller ones."""
@@ -123,7 +123,7 @@ class SpecimenTest:
             raise InputError(f"a test of {self.places} has a step out of range, or no place")
 
     @property
-    def places(self) -> tuple[Place, ...]:
+    def places(self) -> tuple[OperatingPoint, ...]:
         """Load [N] and velocity [m/s] of each point of the test.
 
         There are two for a transition with a step: the last where wear was mild, and the first
