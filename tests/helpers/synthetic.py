@@ -106,16 +106,17 @@ def sweep(
         flags[i, j], messages[i, j] = flag, "out of memory" if flag == FAILED else ""
 
     for i, ramp in enumerate(ramps):
-        for j, V in enumerate(velocities):
-            if flags[i, j] != DONE:
-                continue
-            hot = (np.arange(len(ramp)) + 1) % (interval or len(ramp)) == 0
-            hot[-1] = True
-            values = _columns(ramp, V) | _columns_of_heat(ramp, V, rise, hot)
-            for name, value in values.items():
-                scalars[name][i, j, -len(ramp) :] = value
-            for k in np.flatnonzero(hot):
-                quantiles[i, j, k - len(ramp)] = rise(ramp[k], V, np.array(QUANTILES))
+        hot = (np.arange(len(ramp)) + 1) % (interval or len(ramp)) == 0
+        hot[-1] = True
+        steps = ramp[:, None], velocities
+        values = _columns(*steps) | _columns_of_heat(*steps, rise, hot[:, None])
+        for name, value in values.items():
+            scalars[name][i, :, -len(ramp) :] = value.T
+        hottest = np.flatnonzero(hot) - len(ramp)
+        found = rise(ramp[hottest, None], velocities[:, None, None], np.array(QUANTILES))
+        quantiles[i][:, hottest] = found
+    for values in (*scalars.values(), quantiles):
+        values[flags != DONE] = np.nan
 
     data = {
         name: (_STEP, values, {"units": known[name].units, "long_name": name})
@@ -220,13 +221,13 @@ def _columns(ramp, velocity):
         "sliding_distance": velocity * time,
         "contact_fraction": 0.012 * ramp**0.5,
         "contact_width": 9e-6 * ramp**0.5 * (1 + 0.2 * velocity),
-        "max_pressure": np.full(len(ramp), 6.6e9),
-        "mean_pressure": np.full(len(ramp), math.nan),  # carries the load, see `sweep`
+        "max_pressure": np.full_like(ramp, 6.6e9),
+        "mean_pressure": np.full_like(ramp, math.nan),  # carries the load, see `sweep`
         "plastic_fraction": 0.02 + 1e-4 * ramp,
         "wear_depth_max": 2e-9 * velocity * ramp**0.9,
         "wear_volume": 1.2e-15 * 0.5 * RATE * time**2 * velocity,
-        "iterations": np.full(len(ramp), 10.0),
-        "residual": np.full(len(ramp), 1e-4),
+        "iterations": np.full_like(ramp, 10.0),
+        "residual": np.full_like(ramp, 1e-4),
     }
 
 
