@@ -22,10 +22,9 @@ import psutil
 import pytest
 import xarray as xr
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
-from distributed.core import Status
 
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
-from pipeline.run import drive
+from pipeline.run import drive, work
 from pipeline.run.cluster import CONFIGURATION, ENVIRONMENT, client_of, connected
 from pipeline.run.work import PROGRAM, _hash_of_code
 from tests.helpers import tiny
@@ -43,10 +42,8 @@ MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 class Cluster:
     """A scheduler and workers, each started by Dask's command in its own process."""
 
-    def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT, threads=(1,)):
-        folder.mkdir(exist_ok=True)
+    def __init__(self, folder, protocol, settings, security, threads):
         self._stack, file = ExitStack(), folder / "scheduler.json"
-        self._code = os.fspath(code)
         self._words = folder / "words.txt"
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
@@ -69,8 +66,8 @@ class Cluster:
         with self._words.open("a") as words:
             process = subprocess.Popen(
                 [*command, *options],
-                env={**os.environ, "PYTHONPATH": self._code, **self._settings},
-                cwd=self._code,
+                env={**os.environ, "PYTHONPATH": os.fspath(ROOT), **self._settings},
+                cwd=ROOT,
                 stdout=words,
                 stderr=words,
             )
@@ -145,6 +142,34 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
         assert "no Dask scheduler answers at" in irg(*run, tmp_path / "missing.json", code=2)
 
 
+def test_a_hash_of_the_code_tells_a_changed_line(tmp_path):
+    for package in "tribo", "pipeline":
+        shutil.copytree(ROOT / package, tmp_path / package)
+    assert _hash_of_code(tmp_path) == PROGRAM.code
+    code = tmp_path / "tribo" / "thermal" / "factors.py"
+    code.write_text(code.read_text().replace("0.5", "0.51"))
+    assert _hash_of_code(tmp_path) != PROGRAM.code
+
+
+@pytest.mark.timeout(300)
+def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsewhere, tmp_path):
+    cluster, configured, _ = elsewhere
+    lacking = r"this program: .*pipeline\.run\.work"
+    with dask.config.set(configured), client_of(cluster.address) as client:
+        client.run(lambda: setattr(work, "PROGRAM", work.PROGRAM._replace(code="theirs")))
+        with pytest.raises(ExecutionError, match=rf"tls://127.*theirs.*{PROGRAM.code}"):
+            run_sweep(SHORT, tmp_path / "out.zarr", client=client)
+        for ask, who in (
+            (client.run, "a Dask worker cannot run"),
+            (client.run_on_scheduler, "the Dask scheduler cannot read tasks of"),
+        ):
+            ask(lambda: sys.modules.update({"pipeline.run.work": None}))
+            with pytest.raises(ExecutionError, match=f"{who} {lacking}"):
+                run_sweep(SHORT, tmp_path / "out.zarr", client=client)
+            ask(lambda: sys.modules.pop("pipeline.run.work"))
+    assert summary(tmp_path / "out.zarr").done == 0
+
+
 @pytest.mark.timeout(300)
 def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
     elsewhere, tmp_path
@@ -201,41 +226,6 @@ def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(link, t
     assert outcome.done == 15
 
 
-def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(tmp_path):
-    for package in "tribo", "pipeline":
-        shutil.copytree(ROOT / package, tmp_path / package)
-    shutil.copytree(ROOT / "tests" / "helpers", tmp_path / "tests" / "helpers")
-    code = tmp_path / "tribo" / "thermal" / "factors.py"
-    code.write_text(code.read_text().replace("0.5", "0.51"))
-    theirs = _hash_of_code(tmp_path)
-    cluster, out = Cluster(tmp_path, code=tmp_path), tmp_path / "out.zarr"
-    lacking = r"this program: .*pipeline\.run\.work"
-    with closing(cluster), client_of(cluster.address) as client:
-        with pytest.raises(ExecutionError, match=rf"tcp://127.*{theirs}.*{PROGRAM.code}"):
-            run_sweep(SHORT, out, client=client)
-        for ask, who in (
-            (client.run, "a Dask worker cannot run"),
-            (client.run_on_scheduler, "the Dask scheduler cannot read tasks of"),
-        ):
-            ask(lambda: sys.modules.update({"pipeline.run.work": None}))
-            with pytest.raises(ExecutionError, match=f"{who} {lacking}"):
-                run_sweep(SHORT, out, client=client)
-    assert summary(out).done == 0
-
-
-def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch):
-    def failing(self, timeout):
-        raise AssertionError("can only join a started process")
-
-    with connected(None, 1) as link:
-        link.wait_for_workers(1, timeout=120)
-        workers = [psutil.Process(number) for number in link.run(os.getpid).values()]
-        monkeypatch.setattr(LocalCluster, "close", failing)
-    assert psutil.wait_procs(workers, timeout=30)[1] == []
-    monkeypatch.undo()
-    link.cluster.close(timeout=30)
-
-
 class Tasks(SchedulerPlugin):
     """Scheduler plugin that records all tasks and their dependencies."""
 
@@ -272,23 +262,6 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     places = itertools.product(SWEEP.loads, SWEEP.velocities)
     assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
     assert sum(map(len, named.values())) == 0
-
-
-def test_a_worker_that_is_paused_beside_others_is_named_within_the_patience(tmp_path):
-    with here(2, memory_limit=0) as (cluster, client):
-        paused = cluster.workers[0]
-
-        def look(progress):
-            if progress.done:
-                paused.status = Status.paused
-            if progress.words:
-                raise InterruptedError(progress.words)
-
-        velocities = tuple(np.linspace(0.5, 1.5, 100).tolist())
-        sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
-        words = f"^{paused.address} is paused; the other workers continue$"
-        with pytest.raises(InterruptedError, match=words):
-            run_sweep(sweep, tmp_path / "out.zarr", client=client, progress=look, patience=2.0)
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):

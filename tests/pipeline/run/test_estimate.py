@@ -9,7 +9,7 @@ from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
-from tribo import PRESETS, QUANTILES, Fidelity, Grid, Ramp
+from tribo import PRESETS, Fidelity, Grid, Ramp
 from tribo.simulation import RampCache, contacts, heat
 
 SWEEP = changed(
@@ -59,16 +59,6 @@ def test_steps_and_temperatures_are_counted_before(changes, monkeypatch):
     sweep = changed(SWEEP, **{"roughness": None} | changes)
     cost = estimate(sweep, workers=1)
     assert (cost.steps, cost.temperatures) == counted(sweep, monkeypatch)
-
-
-def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
-    """10 steps of each point up to 750 N take ten times the room of the end alone."""
-    few = changed(SWEEP, fidelity=Fidelity(increments=10))
-    course, end = (estimate(changed(few, steps=steps)) for steps in ("course", "end"))
-    assert course.disk_bytes - 0.36e6 == pytest.approx(10 * (end.disk_bytes - 0.36e6))
-    assert end.disk_bytes > 0.36e6 + 6 * 8 * len(QUANTILES)
-    one = estimate(changed(few, velocities=(1.0,))).disk_bytes - 0.36e6
-    assert course.disk_bytes - 0.36e6 == pytest.approx(2 * one)
 
 
 def test_a_store_takes_the_room_that_was_estimated_within_a_factor_of_two(alone):

@@ -2,9 +2,7 @@
 
 import json
 import re
-import shlex
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -163,23 +161,3 @@ def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_
     assert {0.5, 4.0} < {*velocities.tolist()}
     near = pipeline.boundary(out)["critical_velocity"].item()
     assert np.abs(velocities / near - 1).min() < 0.02
-
-
-RECIPE = re.findall(r"^\t\$\(BIN\)/irg (run .*)$", Path("Makefile").read_text(), re.MULTILINE)
-FEWER = {"sweep.loads": ["750 N"], "sweep.velocities": ["1 m/s", "2 m/s", "4 m/s"]}
-
-
-def test_both_steps_of_make_diagram_reach_what_the_boundary_then_states(tmp_path, irg):
-    out = tmp_path / "diagram.zarr"
-    own = [*words(**FEWER), "-o", out, "--workers", "1"]
-    plane, goal = ([*shlex.split(step), *own] for step in RECIPE)
-    accuracy = float(goal[goal.index("--accuracy") + 1].removesuffix("%"))
-    assert f"{out}: 3 of 3 points done" in irg(*plane)
-    said = irg(*goal)
-    reached = re.search(r"accuracy 3 % reached: at most ± ([\d.]+) %, at (\d+) N", said)
-    rows = irg("boundary", out, "--json")
-    stated = {row["load [N]"]: row["numerical error [%]"] for row in rows}
-    assert float(reached[1]) == pytest.approx(max(stated.values()), abs=0.01)
-    assert stated[float(reached[2])] == max(stated.values()) < accuracy
-    for step in plane, goal:  # the same commands once more compute nothing
-        assert ", 0 of them in this run," in irg(*step)

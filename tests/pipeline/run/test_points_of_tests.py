@@ -167,9 +167,7 @@ def test_rows_and_surfaces_have_the_tests_of_the_scene_once(tmp_path):
 TAKEN = {
     "one place": lambda ds: ds.sel(load=400.0, velocity=1.0),
     "joined": lambda ds: xr.concat([ds.isel(velocity=[k]) for k in (0, 1)], "velocity"),
-    "interpolated": lambda ds: ds.interp(load=[400.0]),
     "where": lambda ds: ds.where(ds["velocity"] > 0),
-    "transposed": lambda ds: ds.transpose(),
 }
 
 

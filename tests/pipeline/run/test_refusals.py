@@ -49,7 +49,6 @@ VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.in
 
 REFUSALS = {
     "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0, the boundary's relative error"),
-    "bool": (searched(SWEEP, True), "accuracy is True"),
     "address": (lambda: pipeline.run_sweep(SWEEP, "memory://a.zarr", accuracy=0.02),
                 "is an object store, whose plane is fixed"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine errs by up to"),
@@ -61,7 +60,6 @@ REFUSALS = {
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "workers": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", workers=1.5),
                 "workers is 1.5; it must be a whole number"),
-    "no worker": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", workers=0), "workers is 0; it must"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "file": (no_file, "no Dask scheduler answers at scheduler.json"),
     "trade": (measured_again, "trade.zarr exists, and points that are there cost nothing"),

@@ -11,8 +11,7 @@ from pipeline.sweep.plan import points, tasks
 from tests.helpers.points import run_point
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
-from tribo.simulation import RampCache, loading_step
-from tribo.simulation.cache import forget_kernels
+from tribo.simulation import RampCache
 
 CONDUCTIVITY, RATE = "materials.steel.thermal_conductivity", "wear.specific_wear_rate"
 CONDUCTIVITIES = "20 W/(m K)", "45 W/(m K)"
@@ -25,7 +24,6 @@ ROWS = [
     for rate, load, velocity in PLACES
 ]
 PHYSICS = {
-    "end": {"sweep.steps": "end"},
     "course": {"sweep.steps": "course"},
     "hold": {"loading.hold": "5 s"},
     "local wear": {"wear.pattern": "local", "sweep.steps": "end"},
@@ -83,32 +81,3 @@ def test_rows_of_a_store_are_those_of_their_own_scenes_after_an_interruption(sce
         for name in COLUMNS.keys() & row.data_vars.keys():
             stored = row[name].transpose("step", ...).values[-len(alone.columns["time"]) :]
             assert stored.tobytes() == alone.columns[name].astype(stored.dtype).tobytes(), name
-
-
-def solutions(sweep, monkeypatch):
-    """Number of contact solutions of a sweep on one worker, in the order of its queue."""
-    solve, count = loading_step.solve_contact, 0
-
-    def counting(*arguments, **options):
-        nonlocal count
-        count += 1
-        return solve(*arguments, **options)
-
-    forget_kernels()
-    ramp_cache = RampCache()
-    with monkeypatch.context() as patch:
-        patch.setattr(loading_step, "solve_contact", counting)
-        for task in tasks(points(sweep), sweep):
-            run_point(sweep, task.point, ramp_cache)
-    return count
-
-
-@pytest.mark.parametrize("physics", ["end", "hold", "no wear"])
-def test_two_conductivities_cost_the_contacts_of_one(scene, physics, monkeypatch):
-    few = PHYSICS[physics] | {"sweep.loads": ["300 N"], "sweep.velocities": ["1 m/s", "2 m/s"]}
-    one = pipeline.load_scene(scene, overrides=few)
-    over = {"sweep.over": {CONDUCTIVITY: [*CONDUCTIVITIES]}}
-    two = pipeline.load_scene(scene, overrides=few | over)
-    assert len(points(two)) == 2 * len(points(one))
-    assert solutions(two, monkeypatch) == solutions(one, monkeypatch) > 0
-    assert pipeline.estimate(two).steps == pipeline.estimate(one).steps
