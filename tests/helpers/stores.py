@@ -150,11 +150,3 @@ def contents(path):
     """Contents of all files below a path, by relative path, except the lock."""
     present = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
     return {str(file.relative_to(path)): file.read_bytes() for file in present}
-
-
-def places(value, path=()):
-    """Yield the paths of all values in a nested document, the whole one included."""
-    yield path
-    if isinstance(value, dict | list):
-        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from places(inner, (*path, key))

@@ -63,10 +63,13 @@ def test_rows_of_one_specimen_are_one_result(name):
     assert chances(swept(*tests), *ys) == pytest.approx(expected, abs=1e-6)
 
 
-@pytest.mark.parametrize("state", [PENDING, FAILED])
 @pytest.mark.parametrize(
-    ("outcome", "closed"),
-    [("severe", {"mild"}), ("mild", {"severe"}), ("transition", {"mild", "severe"})],
+    ("state", "outcome", "closed"),
+    [
+        (PENDING, "severe", {"mild"}),
+        (PENDING, "mild", {"severe"}),
+        (FAILED, "transition", {"mild", "severe"}),
+    ],
 )
 def test_while_a_test_has_no_result_no_verdict_is_given_that_it_may_forbid(state, outcome, closed):
     ds = swept(at(0.0, outcome))

@@ -163,26 +163,6 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 
 
-MEANT = {
-    "check scen.toml": "scene.toml",
-    "check first_tri": "first_try",
-    "boundary result/scene.zarr": "results/scene.zarr",
-    "margin results/scene.zarr --points dutty.csv": "duty.csv",
-}
-
-
-def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(store, tmp_path, monkeypatch, irg):
-    (tmp_path / "results").mkdir()
-    (tmp_path / "results/scene.zarr").symlink_to(store)
-    for name in ("scene.toml", "duty.csv"):
-        (tmp_path / name).touch()
-    monkeypatch.chdir(tmp_path)
-    for words, meant in MEANT.items():
-        said = irg(*words.split(), code=2)
-        assert "did you mean" in said
-        assert f'{meant}"?' in said
-
-
 def untimed(said):
     return re.sub(r"(?m)^time .*", "", said)
 

@@ -1,9 +1,7 @@
 """How a command starts, tells its progress, and ends."""
 
 import argparse
-import errno
 import io
-import os
 import re
 import shlex
 import signal
@@ -12,7 +10,6 @@ import sys
 import time
 import warnings
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -21,8 +18,7 @@ from pipeline.cli import exit_code_of, main, output
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, function_of, parse
 from pipeline.interrupts import keyboard_interrupts
-from pipeline.progress import Progress, silent
-from pipeline.run.tally import shown_progress
+from pipeline.progress import Progress
 from tests.helpers.processes import python
 from tests.helpers.scenes import MEASURED, SCENE
 from tribo import InputError
@@ -165,21 +161,6 @@ def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_no
 # Scenes, points and figures as a notebook shows them.
 
 
-def test_a_notebook_shows_one_line_of_progress(monkeypatch):
-    assert shown_progress(None) is silent
-    monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
-    assert shown_progress(print) is print
-    texts = []
-    line = SimpleNamespace(update=lambda data, raw: texts.append(data["text/plain"]))
-    monkeypatch.setattr("IPython.display.display", lambda *data, **options: line)
-    report = shown_progress(None)
-    report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
-    report(Progress(done=9, failed=0, total=9, elapsed=65.0, time_to_go=0.0))
-    assert texts[0].startswith("3 of 9 points done, 1 failed, ")
-    assert texts[0].endswith("2 min to go")
-    assert re.fullmatch("9 of 9 points done, 0 failed, (65 s|1 min) so far", texts[1])
-
-
 # How a command ends: its exit code, its words on an error, and what it does not begin.
 
 
@@ -238,21 +219,6 @@ def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
 def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():
     with pytest.raises(RuntimeError, match="a fault"):
         carry_out(RuntimeError("a fault"))
-
-
-def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_again(
-    tmp_path, monkeypatch, capsys
-):
-    def fail(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(output, "show", fail)
-    with (tmp_path / "full").open("w") as out:
-        monkeypatch.setattr(sys, "stdout", out)
-        assert carry_out(command="sweeps:run") == 2
-        assert os.path.samestat(os.fstat(out.fileno()), Path(os.devnull).stat())
-    no_space = f"[Errno {errno.ENOSPC}] No space left on device"
-    assert capsys.readouterr().err == f"irg: cannot continue: {no_space}{SAFE}\n"
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.store.schema import FAILED, NOT_NEEDED, PENDING
+from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.entries import two_pins as radii_rows
@@ -85,17 +85,6 @@ def test_points_that_are_not_done_are_marked():
     assert len(words) <= 5
 
 
-def test_points_that_no_run_simulates_have_no_mark():
-    """A goal simulates few points of further surfaces."""
-    ds = surfaces(1.0, 1.01).copy(deep=True)
-    ds["status"].loc[{"realization": 2, "velocity": 1.0}] = NOT_NEEDED
-    ds["status"].loc[{"velocity": 4.0}] = NOT_NEEDED
-    axes, _, legend = drawn(ds)
-    assert marks(axes, "lacking") == set()
-    assert {velocity for velocity, _ in marks(axes, "simulated")} == {1.0, 1.5, 2.0, 3.0}
-    assert "pending" not in legend.get_title().get_text()
-
-
 def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     tests = (
         bare_test(250.0, 1.5, outcome="mild"),
@@ -125,14 +114,6 @@ def test_operating_points_are_marked_as_pairs_with_their_numbers():
     sides = {one.get_text(): (one.get_ha(), one.get_va()) for one in axes.texts}
     assert sides["300 N, 1.5 m/s"] == ("left", "top")  # too near to the edge for words at its left
     assert sides["500 N, 3 m/s"] == ("left", "bottom")
-
-
-def test_a_single_load_or_velocity_has_its_points_alone():
-    for one in ({"loads": (400.0,)}, {"velocities": (2.0,)}):
-        axes, words, _ = drawn(sweep(**one))
-        assert marks(axes, "mild")
-        assert marks(axes, "severe")
-        assert not any("computed boundary" in one for one in words)
 
 
 def two_pins(factors=(1.0, 0.1), **told):

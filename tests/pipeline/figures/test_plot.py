@@ -1,14 +1,12 @@
 """Contents of figures."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import pipeline
 from pipeline import plot
-from pipeline.answers.results import sweep_of
 from pipeline.answers.words import row_labels
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
@@ -17,7 +15,6 @@ from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
-from tribo.simulation.lubrication import find_lubrication
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +38,6 @@ def lines(axes):
 
 def labels(legend):
     return [text.get_text() for text in legend.get_texts()]
-
-
-def of_height(rms):
-    """Roughness of the synthetic scene, scaled to this root mean square height [m]."""
-    rough = synthetic.scene(conditions=synthetic.conditions()).scene
-    heights = rough.roughness.heights(rough.pixels)
-    return replace(rough.roughness, ra=rough.roughness.ra * rms / heights.std())
 
 
 def test_diagram_says_its_conditions(drawn):
@@ -146,16 +136,6 @@ def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_giv
     assert hottest == pytest.approx(25.0 + 0.1 * sweep["max_rise"][-1, :3, -1], rel=1e-4)
 
 
-def test_the_film_parameter_is_told_only_with_an_oil(drawn):
-    assert "Λ" not in drawn.figure.legends[0].get_title().get_text()
-    ds = synthetic.sweep([200.0, 600.0], [1.0, 2.0], oil=synthetic.OIL, roughness=of_height(2e-6))
-    said = pipeline.plot(ds).legends[0].get_title().get_text()
-    ends = re.search(r"film parameter Λ (.*) to (.*): boundary lubrication", said).groups()
-    film = find_lubrication(sweep_of(ds).scene, sweep_of(ds).lubricant).film_parameter
-    lowest, highest = float(film(600.0, 1.0, 298.15)), float(film(200.0, 2.0, 298.15))
-    assert [*map(float, ends)] == pytest.approx([lowest, highest], abs=0.006)
-
-
 def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
     tests = (
         bare_test(600.0, 1.5, 0.1),
@@ -176,16 +156,6 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert {"undecided: severe wear 5 to 95 % probable", "boundary with tests (50 %)"} < {*said}
-
-
-def test_a_diagram_names_a_test_without_a_result():
-    ds = synthetic.sweep(tests=(bare_test(600.0, 1.5),))
-    waiting = synthetic.with_tests(ds, status=PENDING)
-    said = plot(waiting).legends[0].get_title().get_text()
-    assert (
-        "some verdicts are withheld: test 1 (transition, 600 N, 1.5 m/s) has not been simulated"
-        in said
-    )
 
 
 # Rows: a mark for each at its temperature margin, and the most critical one bold

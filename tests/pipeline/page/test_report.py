@@ -150,10 +150,6 @@ REPORTS = {
         ("Severe wear is 50 % probable at", ", and where severe wear is 5 and 95 % probable"),
     ),
     "point": (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
-    "mild": (
-        plane, {"critical_temperature": "900 degC"}, ("Wear is mild over the whole sweep",),
-    ),
-    "frictions": (plane, {"friction": [0.1, 0.12]}, ("Boundary between mild and severe wear",)),
     "half done": (
         half_done, {},
         (

@@ -132,12 +132,6 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
         assert (sweep.preset, sweep.scene.fidelity) == (preset, replace(standard, **fidelity))
 
 
-def test_any_entry_may_be_given_in_place_of_the_files(read):
-    changed = read(overrides={"wear.pattern": "local", "sweep.loads": ["300 N", "500 N"]})
-    assert changed == read(('"swept"', '"local"'), (LOADS, '["300 N", "500 N"]'))
-    assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
-
-
 def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     rows = "time [ms], load [kN]\n0, 0\n2000, 0.4\n5000, 0.8\n"
     (tmp_path / "record.csv").write_text(rows)

@@ -144,22 +144,14 @@ def test_a_test_without_stages_of_its_own_has_those_of_the_scene(staged):
     assert above.case.scene.loading.loads == (200.0, 400.0, 600.0, 800.0, 1000.0)
 
 
-def test_stages_of_velocity_are_refused_beside_the_whole_history(staged):
-    test = 'stages = [["1 m/s", "5 s"], ["2 m/s", "5 s"]]\nload = "400 N"\nsevere_at = "2 m/s"'
-    with pytest.raises(pipeline.SceneFileError, match="heat_model is 'history'"):
-        staged(RAMP, test, change=("increments = 10", 'increments = 10\nheat_model = "history"'))
-
-
 # Pairs: rows of a file or of the scene, each with a place and entries of its own.
 
 OTHERS = {  # entries of each kind, with two values
     "pin.radius": ("2 mm", "2.1 mm"), "materials.steel.hardness": ("6 GPa", "700 HV"),
     "wear.specific_wear_rate": ("1e-6 mm^3/(N m)", "2e-15 m^2/N"),
-    "temperature.bulk": ("30 degC", "310 K"), "loading.rate": ("150 N/s", "10 N/s"),
-    "friction.coefficient": (0.1, "12 %"), "disk.roughness.seed": (0, 1),
-    "fidelity.increments": (10, 7), "wear.pattern": ("swept", "local"),
-    "pin.material": ("steel", "100Cr6"), "disk.track_length": ("30 cm", "400 mm"),
-    "model.bias": (0.06, "5 %"),
+    "temperature.bulk": ("30 degC", "310 K"), "friction.coefficient": (0.1, "12 %"),
+    "fidelity.increments": (10, 7), "pin.material": ("steel", "100Cr6"),
+    "disk.track_length": ("30 cm", "400 mm"),
 }  # fmt: skip
 TABLES = """along = [
   { "pin.radius" = "3 mm", "friction.coefficient" = 0.1, load = "300 N", velocity = "1 m/s" },
@@ -206,10 +198,3 @@ def test_a_label_in_numbers_is_in_si(tmp_path):
     assert held["cycle_time"] == ((30.0, 60.0), "s")
     assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
     assert held["flank"] == (("2a", "3b"), None)
-
-
-def test_check_refuses_a_label_that_the_dataset_uses(tmp_path, irg):
-    path = scene(tmp_path, rows=FILE.replace("flank", "max_rise"))
-    assert "is called max_rise, like a variable of the dataset; rename it" in irg(
-        "check", path, code=2
-    )

@@ -1,9 +1,6 @@
-"""Links, bombs and forged roots in a store are noticed, and nothing is done by way of them."""
+"""Links and bombs in a store are noticed, and nothing is done by way of them."""
 
-import json
-import math
 import os
-import random
 import shutil
 import tracemalloc
 from contextlib import suppress
@@ -17,14 +14,10 @@ import tribo
 from pipeline import StoreError
 from pipeline.cli import main
 from pipeline.store import store as stored
-from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
-from pipeline.store.place import LOCK, ROOT
-from pipeline.store.root import FACTS
-from pipeline.store.schema import path_of
-from pipeline.sweep.sweep import Point
+from pipeline.store.place import LOCK
 from tests.helpers import tiny
-from tests.helpers.stores import commit, forge, places, record
+from tests.helpers.stores import commit
 
 SWEEP = tiny.full()
 FIELD, CHUNK = "fields/rise/c.0.0.0", "mean_rise/c.0.0.0"
@@ -62,7 +55,6 @@ LINKS = {
     "lock": lambda store, out: link(store / LOCK, out / "key"),
     "pipe for a lock": lambda store, out: ((store / LOCK).unlink(), os.mkfifo(store / LOCK)),
     "folder of chunks": lambda store, out: link(store / "mean_rise", out / "mean_rise"),
-    "folder with a file half written": lambda store, out: link(store / "load", out / "load"),
     "root": lambda store, out: link(store / "zarr.json", out / "key"),
     "chunk": lambda store, out: link(store / CHUNK, out / "key"),
 }
@@ -80,31 +72,24 @@ def test_nothing_is_written_by_way_of_a_link(copy, outside, lay):
     assert tree(outside) == before
 
 
-def test_a_link_that_is_laid_while_a_run_writes_is_not_followed(path, outside):
-    with writing(path, SWEEP) as store:
-        store.commit([record(Point(250.0, 1.0))])
-        for name in ("fields", "mean_rise"):
-            (path / name).rename(path.parent / name)
-            (path / name).symlink_to(outside / name)
-        before = tree(outside)
-        with pytest.raises(StoreError, match=f"{path}"):
-            store.commit([record(Point(600.0, 1.0))])
-        assert tree(outside) == before
-
-
-ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
 BOMBS = {
-    "larger": lambda content: ZEROS,
-    "larger behind the chunk": lambda content: content + ZEROS,
-    "of unknown size": lambda content: ZEROS[:4] + b"\x04\x58" + ZEROS[9:],
+    "larger": lambda content, zeros: zeros,
+    "larger behind the chunk": lambda content, zeros: content + zeros,
+    "of unknown size": lambda content, zeros: zeros[:4] + b"\x04\x58" + zeros[9:],
 }
+
+
+@pytest.fixture(scope="module")
+def zeros():
+    """268 MB of zeros, compressed."""
+    return Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
 
 
 @pytest.mark.parametrize(
     ("name", "bomb"), [*((CHUNK, bomb) for bomb in BOMBS), ("about/message/c.0.0", "larger")]
 )
-def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bomb):
-    (copy / name).write_bytes(BOMBS[bomb]((copy / name).read_bytes()))
+def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, zeros, name, bomb):
+    (copy / name).write_bytes(BOMBS[bomb]((copy / name).read_bytes(), zeros))
     tracemalloc.start()
     try:
         assert not pipeline.verify_store(copy).is_clean
@@ -114,63 +99,6 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
     finally:
         tracemalloc.stop()
     assert peak < 100e6  # unpacked it would take 268 MB
-
-
-# Roots of stores that are not as they were written.
-
-VALUES = (
-    None, True, 0, -1, 2**70, 10**12, 0.5, -1e300, math.nan, math.inf, "", "float32", "inf", "\0µ",
-    "\ud800", [], {}, [1, 1, 1], [None, [0.5]], {"": {"a": -1}}, {"name": "a", "value": 1},
-)  # fmt: skip
-
-
-def edit(document, path, new):
-    """Replace the value at a path of a JSON document."""
-    for key in path[:-1]:
-        document = document[key]
-    document[path[-1]] = new
-
-
-@pytest.fixture(scope="module")
-def forged(alone, tmp_path_factory):
-    return shutil.copytree(alone, tmp_path_factory.mktemp("forged") / "tiny.zarr")
-
-
-@pytest.mark.parametrize("seed", range(25))
-def test_any_value_of_the_root_may_be_any_other_with_the_right_digest(forged, alone, seed):
-    chance = random.Random(seed)
-    (forged / FACTS).write_bytes((alone / FACTS).read_bytes())
-    facts = json.loads((alone / FACTS).read_text())["attributes"]
-    path = chance.choice([one for one in places(facts) if one])
-    new = chance.choice(VALUES)
-    forge(forged, lambda _, facts: edit(facts, path, new))
-    text, refused = (forged / FACTS).read_text(), 0
-    for function in (pipeline.summary, pipeline.open_sweep, pipeline.verify_store):
-        try:
-            function(forged)
-        except StoreError:
-            refused += 1
-    if refused:  # values that are not refused are not read, or make another sound sweep
-        assert refused == 3
-        with pytest.raises(StoreError):
-            commit(forged, SWEEP, ())
-        assert (forged / FACTS).read_text() == text
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, seed):
-    """Metadata of arrays follow from the sweep; only `verify_store` reads them."""
-    chance = random.Random(seed)
-    (forged / FACTS).write_bytes((alone / FACTS).read_bytes())
-    name = chance.choice(["mean_rise", "status", "message", "load", "pressure"])
-    text = (alone / path_of(name) / ROOT).read_text()
-    path = chance.choice(list(places(json.loads(text))))
-    document = {"whole": json.loads(text)}
-    edit(document, ("whole", *path), chance.choice(VALUES))
-    (forged / path_of(name) / ROOT).write_text(json.dumps(document["whole"]))
-    before = pipeline.open_sweep(alone)
-    assert pipeline.open_sweep(forged).load().equals(before.load())
-    assert pipeline.verify_store(forged).done == 9
 
 
 def test_a_fault_of_this_program_is_not_called_damage_of_the_store(path, monkeypatch):

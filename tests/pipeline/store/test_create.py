@@ -21,7 +21,6 @@ from pipeline.store.create import copy_points, writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import NEW, place_of
-from pipeline.store.root import FACTS
 from pipeline.store.schema import FIELDS
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
@@ -309,18 +308,12 @@ def laid(name):
     return lay
 
 
-def without_facts(path):
-    commit(path, SWEEP, [POINT])
-    (path / FACTS).unlink()
-
-
 @pytest.mark.parametrize(
     ("make", "complaint"),
     [
         (laid(""), "is not a store"),
         (laid("thesis.tex"), "is not a store: it is a folder with other files"),
         (laid("load/mine.csv"), "is not a store"),
-        (without_facts, "has lost its about/zarr.json; restore it from a backup, or run the scene"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -14,14 +13,12 @@ import tribo
 from pipeline.answers.results import cases_of
 from pipeline.run.serial import run_serial
 from pipeline.shipped import WORKFLOWS
-from pipeline.store import schema
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
-from pipeline.sweep.case_table import CaseTable, surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.entries import bare_test, changed, placed_rows, rows
+from tests.helpers.entries import bare_test, changed, rows
 from tests.helpers.points import run_point
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
@@ -62,25 +59,10 @@ def test_what_users_add_stays_through_reads_and_runs(copy, irg):
         assert (ds.attrs["comment"], ds.attrs["title"]) == ("mine", "Another title")
         np.testing.assert_array_equal(ds["doubled"], 2 * before["max_rise"])
     assert {file.read_text() for file in notes} == {"mine as well"}
-    shutil.rmtree(copy / "doubled")
-    shutil.rmtree(notes[0].parent)
-    notes[1].unlink()
-    commit(copy, tiny.full(loads=(700.0,)), ())
-    with xr.open_zarr(copy, chunks=None) as ds:
-        told = ds.sizes["load"], ds.attrs["comment"], ds["max_rise"].attrs["note"]
-    assert told == (4, "mine", "mine, too")
-    assert pipeline.verify_store(copy).is_clean
-
-
-def halves(ds):
-    return [ds.isel(load=[0]), ds.isel(load=slice(1, None))]
 
 
 PLAIN = {
-    "reindex": lambda ds: ds.reindex(load=[*ds["load"].values, 1e3]),
-    "merge": lambda ds: xr.merge(halves(ds), join="outer", compat="no_conflicts"),
-    "rolling": lambda ds: ds.rolling(load=2).mean(),
-    "concat": lambda ds: xr.concat(halves(ds), "load"),
+    "concat": lambda ds: xr.concat([ds.isel(load=[0]), ds.isel(load=slice(1, None))], "load"),
     "interp": lambda ds: ds.compute().interp(load=200.5),
     "map_blocks": lambda ds: ds.chunk().map_blocks(lambda d: d * 1, template=ds.chunk()),
 }
@@ -166,30 +148,3 @@ def test_the_lines_of_the_page_run_and_find_numbers(folder_with_results, monkeyp
         found = eval(ast.unparse(line), names)
         values = found[0].get_ydata() if "plot" in ast.unparse(line) else found
         assert np.isfinite(values).any(), ast.unparse(line)
-
-
-RAMPS = rows("ramp", {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}})
-TESTS = {"a": {}, "b": {}}
-
-
-@pytest.mark.parametrize(
-    ("case_table", "time", "distance", "status"),
-    [
-        (CaseTable(), "load", "load velocity", "load velocity"),
-        (surfaces((1, 2)) * RAMPS, "ramp load", "ramp load velocity",
-         "realization ramp load velocity"),
-        (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
-        (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
-        (placed_rows((200.0, 0.5), (300.0, 1.0)), "case", "case", "case"),
-    ],
-    ids=["plane", "surfaces and ramps", "velocities", "places", "rows"],
-)  # fmt: skip
-def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
-    case_table, time, distance, status
-):
-    """Otherwise a sweep of many surfaces would store the same times for each."""
-    wanted = schema.variables_of(tiny.full(case_table=case_table))
-    assert wanted["status"].dims == tuple(status.split())
-    assert wanted["mean_rise"].dims == (*status.split(), "step")
-    for name, dims in (("time", time), ("normal_load", time), ("sliding_distance", distance)):
-        assert wanted[name].dims == (*dims.split(), "step")

@@ -119,16 +119,6 @@ def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
     assert request("list_objects_v2", f"{made}/status/lock")["KeyCount"] == 0
 
 
-def test_what_is_no_store_is_refused(address):
-    with pytest.raises(StoreError, match=r"cannot be (read|written)"):
-        commit("s3://no-such-bucket/tiny.zarr", SWEEP, ())
-    for name in ("thesis.tex", "status/mine"):
-        request("put_object", f"{address}/{name}", Body=b"years of work")
-    with pytest.raises(StoreError, match="is not a store: it is a folder with other files"):
-        commit(address, SWEEP, ())
-    assert request("list_objects_v2", address)["KeyCount"] == 2
-
-
 def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):
     with writing(made, SWEEP) as store:
 

@@ -9,7 +9,6 @@ import pytest
 import pipeline
 import tribo
 from pipeline import StoreError, open_sweep, summary, verify_store
-from pipeline.store import files
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK
 from pipeline.store.schema import COLUMNS, FIELDS
@@ -195,15 +194,6 @@ def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes
     assert_is_as_computed(begun, [POINT, OTHER])
 
 
-def test_a_lock_names_process_and_host_and_is_emptied_at_a_proper_end(begun):
-    with writing(begun, SWEEP):
-        assert (begun / LOCK).read_text() == f"{HERE}\n"
-    assert (begun / LOCK).read_text() == ""
-    with pytest.raises(RuntimeError, match="in between"), writing(begun, SWEEP):
-        raise RuntimeError("in between")
-    assert (begun / LOCK).read_text() == ""
-
-
 @pytest.mark.parametrize("replaced", [False, True])
 def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(begun, replaced):
     with writing(begun, SWEEP) as store:
@@ -218,22 +208,6 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(begun, replaced):
             store.forget([POINT])
     assert_is_as_computed(begun, [POINT, OTHER, Point(600.0, 0.5)])
     assert verify_store(begun).is_clean
-
-
-def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(begun, monkeypatch):
-    """Another driver may have started meanwhile, and read the statuses before."""
-    replace = files.write_file
-
-    def deleted(file, content):
-        replace(file, content)
-        if file.parent == begun / "status":
-            (begun / LOCK).unlink(missing_ok=True)
-
-    with writing(begun, SWEEP) as store:
-        monkeypatch.setattr(files, "write_file", deleted)
-        with pytest.raises(StoreError, match="was deleted or replaced"):
-            store.commit([record(OTHER)])
-        assert OTHER in store.pending()
 
 
 def test_a_disk_without_locks_is_written_and_told(begun, monkeypatch):

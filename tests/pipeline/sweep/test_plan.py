@@ -126,9 +126,7 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
 
 STEPS = {
     "ramp": ({}, "course"),
-    "no wear": ({"wear": None}, "end"),
     "hold": ({"loading": RAMP}, "end"),
-    "record": ({"loading": RECORD}, "end"),
     "shared contacts": (
         {"case_table": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"
     ),

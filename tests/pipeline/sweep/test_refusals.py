@@ -43,10 +43,7 @@ FAR = {
 }  # fmt: skip
 REFUSALS = {
     # conditions
-    "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one finite"),
-    "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
-    "share nan": (conditions(critical_area_fraction=math.nan), "fraction is nan; it must be one"),
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "a critical temperature is needed"),
     # the sweep and its cases

@@ -82,10 +82,7 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
         ("standard", {}, 0.011),
         ("fine", {}, 0.0055),
         ("standard", {"increments": 9}, None),
-        ("standard", {"contact_tolerance": 1e-3}, None),
-        ("standard", {"pixels_per_element": 1}, None),
         ("standard", {"partition": "uniform"}, None),
-        ("standard", {"fewest_elements": 0}, None),
         # How heat acts is no numerical choice.
         ("standard", {"heat_model": "history"}, 0.011),
     ],
