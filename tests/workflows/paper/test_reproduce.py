@@ -5,6 +5,7 @@ import json
 import re
 import sys
 from contextlib import ExitStack
+from dataclasses import replace
 from unittest import mock
 
 import matplotlib as mpl
@@ -41,6 +42,10 @@ SMALLER = {
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
 BEYOND = "contra", "heldout", "inverse", "rivals", "steel"
 """Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
+
+
+COARSE = replace(tribo.PRESETS["standard"], fewest_elements=0)
+"""Choices that take the place of the preset in figures and tables of the paper."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -116,6 +121,8 @@ def small(folder, scenes):
                 options = SMALL | {"surfaces": 1}
             with ExitStack() as stack:
                 stack.enter_context(np.errstate(all="raise", under="ignore"))
+                if name not in BEYOND:
+                    stack.enter_context(mock.patch.dict(tribo.PRESETS, {"standard": COARSE}))
                 for module, names in fewer.items():
                     module = sys.modules[f"workflows.paper.{module}"]  # not a function of its name
                     stack.enter_context(mock.patch.multiple(module, **names))
