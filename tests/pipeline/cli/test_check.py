@@ -5,8 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.scenes import SCENE as SMALL
-
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
 
@@ -32,22 +30,6 @@ def test_a_check_says_what_a_scene_means(check):
     rows = {row["subject"]: row["meaning"] for row in check("--json")["statements"]}
     assert rows["warning"].startswith("pin.length: the pin's sharp ends are not modelled")
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
-
-
-OIL = """[oil]
-kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]
-density = "866 kg/m^3"
-
-[sweep]
-along = [{ load = "300 N", velocity = "1 m/s" }, { load = "600 N", velocity = "2 m/s" }]"""
-
-
-def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(check, tmp_path):
-    path = tmp_path / "scene.toml"
-    path.write_text(SMALL.replace("[sweep]", OIL))
-    rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)["statements"]}
-    assert rows["oil"].endswith("film thickness unknown without pressure_viscosity_coefficient")
-    assert rows["points"].startswith("2: 2 cases, each at its own load and velocity; ")
 
 
 def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):

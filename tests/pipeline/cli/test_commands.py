@@ -174,16 +174,6 @@ def test_a_dry_run_says_what_check_says_and_computes_nothing(scene, tmp_path, ir
     assert [*tmp_path.iterdir()] == []
 
 
-def test_percent_and_quoted_paths_are_taken_as_in_a_scene(scene, store, irg):
-    place = ("margin", store, "--load", "300 N", "--velocity", "2 m/s", "--json")
-    same = irg(*place, "--friction", 0.12)
-    assert irg(*place, "--friction", "12%") == irg(*place, "--at=friction.coefficient=12 %") == same
-    paths = 'sweep.over."friction.coefficient"', "sweep.over.friction.coefficient"
-    said = [irg("check", scene, "--set", f"{path}=[0.09, 0.11]") for path in paths]
-    assert untimed(said[0]) == untimed(said[1])
-    assert "in 18 tasks" in said[0]
-
-
 def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, tmp_path, irg):
     ask = ("boundary", store, "--by", "velocity")
     document = irg(*ask, "--json")

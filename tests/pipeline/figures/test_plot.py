@@ -115,20 +115,6 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
 
 
-def test_the_critical_temperature_is_outlined_in_the_contact():
-    ds = synthetic.sweep((200.0, 400.0, 600.0), (1.0, 2.0, 4.0), fields=True)
-    figure = pipeline.plot(ds, "fields", load=600.0, velocity=4.0)
-    panel = figure.axes[1]
-    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C]; outline at 145"
-    (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))
-    here = ds.sel(load=600.0, velocity=4.0)
-    temperature = 25.0 + 0.1 * here["rise"]
-    for path in outline.get_paths():
-        for x, y in path.vertices[:: max(1, len(path.vertices) // 5)]:
-            at = {"x": 1e-6 * x, "y": 1e-6 * y}
-            assert temperature.interp(**at).item() == pytest.approx(145.0, abs=6.0)
-
-
 def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_given(sweep):
     axes = pipeline.plot(sweep, "temperature").axes[0]
     assert axes.get_title().endswith("750 N")

@@ -28,7 +28,6 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.processes import python
 from tests.helpers.reported import Heard
-from tests.helpers.scenes import SCENE
 from tests.helpers.stores import plain_values
 
 ROOT = Path(__file__).parents[3]
@@ -260,17 +259,3 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
                 assert stored[name].isnull().all()
     first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS)
     assert not np.array_equal(first, second, equal_nan=True)
-
-
-def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
-    scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE.replace("fields = true", "realizations = 2"))
-    assert "18: 3 loads, 3 velocities, 2 surfaces" in irg("check", scene)
-    assert "8 points: 8 done" in irg("status", swept)
-    document = irg("boundary", swept, "--json")
-    assert [row["outcome"] for row in document] == ["mild"] * 2
-    place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
-    (point,) = irg("point", scene, *place)
-    take_surface = pipeline.load_scene(scene)._take_surface(1)
-    rise = 0.1 * pipeline.run_point(take_surface, 400.0, 2.0).columns["max_rise"][-1]
-    assert point["highest temperature [°C]"] == pytest.approx(25 + rise, rel=1e-12)

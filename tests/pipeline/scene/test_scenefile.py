@@ -224,15 +224,6 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
 
 
-def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
-    write(base=TEXT.replace('preset = "standard"', "increments = 7"))
-    sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
-    assert sweep.scene.fidelity == tribo.PRESETS["fine"]
-    sweep = load_scene(write(own=f"{EXTENDS}[fidelity]\nfewest_elements = 50"))
-    own = {"increments": 7, "fewest_elements": 50}
-    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **own)
-
-
 def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     folder = tmp_path / "surfaces"
     folder.mkdir()

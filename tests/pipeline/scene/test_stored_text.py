@@ -1,9 +1,7 @@
 """A store keeps a sweep as plain data in SI."""
 
-import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import pipeline
@@ -12,10 +10,7 @@ from pipeline.answers.results import sweep_of
 from pipeline.scene import library
 from pipeline.scene.format import RandomSurface
 from pipeline.scene.tables import table_of
-from pipeline.sweep.case_table import surfaces
-from tests.helpers import synthetic, tiny
-from tests.helpers.entries import rows
-from tests.helpers.scenes import SCENE, STEEL
+from tests.helpers.scenes import SCENE
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.stores import make
 
@@ -23,10 +18,6 @@ from tests.helpers.stores import make
 def back(sweep):
     """Sweep read again from its stored data."""
     return parse_sweep(sweep_text(sweep), file_contents(sweep))
-
-
-RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
-SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_normal((32, 16)))
 
 
 def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatch):
@@ -65,23 +56,3 @@ def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
     assert back(scene.changed("fidelity.preset", "fine")).preset == "fine"
     with pytest.raises(tribo.InputError, match="cannot be changed in the sweep of a store"):
         back(scene).changed("fidelity.preset", "fine")
-
-
-@pytest.mark.parametrize(
-    "sweep",
-    [
-        tiny.full(roughness=SCANNED),
-        tiny.sweep(loading=RECORD),
-        tiny.sweep(case_table=surfaces((7, 1))),
-        tiny.sweep(
-            case_table=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
-        ),
-        tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
-        synthetic.scene(oil=synthetic.OIL),
-    ],
-    ids=["scan", "record", "surfaces", "rows by hand", "elastic", "oil"],
-)
-def test_a_sweep_of_any_kind_comes_back_equal(sweep):
-    again = back(sweep)
-    assert again == sweep
-    assert again.case_table.names == sweep.case_table.names

@@ -146,13 +146,6 @@ def test_a_test_without_stages_of_its_own_has_those_of_the_scene(staged):
 
 # Pairs: rows of a file or of the scene, each with a place and entries of its own.
 
-OTHERS = {  # entries of each kind, with two values
-    "pin.radius": ("2 mm", "2.1 mm"), "materials.steel.hardness": ("6 GPa", "700 HV"),
-    "wear.specific_wear_rate": ("1e-6 mm^3/(N m)", "2e-15 m^2/N"),
-    "temperature.bulk": ("30 degC", "310 K"), "friction.coefficient": (0.1, "12 %"),
-    "fidelity.increments": (10, 7), "pin.material": ("steel", "100Cr6"),
-    "disk.track_length": ("30 cm", "400 mm"),
-}  # fmt: skip
 TABLES = """along = [
   { "pin.radius" = "3 mm", "friction.coefficient" = 0.1, load = "300 N", velocity = "1 m/s" },
   { "pin.radius" = "4 mm", "friction.coefficient" = 0.12, load = "600 N", velocity = "2 m/s" },
@@ -177,17 +170,6 @@ def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
     assert sweep.case_table.column("pin_radius") == (3e-3, 4e-3)
-
-
-@pytest.mark.parametrize("path", OTHERS)
-def test_an_entry_in_a_row_is_the_entry_in_the_scene(tmp_path, path):
-    (tmp_path / "scene.toml").write_text(SCENE.replace("fields = true", ""))
-    both = OTHERS[path]
-    rows = [{path: one, "load": "300 N", "velocity": "1 m/s"} for one in both]
-    sweep = pipeline.load_scene(tmp_path / "scene.toml", overrides={"sweep.along": rows})
-    alone = [pipeline.load_scene(tmp_path / "scene.toml", overrides={path: one}) for one in both]
-    assert [replace(case, name=()) for case in sweep.cases] == [one.base for one in alone]
-    assert alone[0].base != alone[1].base
 
 
 def test_a_label_in_numbers_is_in_si(tmp_path):

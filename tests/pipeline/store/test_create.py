@@ -128,19 +128,6 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
-@pytest.mark.parametrize("loads", [(100.0, 250.0, 900.0), (900.0, 100.0, 250.0)])
-def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(path, loads):
-    asked = set()
-    for load, velocities in zip(loads, [(0.5,), (0.25, 0.5), (0.25,)], strict=True):
-        sweep = tiny.full(loads=(load,), velocities=velocities)
-        with writing(path, sweep) as store:
-            assert {*store.pending()} == {*points(sweep)} - asked
-            store.commit([record(point) for point in store.pending()])
-        asked |= {*points(sweep)}
-    assert_is_as_computed(path, sorted(asked))
-    assert verify_store(path).is_clean
-
-
 def files_of_fields(path):
     """Files of the chunks of fields, by their inode, which linked names share."""
     return {
