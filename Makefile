@@ -73,7 +73,6 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.realizations
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals --scenes 8 --accuracy 1
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
 mutants: .venv/test   ## change forty formulas, bounds and rules: the tests of each room notice it, in minutes
