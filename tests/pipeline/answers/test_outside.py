@@ -70,13 +70,6 @@ def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
     assert (here.load, here.velocity) == pytest.approx((750.0, 4.0), rel=1e-5)
 
 
-@pytest.mark.parametrize("place", [("751 N", "4 m/s"), ("750 N", "4.001 m/s")])
-def test_a_place_beyond_by_more_than_rounding_is_refused(place):
-    here = asked(synthetic.sweep(), *place)
-    assert here.verdict == "unknown"
-    assert "is outside the sweep" in here.reason
-
-
 def test_loads_without_a_point_that_is_done_are_unknown_beside_others_that_are_known():
     later = [load for load in synthetic.LOADS.tolist() if load > 450]
     waits = {(load, speed): PENDING for load in later for speed in synthetic.VELOCITIES.tolist()}

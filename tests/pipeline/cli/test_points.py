@@ -76,21 +76,6 @@ def test_a_text_of_too_many_rows_is_refused_before_its_rows_are_read(store, tmp_
     assert "has 200000 rows; at most 100000" in said
 
 
-def test_a_long_table_shows_the_worst_points(store, tmp_path, irg):
-    points = tmp_path / "duty.csv"
-    rows = [f"{300 + 10 * k},{1 + 0.05 * k}" for k in range(20)]
-    points.write_text("load [N],velocity [m/s]\n" + "\n".join(rows))
-    said = irg("margin", "out.zarr", "--points", points)
-    lines = said.splitlines()
-    assert max(map(len, lines)) <= 100
-    assert "12 more rows: use --all, or -o TABLE.csv" in said
-    record = irg("margin", "out.zarr", "--points", points, "--json")
-    worst = min(record, key=lambda one: one["temperature margin [K]"])
-    shown = [line.split() for line in lines if line.split()[:1] and line.split()[0].isdigit()]
-    assert f"{worst['load [N]']:g}" in [row[0] for row in shown if len(row) > 2]
-    assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24
-
-
 def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeypatch):
     (tmp_path / "scenes").mkdir()
     (tmp_path / "rows.csv").write_text("load [N],velocity [m/s]\n400,1.2\n500,1.4\n")

@@ -9,12 +9,12 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import dask
 import numpy as np
@@ -39,46 +39,6 @@ SLOW = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
 MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 
 
-class Cluster:
-    """A scheduler and workers, each started by Dask's command in its own process."""
-
-    def __init__(self, folder, protocol, settings, security, threads):
-        self._stack, file = ExitStack(), folder / "scheduler.json"
-        self._words = folder / "words.txt"
-        self._protocol, self._settings = protocol, dict(settings)
-        self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
-        self.workers = [
-            self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={count}")
-            for count in threads
-        ]
-        end = time.monotonic() + 120.0
-        while not file.exists() or not file.read_text():
-            assert self.scheduler.poll() is None, self._words.read_text()
-            assert time.monotonic() < end, "the scheduler does not start"
-            time.sleep(0.05)
-        self.address = json.loads(file.read_text())["address"]
-        with Client(self.address, security=security, set_as_default=False) as client:
-            client.wait_for_workers(len(self.workers), timeout=120)
-
-    def _start(self, role, *options):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
-        options = [f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options]
-        with self._words.open("a") as words:
-            process = subprocess.Popen(
-                [*command, *options],
-                env={**os.environ, "PYTHONPATH": os.fspath(ROOT), **self._settings},
-                cwd=ROOT,
-                stdout=words,
-                stderr=words,
-            )
-        self._stack.callback(process.wait)
-        self._stack.callback(process.kill)
-        return process
-
-    def close(self):
-        self._stack.close()
-
-
 @contextmanager
 def here(count, threads=1, **settings):
     """A cluster of workers that a user has started, by default in this process; and its client."""
@@ -101,36 +61,55 @@ def when_done(act):
 
 
 @pytest.fixture(scope="module")
-def elsewhere():
-    """Cluster with TLS certificates, and the Dask configuration to connect to it."""
+def elsewhere(tmp_path_factory):
+    """Scheduler and a worker, started by Dask's commands; and the Dask configuration to connect."""
     security, tls = Security.temporary(), "distributed.comm.tls"
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file in ("ca_file", "client_cert", "client_key"):
-            (folder / file).write_text(getattr(security, f"tls_{file}"))
-        configured = {f"{tls}.ca-file": f"{name}/ca_file"}
-        for role in ("client", "scheduler", "worker"):
-            configured[f"{tls}.{role}.cert"] = f"{name}/client_cert"
-            configured[f"{tls}.{role}.key"] = f"{name}/client_key"
-        variables = {
-            f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
-            for key, file in configured.items()
-        }
-        # One worker has several threads, which may not compute at the same time.
-        with closing(Cluster(folder, "tls", variables, security, threads=(1, 3))) as cluster:
-            yield cluster, configured, folder / "scheduler.json"
+    folder = tmp_path_factory.mktemp("elsewhere")
+    for file in ("ca_file", "client_cert", "client_key"):
+        (folder / file).write_text(getattr(security, f"tls_{file}"))
+    configured = {f"{tls}.ca-file": f"{folder}/ca_file"}
+    for role in ("client", "scheduler", "worker"):
+        configured[f"{tls}.{role}.cert"] = f"{folder}/client_cert"
+        configured[f"{tls}.{role}.key"] = f"{folder}/client_key"
+    variables = {
+        f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
+        for key, file in configured.items()
+    }
+    variables |= os.environ | {"PYTHONPATH": os.fspath(ROOT)}
+    file, words = folder / "scheduler.json", folder / "words.txt"
+    usual = f"--scheduler-file={file}", "--host=127.0.0.1", "--dashboard-address=127.0.0.1:0"
+
+    def start(role, *options):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{role}", *usual, *options]
+        with words.open("a") as out:
+            process = subprocess.Popen(command, env=variables, cwd=ROOT, stdout=out, stderr=out)
+        stack.callback(process.wait)
+        stack.callback(process.kill)
+        return process
+
+    with ExitStack() as stack:
+        scheduler = start("scheduler", "--port=0", "--protocol=tls")
+        # Several threads of a worker may not compute at the same time.
+        start("worker", "--protocol=tls", "--no-nanny", "--nthreads=3")
+        end = time.monotonic() + 120.0
+        while not file.exists() or not file.read_text():
+            assert scheduler.poll() is None, words.read_text()
+            assert time.monotonic() < end, "the scheduler does not start"
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        found = SimpleNamespace(scheduler=scheduler, address=address, file=file)
+        yield found, configured
 
 
 @pytest.mark.timeout(300)
 def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_path, alone, irg):
-    cluster, configured, file = elsewhere
+    cluster, configured = elsewhere
     with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at"):
         client_of(cluster.address)
     (hidden := tmp_path / "hidden").mkdir(mode=0o700)
     with dask.config.set(configured):
-        kill = when_done(cluster.workers[0].kill)
         with client_of(cluster.address) as client:
-            outcome = run_sweep(SLOW, hidden / "tiny.zarr", client=client, progress=kill)
+            outcome = run_sweep(SWEEP, hidden / "tiny.zarr", client=client)
         assert (outcome.done, outcome.failed) == (9, ())
         assert content(hidden / "tiny.zarr") == content(alone)
 
@@ -138,7 +117,7 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
         point = '--set=sweep.loads=["200 N"]', '--set=sweep.velocities=["1 m/s"]'
         run = "run", tmp_path / "small.toml", *point, "-o", hidden / "small.zarr"
         run = (*run, "--scheduler-file")
-        irg(*run, file)
+        irg(*run, cluster.file)
         assert "no Dask scheduler answers at" in irg(*run, tmp_path / "missing.json", code=2)
 
 
@@ -153,7 +132,7 @@ def test_a_hash_of_the_code_tells_a_changed_line(tmp_path):
 
 @pytest.mark.timeout(300)
 def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsewhere, tmp_path):
-    cluster, configured, _ = elsewhere
+    cluster, configured = elsewhere
     lacking = r"this program: .*pipeline\.run\.work"
     with dask.config.set(configured), client_of(cluster.address) as client:
         client.run(lambda: setattr(work, "PROGRAM", work.PROGRAM._replace(code="theirs")))
@@ -174,7 +153,7 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsew
 def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
     elsewhere, tmp_path
 ):
-    cluster, configured, _ = elsewhere
+    cluster, configured = elsewhere
     for how in (signal.SIGSTOP, signal.SIGKILL):
         path = tmp_path / f"{how}.zarr"
         lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
@@ -307,15 +286,6 @@ class Hungry(tiny.FaultyRamp):
 
 Hungry.__name__ = "Ramp"
 HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=(0.5,))
-
-
-def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(path, alone):
-    with here(2) as (cluster, client):
-        cluster.scale(0)
-        cluster.adapt(minimum=0, maximum=2, interval="50ms")
-        outcome = run_sweep(SWEEP, path, client=client, patience=60.0)
-    assert (outcome.done, outcome.failed) == (9, ())
-    assert content(path) == content(alone)
 
 
 def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
