@@ -1,13 +1,11 @@
 """A driver that notes the points reported as done, and that can be made to err.
 
 python -m tests.crash.drive LOG run SCENE -o OUT.zarr       # as the command irg
-python -m tests.crash.drive LOG --job JOB.pickle            # the arguments of `drive`
 """
 
 import argparse
 import json
 import os
-import pickle
 import sys
 import time
 from contextlib import ExitStack, contextmanager, nullcontext
@@ -105,11 +103,8 @@ MISTAKES = {
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("log")
-    parser.add_argument("--job", type=Path)
     parser.add_argument("--mistake", choices=[name for name in MISTAKES if name])
     options, command = parser.parse_known_args()
-    if options.job:
-        return drive(*pickle.loads(options.job.read_bytes()))
     with noting(options.log), MISTAKES[options.mistake]():
         return irg(command)
 

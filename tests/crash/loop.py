@@ -7,7 +7,6 @@ all points that are done are, bit for bit, what is computed alone. In the end a 
 import itertools
 import json
 import os
-import pickle
 import signal
 import subprocess
 import sys
@@ -99,13 +98,6 @@ def started(log, *arguments, mistake=None):
         stderr=Path(log).with_suffix(".err").open("a"),
         start_new_session=True,
     )
-
-
-def job(folder, *arguments):
-    """Command-line options by which `started` passes these arguments to `drive`."""
-    file = folder / "job.pickle"
-    file.write_bytes(pickle.dumps(arguments))
-    return "--job", file
 
 
 def code_of(run, seconds=PATIENCE):
