@@ -25,7 +25,7 @@ WORN = (
 )
 HELD = '[[tests]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
 HELD += 'with = { "loading.hold" = "3 s" }\n'
-PARTED = HELD.replace('"3 s"', '"60 s", "fidelity.increments" = 80')
+PARTED = HELD.replace('"3 s"', '"6 s", "fidelity.increments" = 12')
 
 
 def load(folder, *tests, sweep=""):

@@ -196,14 +196,14 @@ def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
 
 
 def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
-    specimen = Specimen(4)
-    specimen.failing = set(itertools.product([4], range(99)))
+    specimen = Specimen(4, loads=5)
+    specimen.failing = set(itertools.product([2], range(99)))
     search = specimen.search(0.02)
     specimen.run(search)
-    assert search.asked[:, 4].sum() == 3
+    assert search.asked[:, 2].sum() == 3
     crossed = [bool(len(specimen.crossings(load)[0])) for load in specimen.loads]
     found = np.isfinite(search.critical)
-    assert found[[0, 1, 2, 8, 9]].tolist() == [crossed[k] for k in (0, 1, 2, 8, 9)]
+    assert found[[0, 1, 3, 4]].tolist() == [crossed[k] for k in (0, 1, 3, 4)]
 
 
 def test_one_load_and_two():
