@@ -81,17 +81,6 @@ def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
     assert 0.06 * added(corrections, columns) == pytest.approx(39.9, rel=0.01)
 
 
-def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly():
-    """A flux q growing with time t warms a half-space of effusivity e by ⅔ 2q√t/(√π e)."""
-    wide = tribo.Track(AROUND, 50.0, 1.0, DIFFUSIVITY, CAPACITY)
-    columns = record([600.0], [1e6], 20.0, rise=1e6)
-    disk = added(tribo.Corrections(track=wide), columns)
-    flux = (1 - SHARE) * 1e6 * 20.0 / (50.0 * AROUND)
-    effusivity = np.sqrt(45.0 * CAPACITY)
-    plane = 2 / 3 * 2 * flux * np.sqrt(600.0 / np.pi) / effusivity
-    assert disk == pytest.approx((1 - SHARE) * plane, rel=0.02)
-
-
 @pytest.mark.parametrize("steps", [4, 5])
 def test_a_recorded_load_warms_a_track_as_its_own_loads_do(steps):
     """The point ends at the record's last load, or before it, at half of it."""

@@ -75,13 +75,6 @@ def test_the_highest_rise_of_a_twin_disc_is_blok_s(ratio):
     assert end(scene, 40.0).heat.max_rise == pytest.approx(expected, rel=2e-4)
 
 
-@pytest.mark.parametrize("ratio", [0.2, -1.0])
-def test_heat_is_shared_as_the_roots_of_the_velocities(ratio):
-    scene = twin_disc(Motion(slide_roll_ratio=ratio), elements=100)
-    pin, disk = map(math.sqrt, scene.velocities_at(40.0))
-    assert end(scene, 40.0).heat.pin_heat_share == pytest.approx(pin / (pin + disk), rel=2e-3)
-
-
 def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
     scene = small_scene()
     for velocity in (1.25, -1.25):

@@ -49,13 +49,6 @@ def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
                 assert np.array_equal(a.wear_depth, b.wear_depth)
 
 
-def test_a_column_of_stages_costs_one_specimen():
-    scene, cached = worn_scene(), RampCache()
-    counts = [len(list(simulate(scene, load, 2.0, cached))) for load in LOADS]
-    assert counts == [8 + 2, 3 + 2, 3 + 2]
-    assert len(list(simulate(scene, 400.0, 2.0, RampCache()))) == sum(counts)
-
-
 def test_stages_are_within_1_percent_of_a_record_typed_by_hand():
     scene = worn_scene()
     found = rises(stages_of(scene, 400.0, 2.0))

@@ -117,16 +117,6 @@ def test_uniform_makes_mean_temperatures_equal_and_brackets_the_local_maximum():
     assert extremes[0] < local.rise[on].max() < extremes[1]
 
 
-def test_a_hot_pin_warms_the_cold_leading_edge():
-    # A band contact: at its upstream edge the cold disk takes more heat than is generated there.
-    grid = Grid((60, 1), (2e-6, 1.0), LINE)
-    x = grid.coordinates(0)
-    flux = np.sqrt(np.maximum(1 - (x / 50e-6) ** 2, 0.0))[:, None] * 1e8
-    split = partition_heat(*bodies(grid, velocity=20.0), flux, flux > 0)
-    contact = np.flatnonzero(flux)
-    assert split.pin_flux[contact[0], 0] < 0 < split.pin_flux[contact[-1], 0]
-
-
 def test_a_failure_carries_the_partial_solution_and_advice():
     grid = grid_of()
     flux = rough_contact(grid)
