@@ -24,12 +24,6 @@ def test_quantiles_are_those_of_numpy(nodes):
     assert contact_quantiles(rise, rise > 0) == pytest.approx(expected, rel=1e-13)
 
 
-def test_only_the_contact_counts():
-    rise = np.array([[10.0, 500.0], [20.0, 30.0]])
-    contact = np.array([[True, False], [True, True]])
-    assert contact_quantiles(rise, contact)[-1] == 30.0
-
-
 def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
     quantiles = np.linspace(10.0, 20.0, len(QUANTILES))
     assert failed_share(quantiles, 20.1) == 0.0

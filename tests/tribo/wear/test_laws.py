@@ -94,11 +94,6 @@ def test_a_law_by_velocity_is_archard_s_with_its_rate():
     assert state.heat.max_rise == pytest.approx(constant.heat.max_rise, rel=1e-9)
 
 
-def test_a_pin_that_does_not_slide_wears_by_no_law():
-    scene = replace(small_scene(increments=6), wear=LAW)
-    assert worn_volume(scene, velocity=0.0) == 0
-
-
 @dataclass(frozen=True)
 class Dimples:
     depth: float = 1e-6
