@@ -19,7 +19,7 @@ from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_
 from pipeline.run import sweep as execute
 from pipeline.store import create, files
 from pipeline.store.create import writing
-from pipeline.store.schema import COLUMNS, FIELDS
+from pipeline.store.schema import COLUMNS, DONE, FIELDS
 from pipeline.store.status import FailedPoint
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import PointRecord, points
@@ -179,7 +179,10 @@ def is_gone(group):
     return False
 
 
-def test_ctrl_c_ends_everything_and_keeps_finished_points(path, tmp_path):
+@pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -9)])
+def test_ctrl_c_or_a_kill_ends_everything_and_keeps_finished_points(
+    sent, code, path, tmp_path, alone
+):
     """The signal goes to the driver and all workers, as from a terminal."""
     (tmp_path / "script.py").write_text(SCRIPT)
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -191,8 +194,8 @@ def test_ctrl_c_ends_everything_and_keeps_finished_points(path, tmp_path):
     ) as driver:  # fmt: skip
         try:
             assert any(int(line) >= 3 for line in driver.stdout)
-            os.killpg(driver.pid, signal.SIGINT)
-            assert driver.wait(60) == 130
+            os.killpg(driver.pid, sent)
+            assert driver.wait(60) == code
             assert driver.stderr.read() == ""
             assert is_gone(driver.pid)
         except BaseException:
@@ -201,6 +204,9 @@ def test_ctrl_c_ends_everything_and_keeps_finished_points(path, tmp_path):
     assert 3 <= summary(path).done < summary(path).total
     assert verify_store(path).is_clean
     assert summary(path).running is None
+    kept, whole = plain_values(path), plain_values(alone)
+    is_done = kept["status"] == DONE
+    assert kept["max_rise"][is_done].tobytes() == whole["max_rise"][is_done].tobytes()
 
 
 UNGUARDED = """
