@@ -2,18 +2,30 @@
 
 import pytest
 
-from pipeline import estimate
+import tribo
+from pipeline import Conditions, estimate
 from pipeline.sweep import plan
 from pipeline.sweep.plan import points, tasks
 from tests.helpers import tiny
-from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
+from tests.helpers.scenes import STEEL
+from tests.helpers.sweeps import sweep_of_fields
 from tribo import PRESETS, Fidelity, Grid, Ramp
 from tribo.simulation import RampCache, contacts, heat
 
-SWEEP = changed(
-    PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
+SWEEP = sweep_of_fields(
+    pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+    disk=STEEL,
+    pixels=Grid((64, 32), (6e-6, 6e-6)),
+    loading=Ramp(rate=150.0, reference_load=750.0),
+    roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (8e-6, 8e-6), seed=0),
+    wear=tribo.Wear(1.2e-15),
+    name="paper",
+    title="The paper's system on a small window",
+    loads=(250.0, 500.0, 750.0),
+    velocities=(1.0, 2.0),
+    conditions=Conditions(0.1, 298.15, 418.15),
 )
 
 

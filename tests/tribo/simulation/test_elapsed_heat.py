@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, MeasuredLoad, Ramp, Wear
+from tribo import Ball, Grid, Material, MeasuredLoad, Ramp, Wear
 from tribo.simulation.elapsed_heat import excess_of_elapsed_heat
 from tribo.thermal import rise_exceeded
 
@@ -22,6 +21,14 @@ BALL = replace(
     pixels=Grid((40, 56), (8e-6, 8e-6), (False, False)),
     loading=Ramp(10.0, 20.0),
     wear=None,
+)
+ALUMINA = Material(
+    elastic_modulus=310e9,
+    poisson_ratio=0.25,
+    hardness=20e9,
+    thermal_conductivity=25.0,
+    density=3900.0,
+    specific_heat=780.0,
 )
 
 
