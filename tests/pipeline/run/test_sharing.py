@@ -1,6 +1,7 @@
 """Rows share contacts on a worker, and each has the bits that it has alone."""
 
 import random
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from pipeline.sweep.plan import points, tasks
 from tests.helpers.points import run_point
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
-from tribo.simulation import RampCache
+from tribo.simulation import RampCache, loading_step
+from tribo.simulation.cache import forget_kernels
 
 CONDUCTIVITY, RATE = "materials.steel.thermal_conductivity", "wear.specific_wear_rate"
 CONDUCTIVITIES = "20 W/(m K)", "45 W/(m K)"
@@ -81,3 +83,19 @@ def test_rows_of_a_store_are_those_of_their_own_scenes_after_an_interruption(sce
         for name in COLUMNS.keys() & row.data_vars.keys():
             stored = row[name].transpose("step", ...).values[-len(alone.columns["time"]) :]
             assert stored.tobytes() == alone.columns[name].astype(stored.dtype).tobytes(), name
+
+
+@pytest.mark.parametrize("physics", ["hold", "no wear"])
+def test_two_conductivities_cost_the_contacts_of_one(scene, physics):
+    few = PHYSICS[physics] | {"sweep.loads": ["300 N"], "sweep.velocities": ["1 m/s", "2 m/s"]}
+    counts = []
+    for more in ({}, {"sweep.over": {CONDUCTIVITY: [*CONDUCTIVITIES]}}):
+        sweep, ramp_cache = pipeline.load_scene(scene, overrides=few | more), RampCache()
+        forget_kernels()  # contacts, too
+        solve = loading_step.solve_contact
+        with mock.patch.object(loading_step, "solve_contact", wraps=solve) as counted:
+            for task in tasks(points(sweep), sweep):
+                run_point(sweep, task.point, ramp_cache)
+        counts.append((counted.call_count, pipeline.estimate(sweep).steps))
+    assert counts[0] == counts[1]
+    assert counts[0][0] > 0
