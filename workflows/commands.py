@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from pipeline.cli import options as o
-from pipeline.cli.options import Command, Option
+from pipeline.cli import values
+from pipeline.cli.parser import AddCommand
+from pipeline.paths import user_path
 
-COMMANDS = (
-    Command(
-        "paper", f"{__package__}.paper.answer:recompute",
+
+def add_paper(add: AddCommand) -> None:
+    """Add the command ``irg paper``."""
+    paper = add(
+        "paper",
+        f"{__package__}.paper.answer:recompute",
         "recompute a figure or table of the paper, beside what it prints",
         "table4 --surfaces 2",
-        (
-            Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
-            o.LIST.but(help="list the figures and tables"),
-            o.output("PATH", "figure to draw, or the folder for it; all results need a folder"),
-            o.PRESET.but(help="preset of the numerical choices, or as-published"),
-            o.value("--surfaces N", "number of random surfaces", o.values.count),
-            o.WORKERS.but(help="workers for the diagram"),
-        ),
-    ),
-)  # fmt: skip
+    )
+    paper.add_argument("name", metavar="NAME", nargs="?", help="one of --list, or all")
+    paper.add_argument("--list", action="store_true", help="list the figures and tables")
+    paper.add_argument(
+        "-o",
+        "--output",
+        metavar="PATH",
+        type=user_path,
+        help="figure to draw, or the folder for it; all results need a folder",
+    )
+    paper.add_argument(
+        "--preset", metavar="NAME", help="preset of the numerical choices, or as-published"
+    )
+    paper.add_argument(
+        "--surfaces", metavar="N", type=values.count, help="number of random surfaces"
+    )
+    paper.add_argument(
+        "-j", "--workers", metavar="N", type=values.count, help="workers for the diagram"
+    )

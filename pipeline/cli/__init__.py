@@ -12,25 +12,17 @@ import atexit
 import gc
 import io
 import os
+import pkgutil
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import chdir, contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import chdir, suppress
 from pathlib import Path
-from traceback import walk_tb
 from typing import Any
 
 import pipeline
 from pipeline import interrupts
-from pipeline.cli.parser import function_of, parse
-from pipeline.words import remarks
-
-_SETTINGS = {
-    "matplotlib": "the variable MPLBACKEND (irg needs no backend)",
-    "dask.config": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
-    "dask.utils": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
-}
-"""Settings of other programs that may be wrong, by the module that raises the error."""
+from pipeline.cli.parser import parse
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,48 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run_command(options: argparse.Namespace) -> Any:
     """Import the command's module, run the command and return its result."""
-    function = _load(options)
+    function = pkgutil.resolve_name(options.function)
     with interrupts.keyboard_interrupts():
         return function(options)
-
-
-def _load(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
-    """Import the command's module, and return the function of the command."""
-    gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
-    try:
-        # When it is loaded, and with its first variable, xarray looks for libraries of arrays and
-        # imports those that it finds, dask.array and pint: 0.3 s. A command has none of their
-        # arrays. Extras may load Dask itself.
-        if "." in options.command or "xarray" in sys.modules:
-            return function_of(options)
-        with _hidden("dask", "pint"):
-            function = function_of(options)
-            if xarray := sys.modules.get("xarray"):
-                xarray.Variable((), 0.0).to_numpy()
-            return function
-    finally:
-        gc.freeze()
-        gc.enable()
-
-
-@contextmanager
-def _hidden(*names: str) -> Iterator[None]:
-    """Context manager: modules that cannot be imported, unless they are loaded."""
-    hidden = {*names} - sys.modules.keys()
-    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
-    try:
-        yield
-    finally:
-        for name in hidden:
-            del sys.modules[name]
-
-
-def _has_folder() -> bool:
-    """True if the working folder exists."""
-    try:
-        return Path.cwd().is_dir()
-    except OSError:
-        return False
 
 
 def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
@@ -104,17 +57,13 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
-    from tribo.errors import shortened
 
-    if options.quiet:
-        output.QUIET.set()
-    # Only irg run keeps results before its end.
-    safe = "; finished points are saved" if getattr(options, "command", "") == "sweeps:run" else ""
+    output.QUIET.set() if options.quiet else output.QUIET.clear()
+    is_run = options.command == "run"  # which alone keeps results before its end
+    safe = "; finished points are saved" * is_run
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_: output.print_note(
-                *remarks("note", str(message))
-            )
+            warnings.showwarning = lambda message, *_: output.print_note(f"note: {message}")
             result = function(options)
             output.show(options, result)
             if sys.stdout is not None:
@@ -122,9 +71,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             return int(result.code)
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
-            output.print_error(
-                f"interrupted{safe}{safe and ': run the same command again to continue'}"
-            )
+            more = ": run the same command again to continue" * is_run
+            output.print_error(f"interrupted{safe}{more}")
         return output.INTERRUPTED
     except TriboError as error:
         output.print_error(str(error))
@@ -134,31 +82,15 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         sys.stderr.close()
         return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
-        if not is_lack_of_memory(error):
-            # Zarr raises a RuntimeError for a damaged chunk.
-            if not isinstance(error, OSError) and "decompress" not in str(error):
-                raise
-            reason = (
-                error
-                if _has_folder()
-                else "the working directory was deleted; change to another one"
-            )
-            output.print_error(f"cannot continue: {reason}{safe}")
-            with suppress(OSError, ValueError, AttributeError):
-                # Keep Python from flushing stdout again at exit.
-                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if is_lack_of_memory(error):
+            said = "out of memory, or at the limit of threads and processes for this user"
+            output.print_error(f"{said} (ulimit -a){safe}: use fewer workers or a coarser grid")
             return output.WRONG_USE
-        output.print_error(
-            "out of memory, or at the limit of threads and processes for this user (ulimit -a)"
-            f"{safe}: use fewer workers or a coarser grid"
-        )
-        return output.WRONG_USE
-    except (ValueError, KeyError, TypeError) as error:
-        *_, (frame, _) = walk_tb(error.__traceback__)
-        if (setting := _SETTINGS.get(frame.f_globals["__name__"])) is None:
+        # Zarr raises a RuntimeError for a damaged chunk.
+        if not isinstance(error, OSError) and "decompress" not in str(error):
             raise
-        reason = shortened(" ".join(str(error.args[0] if error.args else error).split()))
-        output.print_error(f"{setting} is wrong: {reason}{safe}")
+        output.print_error(f"cannot continue: {error}{safe}")
+        with suppress(OSError, ValueError, AttributeError):
+            # Keep Python from flushing stdout again at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return output.WRONG_USE
-    finally:
-        output.QUIET.clear()

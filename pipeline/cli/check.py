@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 
 import numpy as np
 import pandas as pd
@@ -33,7 +33,6 @@ from pipeline.scene.contact_estimate import (
 )
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
-from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CASE
 from pipeline.sweep.notes import SceneNote, library_tables
 from pipeline.sweep.sweep import Sweep
@@ -86,7 +85,6 @@ _MOST_CASES = 200  # of a sweep along a table, that are described
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _MOST_NAMED = 3  # tests
-_Loading = Ramp | Stages | MeasuredLoad
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -97,16 +95,8 @@ def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
-    found = [
-        (
-            one.case, one.load, *(float(f"{number:.4g}") for number in (
-                one.half_width, one.pressure, one.pin_velocity, one.disk_velocity,
-                one.slide_roll_ratio, one.film_parameter,
-            )),
-        )
-        for one in cases
-    ]  # fmt: skip
-    return frame_of(heads, found)
+    rows = (astuple(one) for one in cases)
+    return frame_of(heads, [(*row[:2], *(float(f"{one:.4g}") for one in row[2:])) for row in rows])
 
 
 def _meaning_rows(
@@ -254,54 +244,27 @@ def _surface_words(facts: SurfaceSummary) -> str:
 
 
 def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
-    """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
-    plane, found = sweep.scene.loading, dict[str, list[SpecimenTest]]()
-    for test in sweep.tests:  # each is simulated with its own past
-        if words := _difference(test.case.scene.loading, plane):
-            found.setdefault(words, []).append(test)
-    of_tests = (SceneNote("", f"{_named(some)}: {words}") for words, some in found.items())
-    return *sweep.notes, *of_tests
+    """Notes on the entries of a scene, and on tests that are loaded in another way than the plane.
 
-
-def _difference(own: _Loading, plane: _Loading) -> str:
-    """How one past differs from another, and what follows; empty if they are alike."""
-    if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
-        return "" if own == plane else "the load record differs from the sweep's"
-    if isinstance(own, Stages) and isinstance(plane, Stages):
-        if own.shares_stages(plane):
-            return ""
-        return (
-            "the load stages differ from the sweep's; longer stages wear the contact more and "
-            "cool it"
-        )
-    if isinstance(own, Stages):
-        return (
-            "loaded in stages, while the sweep uses a ramp: worn earlier, it is cooler than the "
-            "sweep's specimens"
-        )
-    if isinstance(plane, Stages):
-        return (
-            "loaded by a ramp, while the sweep uses stages: a fresh specimen gets hotter than "
-            "the sweep's"
-        )
-    if not math.isclose(own.rate, plane.rate):
-        way = (
-            "more slowly (more wear, lower temperature)"
-            if own.rate < plane.rate
-            else "faster (higher temperature)"
-        )
-        return f"the load grows {way} than in the sweep"
-    if own.hold != plane.hold:
-        way = "longer" if own.hold > plane.hold else "for a shorter time"
-        return (
-            f"held {way} than in the sweep, which matters where a body retains heat from "
-            "earlier revolutions"
-        )
-    return ""
-
-
-def _named(tests: Sequence[SpecimenTest]) -> str:
-    """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
-    names = [*dict.fromkeys(str(test.number) for test in tests)]
+    Each test is simulated with its own past.
+    """
+    others = [one for one in sweep.tests if not _is_alike(one.case.scene.loading, sweep)]
+    if not others:
+        return sweep.notes
+    names = [*dict.fromkeys(str(test.number) for test in others)]
     more = f" and {len(names) - _MOST_NAMED} more" * (len(names) > _MOST_NAMED)
-    return f"test{'s' * (len(names) > 1)} {', '.join(names[:_MOST_NAMED])}{more}"
+    words = (
+        f"test{'s' * (len(names) > 1)} {', '.join(names[:_MOST_NAMED])}{more}: loaded in another "
+        "way than the sweep, so that wear before the end, and the temperature, differ"
+    )
+    return *sweep.notes, SceneNote("", words)
+
+
+def _is_alike(own: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:
+    """True if a test is loaded as the points of a sweep."""
+    plane = sweep.scene.loading
+    if isinstance(own, Stages) and isinstance(plane, Stages):
+        return own.shares_stages(plane)
+    if isinstance(own, Ramp) and isinstance(plane, Ramp):
+        return math.isclose(own.rate, plane.rate) and own.hold == plane.hold
+    return own == plane

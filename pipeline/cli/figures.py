@@ -1,37 +1,64 @@
-"""The commands ``irg plot`` and ``irg report``."""
+"""The commands ``irg plot``, ``irg report`` and ``irg surface``."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
 import sys
+from functools import partial
 
 import pipeline
 from pipeline.cli import given
-from pipeline.cli.output import Result, working
+from pipeline.cli.output import Result, working, wrapped
+from tribo import InputError
+
+_USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Answer ``irg plot``: draw a figure of a store, and print its path."""
-    names = "log", "show", "step", "width", "plain", "title", "dpi"
-    look = given.values_in(options, *given.PLACE, *names)
+    names = "load", "velocity", "realization", "log", "show", "step", "width", "plain", "title"
+    look = given.values_in(options, *names, "dpi")
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
     written = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))
-    return Result(
-        {"kind": options.kind, "file": written}, [written], pipeline.points_with_warnings(ds)
-    )
+    document = {"kind": options.kind, "file": written}
+    return Result(document, [written], pipeline.points_with_warnings(ds))
 
 
 def report(options: argparse.Namespace) -> Result:
     """Answer ``irg report``: write a page on a store, and print its path."""
     asked = given.values_in(options, "load", "velocity", "title", "author")
-    if options.points is not None:
-        asked["points"] = given.operating_points_in(options)
-    ds = given.dataset_in(options)
+    asked["points"] = given.operating_points_in(options)
+    ds, conditions = given.dataset_in(options), given.conditions_in(options)
     out = options.output or given.path_beside(options.store, ".html")
     command = shlex.join(["irg", *sys.argv[1:]])
     with working("writing the report"):
-        conditions = given.conditions_in(options)
         written = str(pipeline.report(ds, out=out, command=command, **asked, **conditions))
     return Result({"file": written}, [written], pipeline.points_with_warnings(ds))
+
+
+def surface(options: argparse.Namespace) -> Result:
+    """Answer ``irg surface``: roughness of a scan, or Ra and RSm, and the table of a scene."""
+    if (options.ra is None) != (options.rsm is None) or (options.ra is None) == (not options.scan):
+        raise InputError("give a SCAN, or --ra RA and --rsm RSM of a profile, each with its unit")
+    if options.scan is None:
+        return _data_sheet(options)
+    with working("fitting a random surface"):
+        found = pipeline.surface_statistics(
+            options.scan, options.height_unit, options.pixel_size, options.missing
+        )
+    text = [*wrapped(found.lines()), "", *found.tables.splitlines()]  # TOML is not wrapped
+    return Result(found.as_dict(), text, draw=partial(pipeline.plot, found))
+
+
+def _data_sheet(options: argparse.Namespace) -> Result:
+    from pipeline.surface.data_sheet import data_sheet_toml
+
+    if options.output:
+        raise InputError("a figure needs a SCAN; leave -o out")
+    pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
+    with working("seeking the correlation length"):
+        toml, assumed = data_sheet_toml(options.ra, options.rsm, pixel)
+    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumed, "random_tables": toml}
+    return Result(document, [*assumed, "", *toml.splitlines()])

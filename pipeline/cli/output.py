@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from pipeline.answers.warnings import WarnedPoints
-    from pipeline.store.status import Summary
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -71,20 +70,18 @@ def show(options: argparse.Namespace, result: Result) -> None:
         if result.document is None:
             print_note(*(line for line in text if isinstance(line, str) and line))
     elif text:
-        show_text(text)
+        print("\n".join(map(_shown, "\n".join(_lines(text)).split("\n"))), flush=True)
 
 
-def show_text(text: Iterable[str | pd.DataFrame]) -> None:
-    """Print lines of text, and data frames as aligned columns; control characters are escaped."""
-    lines = list[str]()
+def _lines(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
+    """Lines of text, and data frames as aligned columns."""
     for part in text:
         if isinstance(part, str):
-            lines.append(part)
+            yield part
         else:
             from pipeline.frames import lines_of  # pandas is slow to import
 
-            lines += lines_of(part)
-    print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)
+            yield from lines_of(part)
 
 
 def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
@@ -99,11 +96,6 @@ def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
 def pluralized(number: int, one: str, several: str) -> str:
     """Number with its noun, such as "1 load" or "3 loads"; `one` and `several` are the nouns."""
     return f"{number} {one if number == 1 else several}"
-
-
-def counted_tests(state: Summary | None) -> list[str]:
-    """Line on points beside the plane, such as "tests: 4 of 4 points done"; none without any."""
-    return [f"tests: {state.done} of {state.total} points done"] if state else []
 
 
 def print_note(*messages: str | Progress) -> None:

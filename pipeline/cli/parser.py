@@ -1,201 +1,24 @@
-"""Commands of ``irg``: their table, and the parser made from it."""
+"""The commands of ``irg`` and their options."""
 
 from __future__ import annotations
 
 import argparse
-import itertools
-import pkgutil
-import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from difflib import get_close_matches
-from functools import cache
-from importlib import import_module
+from functools import partial
+from importlib import import_module, metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from pipeline.cli import options as o
-from pipeline.cli.options import Command
+from pipeline.cli import values
+from pipeline.paths import user_path
 
+AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
+"""Function that adds a command: its name, its function, its purpose and an example."""
 _AT = '--load "500 N" --velocity "2 m/s"'
-
-COMMANDS = (
-    Command(
-        "new", "begin:new",
-        "write a scene to start from",
-        "scene.toml --from twin_disc", o.OF_NEW,
-    ),
-    Command(
-        "run", "sweeps:run", "run or resume the sweep of a scene",
-        "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
-    ),
-    Command(
-        "check", "check:check", "describe a scene and estimate the cost of its sweep",
-        "scene.toml", (*o.OF_SCENE, o.WORKERS, o.TABLE),
-    ),
-    Command(
-        "status", "stores:status",
-        "count done, failed and pending points of a store, or list the stores in a folder",
-        "results", (o.STORE_OR_FOLDER,),
-    ),
-    Command(
-        "verify", "stores:verify", "read a whole store and list damaged points",
-        "results/scene.zarr", (o.STORE,),
-    ),
-    Command(
-        "boundary", "verdicts:boundary",
-        "print the boundary between mild and severe wear, without a new simulation",
-        "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.JUDGED),
-    ),
-    Command(
-        "margin", "verdicts:margin",
-        "print verdict, probability and errors for one operating point, a table of them, or the "
-        "cases of the sweep",
-        f"results/scene.zarr {_AT}",
-        (o.STORE, *o.PLACE, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
-    ),
-    Command(
-        "point", "points:point", "simulate one point (and the tests of the scene)",
-        f"scene.toml {_AT}",
-        (*o.OF_SCENE, *o.NEEDED_PLACE, o.WITHOUT_TESTS, o.REALIZATION, o.CONDITIONS, o.TABLE),
-    ),
-    Command(
-        "trade", "studies:trade", "measure computing time against accuracy",
-        "scene.toml -o trade.png", (*o.OF_SCENE, *o.OF_TRADE),
-    ),
-    Command(
-        "infer", "infer:infer",
-        "find the critical temperature from tests, or the wear rate from a contact width",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
-    ),
-    Command(
-        "plot", "figures:plot", "draw a figure of a store",
-        'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
-        (o.STORE, *o.OF_PLOT, *o.JUDGED, *o.PLACES, o.REALIZATION),
-    ),
-    Command(
-        "surface", "surface:surface",
-        "describe a scan by ISO 25178-2, beside a random surface like it, and print its tables",
-        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png', o.OF_SURFACE,
-    ),
-    Command(
-        "report", "figures:report",
-        "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
-        f"results/scene.zarr {_AT} -o report.html",
-        (o.STORE, *o.PLACE, *o.POINTS, *o.OF_REPORT, *o.JUDGED),
-    ),
-    Command(
-        "help", "begin:help_", "print a page of the documentation, or list all pages",
-        "first-hour", (o.TOPIC,),
-    ),
-)  # fmt: skip
-
-
-@cache
-def commands() -> tuple[Command, ...]:
-    """All commands of ``irg``; that of the paper comes last, where its folder is there."""
-    for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
-        if find_spec(package) and find_spec(f"{package}.commands"):
-            return (*COMMANDS, *import_module(f"{package}.commands").COMMANDS)
-    return COMMANDS
-
-
-class _Parser(argparse.ArgumentParser):
-    """Argument parser that takes words such as -5% for values, as Python 3.14 does."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
-        # A private name of argparse; not needed once 3.14 is the oldest Python.
-        self._negative_number_matcher = re.compile(r"-\.?\d")
-
-    def error(self, message: str) -> NoReturn:
-        """Print one line, with the fault, a suggestion, and how to list the options; then exit."""
-        if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \((choose.*)\)", message):
-            known = [*re.findall(r"[\w-]+", wrong[3]), *["--version"] * (wrong[1] == "COMMAND")]
-            meant = _meant([wrong[2]], known) or f" ({wrong[3]})"
-            message = f'{wrong[1].lower()} is "{wrong[2]}"{meant}'
-        message = message.removeprefix("argument ").replace(": is given twice", " is given twice")
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
-class _Once(argparse.Action):
-    """Action of an option with one value, which is not given twice."""
-
-    def __call__(self, parser: Any, namespace: Any, value: Any, name: str | None = None) -> None:
-        if self.dest in vars(namespace).setdefault("given", set()):
-            raise argparse.ArgumentError(self, "is given twice; give it once")
-        namespace.given.add(self.dest)
-        setattr(namespace, self.dest, value)
-
-
-_SYNONYMS = {
-    "new": "init create start template",
-    "run": "simulate compute sweep resume",
-    "check": "validate lint estimate",
-    "status": "info list ls",
-    "boundary": "limit transition",
-    "margin": "judge verdict predict",
-    "plot": "draw figure diagram show",
-    "infer": "fit calibrate",
-    "help": "doc docs man",
-    "--version": "version",
-    "--load": "force normal-load normal-force",
-    "--velocity": "speed sliding-speed sliding-velocity",
-    "--friction": "mu cof",
-    "--bulk-temperature": "temperature bulk oil-temperature",
-    "--workers": "jobs cores threads processes",
-    "--output": "file outfile",
-    "--realization": "seed",
-    "--from": "template like",
-    "--points": "csv table",
-    "--set": "option setting config",
-    "--accuracy": "error tolerance precision",
-}
-"""Words of other tools for commands and options, without hyphens in front."""
-_IN_SCENE = {
-    "--load": "sweep.loads",
-    "--velocity": "sweep.velocities",
-    "--friction": "friction.coefficient",
-    "--bulk-temperature": "temperature.bulk",
-    "--critical-temperature": "temperature.critical",
-    "--critical-area-fraction": "temperature.critical_area_fraction",
-}
-"""Entries of a scene, by the options that other commands have for them."""
-_ALIKE = 0.75  # least likeness of a misspelt word: "version" is not "verify", nor "init" "point"
-
-
-def _meant(words: Sequence[str], known: Sequence[str]) -> str:
-    """Question such as "; did you mean X?": names of the meaning of `words`, or misspelt."""
-    found = list[str]()
-    for word in words:
-        bare = word.lstrip("-").lower()
-        same = [name for name, others in _SYNONYMS.items() if bare in others.split()]
-        near = [name for name in same if name in known]
-        if not near and "--set" in known:
-            near = [f"--set {_IN_SCENE[one]}=…" for one in (word, *same) if one in _IN_SCENE]
-        found += near or get_close_matches(word.lower(), known, 1, _ALIKE)
-    names = " and ".join(f'"{name}"' for name in dict.fromkeys(found))
-    return f"; did you mean {names}?" if found else ""
-
-
-class _Version(argparse.Action):
-    """Action of --version: look up the version, print it, and exit."""
-
-    def __call__(self, parser: Any, *_: Any) -> None:
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            installed = version("irg-transition")
-        except PackageNotFoundError:
-            installed = "of unknown version: not installed"
-        print(f"irg {installed}")
-        parser.exit()
-
-
+_TABLE = "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.table
 _BEGIN = """Begin with:
   irg new scene.toml
   irg check scene.toml
@@ -206,80 +29,341 @@ What a command takes:
   irg COMMAND --help"""
 
 
-def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
-    """Parser of all commands, with the options of command `name` only; of all if None."""
-    parser = _Parser(
-        prog="irg",
-        description="Predict when a lubricated sliding contact changes from mild to severe wear.",
-        epilog=_BEGIN,
-    )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    parser.set_defaults(parser=parser)
-    parsers = parser.add_subparsers(metavar="COMMAND", title="commands")
-    for command in commands():
-        added = parsers.add_parser(
-            command.name,
-            help=command.purpose.replace("%", "%%"),
-            description=textwrap.fill(f"{command.purpose[0].upper()}{command.purpose[1:]}."),
-            epilog=f"example:\n  irg {command.name} {command.example}",
-        )
-        added.set_defaults(command=command.function, parser=added)
-        if name in (None, command.name):
-            _add_options(added, (*o.OF_ALL, *command.takes))
-    return parser
+class _Parser(argparse.ArgumentParser):
+    """Argument parser whose error is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the fault, and how to list the options; then exit."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-def _add_options(parser: Any, takes: Sequence[o.Option | o.OptionGroup]) -> None:
-    """Add to a parser the options and groups of options that a command takes."""
-    for taken in takes:
-        if isinstance(taken, o.Option):
-            once = {"action": _Once} if taken.names[0].startswith("-") else {}
-            parser.add_argument(*taken.names, **once | taken.settings)
-        elif taken.title:
-            _add_options(parser.add_argument_group(taken.title), taken.options)
-        else:
-            _add_options(parser.add_mutually_exclusive_group(), taken.options)
+class _Version(argparse.Action):
+    """Action of --version: look up the version, print it, and exit."""
+
+    def __call__(self, parser: Any, *_: Any) -> None:
+        print(f"irg {metadata.version('irg-transition')}")
+        parser.exit()
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse the arguments of one command; `function_of` gives its function."""
-    given = sys.argv[1:] if arguments is None else arguments
-    parser = whole_parser(next((word for word in given if not word.startswith("-")), ""))
-    options, unknown = parser.parse_known_args(given)
-    if unknown:  # reported by the command's parser, whose usage has its options
-        words = [one.partition("=")[0] for one in unknown if one.startswith("-")] or unknown[:1]
-        takes = [one.takes for one in commands() if options.parser.prog == f"irg {one.name}"]
-        flags = _flags([*o.OF_ALL, *itertools.chain(*takes)])
-        flags += ["--version"] * (options.parser is parser)
-        hint = _meant(words, flags)
-        if words[0] in flags:
-            hint = f"; options stand after the command: {options.parser.prog} … {words[0]}"
-        options.parser.error(f"unknown option or argument: {' '.join(unknown)}{hint}")
-    if options.parser is parser:
-        parser.print_help(sys.stderr)
-        parser.exit(2, "irg: give a command\n")
-    paths = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
-    read = [Path(value) for name, value in paths.items() if name not in o.WRITTEN]
-    for out in (Path(value) for name, value in paths.items() if name in o.WRITTEN):
-        with suppress(OSError):  # such as a name that is too long, which the command reports
-            if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
-                options.parser.error(
-                    f"{out} is an input of this command; choose another output file"
-                )
+    """Parse the arguments of one command, by default those of this process."""
+    irg = whole_parser()
+    options, unknown = irg.parse_known_args(arguments)
+    if unknown:  # reported by the command's parser, whose help has its options
+        options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
+    if options.parser is irg:
+        irg.print_help(sys.stderr)
+        irg.exit(2, "irg: give a command\n")
     return options
 
 
-def _flags(takes: Sequence[o.Option | o.OptionGroup]) -> list[str]:
-    """Names of options, as typed."""
-    found = list[str]()
-    for taken in takes:
-        found += _flags(taken.options) if isinstance(taken, o.OptionGroup) else taken.names
-    return [name for name in found if name.startswith("-")]
+def whole_parser() -> argparse.ArgumentParser:
+    """Parser of all commands."""
+    raw = argparse.RawDescriptionHelpFormatter
+    said = "Predict when a lubricated sliding contact changes from mild to severe wear."
+    irg = _Parser(prog="irg", description=said, epilog=_BEGIN, formatter_class=raw)
+    irg.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = irg.add_subparsers(metavar="COMMAND", title="commands")
+    irg.set_defaults(parser=irg, commands=commands.choices)
+
+    def add(name: str, function: str, purpose: str, example: str) -> argparse.ArgumentParser:
+        said = textwrap.fill(f"{purpose[0].upper()}{purpose[1:]}.")
+        example = f"example:\n  irg {name} {example}"
+        command = commands.add_parser(
+            name, help=purpose, description=said, epilog=example, formatter_class=raw
+        )
+        command.set_defaults(command=name, function=function, parser=command)
+        _flag(command, "--json", "print one JSON document")
+        _flag(command, "-q --quiet", "suppress progress and notes; show errors only")
+        return command
+
+    _add_commands_on_scenes(add)
+    _add_commands_on_stores(add)
+    command = add(
+        "help", "pipeline.cli.begin:help_", "print a page of the documentation, or list all pages",
+        "first-hour",
+    )  # fmt: skip
+    _value(command, "topic TOPIC", "name of a page or of a command", nargs="?")
+    for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
+        if find_spec(package) and find_spec(f"{package}.commands"):
+            import_module(f"{package}.commands").add_paper(add)
+            break
+    return irg
 
 
-def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
-    """Function of a command; imports the command's module."""
-    is_whole = "." in options.command  # a command of an extra
-    name = options.command if is_whole else f"pipeline.cli.{options.command}"
-    function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)
-    return function
+def _add_commands_on_scenes(add: AddCommand) -> None:
+    command = add(
+        "new", "pipeline.cli.begin:new", "write a scene to start from",
+        "scene.toml --from twin_disc",
+    )  # fmt: skip
+    either = command.add_mutually_exclusive_group()
+    _value(either, "file FILE.toml", "file to write", user_path, nargs="?")
+    _flag(either, "--list", "list the shipped scenes")
+    _value(command, "--from NAME", "shipped scene to begin with; see --list", dest="template")
+
+    command = add(
+        "run", "pipeline.cli.sweeps:run", "run or resume the sweep of a scene",
+        "scene.toml --accuracy 2%",
+    )  # fmt: skip
+    _scene(command)
+    words = "path of the store; default: results/<scene>.zarr"
+    _value(command, "-o --output OUT.zarr", words, values.store)
+    either = command.add_mutually_exclusive_group()
+    _workers(either)
+    _value(either, "--scheduler ADDRESS", "address of a running Dask scheduler")
+    _value(either, "--scheduler-file FILE", "file written by a running Dask scheduler", user_path)
+    words = "copy matching points from another store"
+    _value(command, "--from OLD.zarr", words, values.store, dest="source")
+    words = "print the address of Dask's dashboard, which every user of this machine can open"
+    _flag(command, "--dashboard", words)
+    _flag(command, "--retry-failed", "simulate points again that failed in an earlier run")
+    _flag(command, "-n --dry-run", "print what irg check prints, and compute nothing")
+    words = (
+        "compute until the whole numerical error of the boundary is below this, such as 2%%: it "
+        "chooses preset, points and surface realizations"
+    )
+    _value(command, "--accuracy BOUND", words, values.share)
+
+    command = add(
+        "check", "pipeline.cli.check:check",
+        "describe a scene and estimate the cost of its sweep", "scene.toml",
+    )  # fmt: skip
+    _scene(command)
+    _workers(command)
+    _value(command, *_TABLE)
+
+    command = add(
+        "point", "pipeline.cli.points:point", "simulate one point (and the tests of the scene)",
+        f"scene.toml {_AT}",
+    )  # fmt: skip
+    _scene(command)
+    _place(command, required=True)
+    _flag(command, "--without-tests", "ignore the tests of the scene")
+    _realization(command)
+    _conditions(command)
+    _value(command, *_TABLE)
+
+    command = add(
+        "trade", "pipeline.cli.sweeps:trade", "measure computing time against accuracy",
+        "scene.toml -o trade.png",
+    )  # fmt: skip
+    _scene(command)
+    words = "new store for the points; default: results/<scene>-trade.zarr"
+    _value(command, "--store OUT.zarr", words, values.store, dest="store_path")
+    _workers(command)
+    words = "file of a figure; or of the table, .csv, .md or .json"
+    _value(command, "-o --output FILE.png", words, values.figure_or_table)
+
+    command = add(
+        "infer", "pipeline.cli.points:infer",
+        "find the critical temperature from tests, or the wear rate from a contact width",
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
+    )  # fmt: skip
+    _scene(command)
+    words = "store for the simulated points, resumed if it exists; by default they are not kept"
+    _value(command, "--store OUT.zarr", words, values.store, dest="store_path")
+    _workers(command)
+    words = "contact width measured at --load and --velocity; prints the specific wear rate instead"
+    _quantity(command, "--contact-width W", words, "348 um")
+    words = "sliding time before the width was measured, ramp included; default: from the scene"
+    _quantity(command, "--duration T", words, "8 s")
+    _bulk_temperature(command)
+    _value(command, *_TABLE)
+    _place(command)
+    _realization(command)
+
+    command = add(
+        "surface", "pipeline.cli.figures:surface",
+        "describe a scan by ISO 25178-2, beside a random surface like it, and print its tables",
+        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png',
+    )  # fmt: skip
+    words = "map of heights: .npy, a matrix in text, or the file of an instrument"
+    _value(command, "scan SCAN", words, user_path, nargs="?")
+    words = 'unit of the heights, such as "um", where the file gives none or a wrong one'
+    _value(command, "--height-unit UNIT", words)
+    words = 'sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"'
+    _value(command, "--pixel-size DX[,DY]", words, values.sides)
+    words = "share of missing heights up to which they are filled; default: 10%%"
+    _value(command, "--missing SHARE", words, values.share, default=0.1)
+    words = "Ra of a profile or data sheet, with --rsm, without a file"
+    _quantity(command, "--ra RA", words, "0.2 um")
+    _quantity(command, "--rsm RSM", "RSm of a profile or data sheet", "60 um")
+    words = "figure of the scan beside the random surface"
+    _value(command, "-o --output FILE.png", words, values.figure)
+
+
+def _add_commands_on_stores(add: AddCommand) -> None:
+    command = add(
+        "status", "pipeline.cli.stores:status",
+        "count done, failed and pending points of a store, or list the stores in a folder",
+        "results",
+    )  # fmt: skip
+    words, usual = "results store, or folder of stores; default: results", Path("results")
+    _value(command, "store OUT.zarr", words, values.stored, nargs="?", default=usual)
+
+    command = add(
+        "verify", "pipeline.cli.stores:verify", "read a whole store and list damaged points",
+        "results/scene.zarr",
+    )  # fmt: skip
+    _store(command)
+
+    command = add(
+        "boundary", "pipeline.cli.verdicts:boundary",
+        "print the boundary between mild and severe wear, without a new simulation",
+        "results/scene.zarr --friction 0.09 --friction 0.103",
+    )  # fmt: skip
+    _store(command)
+    words = (
+        "rows of the table: critical velocity at each load, critical load at each velocity, or "
+        "tests compared with the computation; default: load"
+    )
+    rows = "load", "velocity", "test"
+    command.add_argument("--by", default="load", choices=rows, help=words)
+    _flag(command, "--all", "print all rows and notes")
+    _value(command, *_TABLE)
+    _judged(command)
+
+    command = add(
+        "margin", "pipeline.cli.verdicts:margin",
+        "print verdict, probability and errors for one operating point, a table of them, or the "
+        "cases of the sweep",
+        f"results/scene.zarr {_AT}",
+    )  # fmt: skip
+    _store(command)
+    _place(command)
+    _points(command)
+    _flag(command, "--all", "print all rows and notes")
+    _value(command, *_TABLE)
+    _judged(command)
+
+    command = add(
+        "plot", "pipeline.cli.figures:plot", "draw a figure of a store",
+        'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
+    )  # fmt: skip
+    _store(command)
+    words = (
+        "default: diagram, or rows if each has its own load and velocity; temperature is drawn "
+        "over the velocity"
+    )
+    kinds = "diagram", "rows", "ramp", "fields", "temperature", "tests"
+    command.add_argument("--kind", choices=kinds, help=words)
+    _value(command, "-o --output FILE.png", "figure file; default: next to the store", user_path)
+    words = "width of the figure; text shrinks less than the figure does"
+    _quantity(command, "--width W", words, "8.5 cm")
+    _value(command, "--title TITLE", "title of the figure; default: that of the scene")
+    _flag(command, "--plain", "omit title and caption")
+    _value(command, "--dpi DPI", "resolution in dots per inch; default: 150", values.count)
+    _flag(command, "--log", "draw the diagram on logarithmic axes")
+    _value(command, "--show NAME", "variable to draw in a ramp figure, such as wear_volume")
+    words = "step of fields, counted back from the end of a point: 0, -1, ..."
+    _value(command, "--step N", words, int)
+    _judged(command)
+    _place(command, action="append", default=[])
+    _realization(command)
+
+    command = add(
+        "report", "pipeline.cli.figures:report",
+        "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
+        f"results/scene.zarr {_AT} -o report.html",
+    )  # fmt: skip
+    _store(command)
+    _place(command)
+    _points(command)
+    words = "file of the report; default: beside the store"
+    _value(command, "-o --output FILE.html", words, user_path)
+    _value(command, "--title TITLE", "title of the report; default: that of the scene")
+    _value(command, "--author NAME", "who has written it")
+    _judged(command)
+
+
+# Options, and those that several commands have
+
+
+def _value(command: Any, words: str, use: str, read: Any = None, **more: Any) -> None:
+    """Add an option with a value; `words` are its names, and then the value's name."""
+    *names, metavar = words.split()
+    command.add_argument(*names, metavar=metavar, type=read, help=use, **more)
+
+
+def _several(command: Any, words: str, use: str, read: Any) -> None:
+    """Add an option that may be repeated, with its values in a list."""
+    _value(command, words, f"{use}; can be repeated", read, action="append", default=[])
+
+
+def _quantity(command: Any, words: str, use: str, like: str, **more: Any) -> None:
+    """Add an option for a quantity above 0 with a unit."""
+    _value(command, words, f'{use}, like "{like}"', values.quantity(like), **more)
+
+
+def _flag(command: Any, names: str, use: str) -> None:
+    command.add_argument(*names.split(), action="store_true", help=use)
+
+
+def _scene(command: Any) -> None:
+    _value(command, "scene SCENE.toml", "scene file, or name of a shipped scene", user_path)
+    words = (
+        "numerical preset, replacing the table [fidelity] of the scene: standard, fine or reference"
+    )
+    _value(command, "--preset NAME", words)
+    words = (
+        "change a numerical setting, such as increments=50, or a scene entry, such as "
+        "wear.pattern=local or without=motion"
+    )
+    _several(command, "--set KEY=VALUE", words, values.setting)
+
+
+def _workers(command: Any) -> None:
+    words = "number of processes; default: one for each core"
+    _value(command, "-j --workers N", words, values.count)
+
+
+def _store(command: Any) -> None:
+    _value(command, "store OUT.zarr", "results store, or name of its scene", values.stored)
+
+
+def _place(command: Any, **more: Any) -> None:
+    _quantity(command, "--load F", "normal load on the whole pin", "750 N", **more)
+    _quantity(command, "--velocity V", "sliding velocity", "1.25 m/s", **more)
+
+
+def _points(command: Any) -> None:
+    words = (
+        'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
+        ".csv, .txt or .xlsx; columns of words are passed on as labels"
+    )
+    _value(command, "--points POINTS.csv", words, user_path)
+    command.add_argument("--decimal", choices=(".", ","), help="decimal mark of --points")
+    _several(command, "--ignore HEADING", "column of --points to leave out", str)
+
+
+def _realization(command: Any) -> None:
+    words = "seed of the random surface, or area of the scan, instead of the own one"
+    _value(command, "--realization SEED", words, partial(values.count, least=0))
+
+
+def _bulk_temperature(command: Any) -> None:
+    words = 'temperature of the bodies far from the contact, like "25 degC"'
+    _several(command, "--bulk-temperature T", words, str)
+
+
+def _conditions(command: argparse.ArgumentParser) -> None:
+    group = command.add_argument_group("conditions that replace those of the scene")
+    _several(group, "--friction MU", "coefficient of friction, at least 0", values.number)
+    _bulk_temperature(group)
+    words = 'temperature above which the lubricant fails, like "145 degC"'
+    _several(group, "--critical-temperature T", words, str)
+    words = (
+        "critical area fraction: wear is severe if more of the contact is above the critical "
+        "temperature, such as 10%%; 0 for the highest temperature"
+    )
+    _several(group, "--critical-area-fraction F", words, str)
+
+
+def _judged(command: argparse.ArgumentParser) -> None:
+    words = (
+        'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
+        'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'
+    )
+    _several(command, "--at KEY=VALUE", words, partial(values.pair, like='"pin.radius=2 mm"'))
+    _conditions(command)
+    _flag(command, "--without-tests", "ignore the tests of the scene")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pipeline
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
+from pipeline.cli.output import DONE, SOME_FAILED, Result, working
 from pipeline.frames import frame_of, records, without_columns
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.status import Summary, states
@@ -23,25 +23,26 @@ def status(options: argparse.Namespace) -> Result:
     if isinstance(path, Path) and path.is_dir() and not _is_store(path) and path.suffix != ".zarr":
         rows = [_listed(below, str(below.relative_to(path))) for below in _stores_below(path)]
         frame = frame_of(_HEADS, rows)
-        brief = frame.drop(columns=["points", "done", "failed", "pending"])
-        return Result(
-            text=[without_columns(brief) if rows else f"{path} contains no results store"],
-            frames=[frame],
-        )
+        brief = without_columns(frame, ("points", "done", "failed", "pending"))
+        return Result(text=[brief if rows else f"{path} has no results store"], frames=[frame])
     state, sweep = states(path)
-    text = [state.title, f"{state.total} points: {_counts(state)}"]
-    text += counted_tests(state.tests)
-    text += [f"running: {state.running}"] * bool(state.running)
-    failed = *state.failed, *(state.tests.failed if state.tests else ())
-    text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]
+    tests = [state.tests] if state.tests else []
+    failed = [point for one in (state, *tests) for point in one.failed]
+    text = [
+        state.title,
+        f"{state.total} points: {_counts(state)}",
+        *(f"tests: {one.done} of {one.total} points done" for one in tests),
+        *[f"running: {state.running}"] * bool(state.running),
+        error_in_words(sweep),
+        *(f"failed: {point}" for point in failed),
+    ]
     warned = None
     try:
         warned = pipeline.points_with_warnings(path)
     except StoreError as error:  # points are counted nevertheless
         text.append(f"points with warnings could not be counted: {error}")
     frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
-    code = SOME_FAILED if failed else DONE
-    return Result(text=text, warned=warned, frames=[frame], code=code)
+    return Result(text=text, warned=warned, frames=[frame], code=SOME_FAILED if failed else DONE)
 
 
 def _counts(state: Summary) -> str:
@@ -84,19 +85,15 @@ def verify(options: argparse.Namespace) -> Result:
     """Answer ``irg verify``: read all data of a store, and list damaged points."""
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
-    kinds = {"points": check, "tests": check.tests}
-    text, rows = list[str](), list[tuple[object, ...]]()
-    for kind, one in kinds.items():
+    text, rows, document = list[str](), list[tuple[object, ...]](), dict[str, object]()
+    for kind, one in {"points": check, "tests": check.tests}.items():
         if one:
+            document[kind] = {"done": one.done, "damaged": len(one.damaged)}
             text.append(f"{kind}: {one.done} done and undamaged, {len(one.damaged)} damaged")
             text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
             rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
-    counts = {
-        kind: {"done": one.done, "damaged": len(one.damaged)} for kind, one in kinds.items() if one
-    }
-    document = {**counts, "damaged": records([frame]), "shared": [*map(str, check.shared)]}
+    document |= {"damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:
         return Result(document, text, pipeline.points_with_warnings(options.store), [frame])
-    text.append(REMEDY)
-    return Result(document, text, frames=[frame], code=SOME_FAILED)
+    return Result(document, [*text, REMEDY], frames=[frame], code=SOME_FAILED)

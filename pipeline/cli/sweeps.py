@@ -1,10 +1,11 @@
-"""The command ``irg run``."""
+"""The commands ``irg run`` and ``irg trade``."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
 from contextlib import nullcontext, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,39 +48,37 @@ def run(options: argparse.Namespace) -> Result:
         start_forkserver(by_fork=True)  # before Zarr and Dask start threads
     with elsewhere or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
-    ds = pipeline.open_sweep(out)
-    stored, tests = sweep_of(ds), outcome.tests
+    ds, tests = pipeline.open_sweep(out), outcome.tests
     failed = *outcome.failed, *(tests.failed if tests else ())
+    document: dict[str, Any] = {
+        "store": str(out), "points": outcome.total, "done": outcome.done,
+        "computed": outcome.computed, "failed": len(outcome.failed),
+        "wall time [s]": outcome.wall_time,
+    }  # fmt: skip
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them in "
-        f"this run, in {outcome.wall_time:.1f} s",
-        *output.counted_tests(outcome.tests),
-        *(f"failed: {point}" for point in failed),
+        f"this run, in {outcome.wall_time:.1f} s"
     ]
-    goals, is_reached = list[Any](), True
+    if tests:
+        counts = {"points": tests.total, "done": tests.done, "failed": len(tests.failed)}
+        document["tests"] = counts
+        text.append(f"tests: {tests.done} of {tests.total} points done")
+    text += [f"failed: {point}" for point in failed]
+    is_reached = True
     if options.accuracy is not None:
         from pipeline.run.goal import reached, why_fixed
 
         goals = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
         text += [line for one in goals for line in one.lines(options.accuracy, fixed)]
         is_reached = all(one.is_below(options.accuracy) for one in goals)
-    elif has_unknown_error(stored):
-        text.append(error_in_words(stored))
+        scenes = [one._asdict() for one in goals]
+        document["accuracy"] = {"goal": options.accuracy, "scenes": scenes}
+    elif has_unknown_error(sweep_of(ds)):
+        text.append(error_in_words(sweep_of(ds)))
     if failed:
         text.append("to simulate failed points again, add --retry-failed to the command")
     elif outcome.done:
         text += _ending(ds, shlex.quote(str(out)))
-    document = {
-        "store": str(out), "points": outcome.total, "done": outcome.done,
-        "computed": outcome.computed, "failed": len(outcome.failed),
-        "wall time [s]": outcome.wall_time,
-    }  # fmt: skip
-    if tests:
-        document["tests"] = {
-            "points": tests.total, "done": tests.done, "failed": len(tests.failed),
-        }  # fmt: skip
-    if options.accuracy is not None:
-        document["accuracy"] = {"goal": options.accuracy, "scenes": [x._asdict() for x in goals]}
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
     return Result(document, text, pipeline.points_with_warnings(ds), code=code)
 
@@ -95,3 +94,13 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
         with suppress(InputError):  # as where too few points are done; irg boundary says why
             found = [next_run_line(pipeline.boundary(ds))]
     return [*found, f"next: irg boundary {store}, irg plot {store}"]
+
+
+def trade(options: argparse.Namespace) -> Result:
+    """Answer ``irg trade``: what each accuracy of a scene's boundary costs, measured."""
+    out = options.store_path or Path("results") / f"{options.scene.stem}-trade.zarr"
+    scene = scene_in(options)
+    with output.run_line() as progress:
+        found = pipeline.trade(scene, out, workers=options.workers, progress=progress)
+    text = [str(found), f"points: {out}"]
+    return Result(text=text, frames=[found.table], draw=partial(pipeline.plot, found))

@@ -213,14 +213,13 @@ PLACE = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
 STAGES = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\n'
 RUN = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
 FRESH = "one specimen at several points, but each is simulated as a fresh specimen and thus too hot"
+OTHERWISE = "loaded in another way than the sweep"
 PASTS = [
-    (PLACE + STAGES, "loaded in stages, while the sweep uses a ramp: worn earlier, it is cooler"),
-    (PLACE + 'with = { "loading.rate" = "15 N/s" }\n',
-     "the load grows more slowly (more wear, lower temperature)"),
-    (PLACE + 'with = { "loading.hold" = "30 s" }\n',
-     "held longer than in the sweep, which matters"),
+    (PLACE + STAGES, OTHERWISE),
+    (PLACE + 'with = { "loading.rate" = "15 N/s" }\n', OTHERWISE),
+    (PLACE + 'with = { "loading.hold" = "30 s" }\n', OTHERWISE),
     (RUN, FRESH),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("test", "words"), PASTS)
