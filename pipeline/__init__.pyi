@@ -1,12 +1,12 @@
 from .answers.answers import boundary as boundary
 from .answers.answers import compare_tests as compare_tests
 from .answers.answers import margin as margin
-from .answers.answers import points as points
 from .answers.critical_temperature import infer as infer
+from .answers.points import points as points
+from .answers.points import points_with_warnings as points_with_warnings
+from .answers.points import temperatures as temperatures
 from .answers.results import end_of_point as end_of_point
 from .answers.results import open_sweep as open_sweep
-from .answers.temperatures import temperatures as temperatures
-from .answers.warnings import points_with_warnings as points_with_warnings
 from .figures.plot import plot as plot
 from .page.report import report as report
 from .run.estimate import estimate as estimate

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipeline.limits import MOST_PLACES
-from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import read_table, rows_of
 from pipeline.units import share_of, to_si
@@ -24,22 +22,15 @@ _LIKE = {
 _PLACE = "load", "velocity"
 
 
-@dataclass(frozen=True, slots=True)
-class OperatingPoints:
-    """Operating points, loads [N] and velocities [m/s], and other columns of their table.
+class OperatingPoints(NamedTuple):
+    """Operating points, and conditions of each, from a table.
 
-    `conditions` has friction, bulk and critical temperature [K] of each point, if the table gives
-    them.
+    `columns` has loads [N], velocities [m/s] and the conditions that the table gives [SI], None in
+    an empty cell. `labels` are its other columns.
     """
 
-    places: tuple[OperatingPoint, ...]
-    others: Mapping[str, Sequence[Any]]
-    conditions: tuple[Mapping[str, float], ...] = ()
-
-    @property
-    def rows(self) -> list[tuple[OperatingPoint, Mapping[str, float]]]:
-        """Operating point and conditions of each row."""
-        return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
+    columns: dict[str, list[float | None]]
+    labels: dict[str, Sequence[Any]]
 
     @classmethod
     def read(
@@ -58,13 +49,14 @@ class OperatingPoints:
         entries = {path: name for name, path in CONDITION_ENTRIES.items()}
         sheet = read_table(given, MOST_PLACES, decimal, ignore).renamed(entries)
         names = *_PLACE, *CONDITION_ENTRIES
-        written = rows_of(sheet, names, _faults_in, _PLACE, labels=True)
-        read = [{name: _value(name, cell) for name, cell in row.items()} for row in written]
-        others = {one.head: one.cells for one in sheet.columns if one.name not in names}
-        conditions = tuple(
-            {name: row[name] for name in CONDITION_ENTRIES if name in row} for row in read
-        )
-        return cls(tuple((row["load"], row["velocity"]) for row in read), others, conditions)
+        rows = rows_of(sheet, names, _faults_in, _PLACE, labels=True)
+        columns = {
+            name: [_value(name, row[name]) if name in row else None for row in rows]
+            for name in names
+            if any(name in row for row in rows)
+        }
+        labels = {one.head: one.cells for one in sheet.columns if one.name not in names}
+        return cls(columns, labels)
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

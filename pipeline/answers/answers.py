@@ -1,4 +1,4 @@
-"""The answers of a sweep as datasets: `boundary`, `margin`, `compare_tests` and `points`.
+"""The answers of a sweep as datasets: `boundary`, `margin` and `compare_tests`.
 
 Everything that a command, a figure or a file states is a variable or an attribute of one of them.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
@@ -34,19 +35,15 @@ from pipeline.answers.verdict import (
     Flag,
     JudgedCase,
     VerdictModel,
-    passes_severe,
 )
-from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
-from pipeline.store.schema import FAILED, PENDING, PLANE
-from pipeline.sweep.conditions import Conditions
+from pipeline.store.schema import PLANE
 from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
-from tribo.types import Array
 
 _AT_ONCE = 4000  # operating points judged in one call, with some 100 MB of memory
 _TABLES = (OperatingPoints, str, os.PathLike, Mapping, pd.DataFrame)
@@ -159,46 +156,46 @@ def margin(
         return _rows(ds, points, conditions)
     if (load is None) != (velocity is None):
         raise InputError("give both a load and a velocity")
-    places = {} if load is None else {
-        "load": in_array("load", load, functools.partial(in_si, "load", like="500 N"), "place"),
-        "velocity": in_array(
-            "velocity", velocity, functools.partial(in_si, "velocity", like="2 m/s"), "place"
-        ),
-    }  # fmt: skip
+    places = {
+        name: in_array(name, one, functools.partial(in_si, name, like=like), "place")
+        for name, one, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
+        if one is not None
+    }
     given = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
         own = _of_case(given, case)
-        asked = _of_case(places, case) or {
-            name: xr.DataArray(_own_point(case, name)) for name in PLANE
-        }
+        asked = _of_case(places, case) or _own_place(case)
         try:
             arrays = xr.broadcast(*asked.values(), *own.values())
         except ValueError as error:
-            raise InputError(
-                f"load, velocity and conditions do not fit together: {error}"
-            ) from None
-        shape, flat = arrays[0], [one.values.ravel() for one in arrays]
-        each = _each_conditions(case.conditions, [*own], flat[2:], shape.size)
-        loads, velocities = (one.astype(float) for one in flat[:2])
-        at = Operation(
-            loads, velocities, *np.array([[c.friction, c.bulk_temperature] for c in each]).T
-        )
-        groups, models, whole = dict[Any, list[int]](), JudgedCase(case), dict[str, Any]()
+            said = f"load, velocity and conditions do not fit together: {error}"
+            raise InputError(said) from None
+        shape = arrays[0]
+        loads, velocities, *columns = (one.values.ravel() for one in arrays)
+        rows = [*zip(*(one.tolist() for one in columns), strict=True)] or [()] * shape.size
+        judged = {
+            row: replaced(case.conditions, dict(zip(own, row, strict=True)))
+            for row in dict.fromkeys(rows)
+        }
+        each = [judged[row] for row in rows]
+        acting = np.array([[c.friction, c.bulk_temperature] for c in each])
+        at = Operation(loads.astype(float), velocities.astype(float), *acting.T)
+        groups = defaultdict[Any, list[int]](list)  # points of one oil
         for k, c in enumerate(each):
             oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
-            groups.setdefault(oil, []).append(k)
+            groups[oil].append(k)
+        models, whole = JudgedCase(case), dict[str, Any]()
         for numbers in groups.values():
             model = models.under(each[numbers[0]])
-            for begin in range(0, len(numbers), _AT_ONCE):
-                part = np.array(numbers[begin : begin + _AT_ONCE])
+            for part in np.array_split(numbers, -(-len(numbers) // _AT_ONCE)):
                 for name, one in _answers_at(model, at.take(part)).items():
                     whole.setdefault(name, np.empty(shape.size, one.dtype))[part] = one
         found = {name: (shape.dims, one.reshape(shape.shape)) for name, one in whole.items()}
         varied = {k: one for k, one in own.items() if one.ndim}
         described = _described(found, model, varied, shape.drop_attrs().coords)
-        several = len(set(map(id, each))) > 1
-        return described.assign_attrs({"conditions": words.OWN_CONDITIONS} if several else {})
+        differ = {"conditions": words.OWN_CONDITIONS} if len(judged) > 1 else {}
+        return described.assign_attrs(differ)
 
     return _side_by_side(ds, answer)
 
@@ -215,38 +212,22 @@ def _of_case(given: Mapping[str, xr.DataArray], case: CaseResults) -> dict[str, 
     return found
 
 
-def _each_conditions(
-    own: Conditions, names: list[str], columns: list[Array], count: int
-) -> list[Conditions]:
-    """Conditions of each point: those of a case, with some replaced; equal ones are one object."""
-    if not names:
-        return [own] * count
-    held = dict[tuple[Any, ...], Conditions]()
-    rows = zip(*(one.tolist() for one in columns), strict=True)
-    return [
-        held.get(row) or held.setdefault(row, replaced(own, dict(zip(names, row, strict=True))))
-        for row in rows
-    ]
+def _own_place(case: CaseResults) -> dict[str, xr.DataArray]:
+    """The only load and velocity of a case."""
+    if max(len(case.loads), len(case.velocities)) > 1:
+        raise InputError("no operating point is given; give a load and a velocity")
+    return {"load": xr.DataArray(case.loads[0]), "velocity": xr.DataArray(case.velocities[0])}
 
 
 def _rows(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> xr.Dataset:
     """Judge the rows of a table, each under its own conditions where it states some."""
-    columns: dict[str, Any] = {"load": [load for load, _ in points.places]}
-    columns["velocity"] = [velocity for _, velocity in points.places]
-    for name in dict.fromkeys(name for row in points.conditions for name in row):
-        cells = [row.get(name, conditions.get(name)) for row in points.conditions]
-        columns[name] = xr.DataArray(np.array(cells, object), dims="place")
+    columns = dict[str, Any]()
+    for name, cells in points.columns.items():
+        own = [conditions.get(name) if cell is None else cell for cell in cells]
+        columns[name] = xr.DataArray(np.array(own, object), dims="place")
     found = margin(ds, **{**conditions, **columns})
-    others = {f"{k} (given)" if k in found.variables else k: x for k, x in points.others.items()}
-    return found.assign_coords({name: ("place", [*cells]) for name, cells in others.items()})
-
-
-def _own_point(case: CaseResults, name: str) -> float:
-    """The only load or velocity of a case."""
-    values = case.loads if name == "load" else case.velocities
-    if len(values) > 1:
-        raise InputError("no operating point is given; give a load and a velocity")
-    return float(values[0])
+    labels = {f"{k} (given)" if k in found.variables else k: x for k, x in points.labels.items()}
+    return found.assign_coords({name: ("place", [*cells]) for name, cells in labels.items()})
 
 
 def _answers_at(model: VerdictModel, at: Operation) -> dict[str, Any]:
@@ -256,20 +237,22 @@ def _answers_at(model: VerdictModel, at: Operation) -> dict[str, Any]:
         values[:] = [snap(value, *ends) for value in values.tolist()]
     found = model.points(at)
     known = ~np.isnan(found["log_rise_ratio"])
+    for name in ("critical_velocity", "critical_load", "critical_velocity_p50"):
+        found[name] = np.full(known.shape, np.nan)
     for axis in ("velocity", "load"):
-        found[f"critical_{axis}"] = np.full(known.shape, np.nan)
         found[f"outcome_along_{axis}"] = np.full(known.shape, int(Outcome.UNKNOWN), np.int8)
-        if known.any():
-            line = model.critical(axis, at.take(known))
+    if known.any():
+        here = at.take(known)
+        for axis in ("velocity", "load"):
+            line = model.critical(axis, here)
             for name in (f"critical_{axis}", f"outcome_along_{axis}"):
                 found[name][known] = line[name]
-            if axis == "load":
-                margins = found["temperature_margin"][known]
-                passed = passes_severe(model, at.take(known), line, margins)
-                found["warning_flags"][known] += (passed * Flag.RAMP_PASSES_SEVERE).astype(np.int16)
-    found["critical_velocity_p50"] = np.full(known.shape, np.nan)
-    if known.any() and model.evidence.specimens:
-        found["critical_velocity_p50"][known] = model.velocity_of_probability(at.take(known))
+        # A load ramp passes through lower loads, at which wear may be severe.
+        lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
+        passed = (lowest < here.load) & (found["temperature_margin"][known] >= 0)
+        found["warning_flags"][known] += (passed * Flag.RAMP_PASSES_SEVERE).astype(np.int16)
+        if model.evidence.specimens:
+            found["critical_velocity_p50"][known] = model.velocity_of_probability(here)
     nearby = [
         ", ".join(model.evidence.nearby(*pair))
         for pair in zip(at.load.tolist(), at.velocity.tolist(), strict=True)
@@ -360,10 +343,10 @@ def _described(
     axes |= {name: getattr(model.conditions, name) for name in NAMES}
     for name, one in varied.items():
         axes[name] = one if name in one.dims or own.get(name) is None else own[name]
-    return _with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(model))
+    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(model))
 
 
-def _with_attributes(found: xr.Dataset) -> xr.Dataset:
+def with_attributes(found: xr.Dataset) -> xr.Dataset:
     """The dataset with unit and long name of each variable, and the names of codes and flags."""
     for variable in found.variables:
         name = str(variable)
@@ -398,21 +381,19 @@ def _side_by_side(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -
 def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
     """Join answers along `axes`; attributes that differ become coordinates."""
     alike = {k: v for k, v in answers[0].attrs.items() if all(v == one.attrs[k] for one in answers)}
-    others = [name for name in answers[0].attrs if name not in alike]
-    answers = [
-        one.assign_coords({name: one.attrs[name] for name in others}).assign_attrs()
-        for one in answers
+    parts = [
+        one.assign_coords({k: v for k, v in one.attrs.items() if k not in alike}) for one in answers
     ]
     for axis in reversed(axes):
-        parts = [one.drop_vars(str(axis.name), errors="ignore") for one in answers]
-        answers = [
+        parts = [one.drop_vars(str(axis.name), errors="ignore") for one in parts]
+        parts = [
             xr.concat(
                 parts[start : start + axis.size], axis, data_vars="all", coords="different",
-                compat="equals", combine_attrs="drop_conflicts",
+                compat="equals", combine_attrs="override",
             )
             for start in range(0, len(parts), axis.size)
         ]  # fmt: skip
-    found = answers[0]
+    found = parts[0]
     found.attrs = alike
     return found
 
@@ -454,29 +435,4 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     found = found if columns else xr.Dataset(coords={"test": np.array([], object)})
     bulk = np.full(1, model.conditions.bulk_temperature)
     levels = [float(evidence.log_rise_ratio_quantiles(share, bulk)[0]) for share in DECIDED]
-    return _with_attributes(found).assign_attrs(words.about(model), missing_points=0, levels=levels)
-
-
-def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
-    """State of each simulated point of a sweep's first case, on each surface realization.
-
-    ``state`` is mild, severe, failed, pending, or empty where no run simulates the point;
-    ``warned`` is true at points with a warning.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> pipeline.points("results/first_try.zarr")["state"].sel(load=750)[0].values.tolist()
-    ['mild', 'severe', 'severe', 'severe', 'severe', 'severe']
-    """
-    case = cases_of(ds)[0]
-    own = judged(case.conditions, conditions)
-    y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
-    model = JudgedCase(case).under(own)
-    failed, pending = (case.status == one for one in (FAILED, PENDING))
-    kinds = case.done & (y > model.limit), case.done, failed, pending
-    state = np.select(kinds, ("severe", "mild", "failed", "pending"), "")
-    axes = {"load": case.loads, "velocity": case.velocities}
-    dims = ("realization", *PLANE)
-    found = xr.Dataset({"state": (dims, state), "warned": (dims, warning_flags(case) != 0)}, axes)
-    return _with_attributes(found).assign_attrs(words.about(model), missing_points=case.missing)
+    return with_attributes(found).assign_attrs(words.about(model), missing_points=0, levels=levels)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Unpack
 
 import numpy as np
@@ -27,9 +27,8 @@ from pipeline.answers.posterior import (
     update,
 )
 from pipeline.answers.results import CaseResults, cases_of
-from pipeline.answers.surface_sampling import Specimen, specimen_of
+from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, outcome_of
-from pipeline.answers.warnings import warning_flags
 from pipeline.constants import WORTH
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
@@ -60,6 +59,7 @@ class CriticalTemperature:
     nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
     logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
     weights: Array  # of each node and bias, which add up to 1
+    _at_bulk: dict[float, Posterior] = field(default_factory=dict, repr=False)
 
     def at_bulk(self, bulk: float) -> Posterior:
         """Bias and scatter of points at a bulk temperature [K], whose y are at `temperature`.
@@ -69,6 +69,11 @@ class CriticalTemperature:
         """
         if bulk == self.bulk:
             return self.nodes
+        if bulk not in self._at_bulk:
+            self._at_bulk[bulk] = self._moved_to(bulk)
+        return self._at_bulk[bulk]
+
+    def _moved_to(self, bulk: float) -> Posterior:
         moved = _change(self.temperature, self._temperatures, bulk) + self._biases
         counts = self.weights > _NEGLIGIBLE
         moved, weights = np.clip(moved[counts], -_SEVERE, _SEVERE), self.weights[counts]
@@ -262,7 +267,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     """
     case = cases_of(ds)[0]
     own = judged(replace(case.sweep.conditions, critical_temperature=None), conditions)
-    found = critical_temperature_of(case, specimen_of(case, own, warning_flags(case)), own)
+    found = critical_temperature_of(case, specimen_of(case, own), own)
     values = {
         "critical_temperature": (found.temperature, "critical temperature by the tests, median"),
         "spread_another_rig": (

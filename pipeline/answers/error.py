@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline.answers.field import Field
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.surface_sampling import Specimen
+from pipeline.answers.specimen import Specimen
 from pipeline.constants import (
     BEYOND,
     LEAST_BENT,

@@ -10,7 +10,7 @@ import xarray as xr
 
 from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
-from pipeline.answers.units import usual_unit
+from pipeline.answers.scene_words import usual_unit
 from pipeline.answers.words import ABOUT, probability_text
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE

@@ -15,7 +15,7 @@ from pipeline.answers.conditions import Operation
 from pipeline.answers.pchip import at_nodes
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
-from pipeline.answers.surface_sampling import Specimen
+from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.sweep.case import SpecimenTest
@@ -99,21 +99,10 @@ class Evidence:
         """Values of points by the posterior at the bulk temperature of each."""
         if self.critical is None:
             return value(self.posterior, ...)
+        at_bulk = self.critical.at_bulk
         return at_nodes(
-            bulks,
-            lambda bulk, here: value(self._posterior_at(bulk), here),
-            _MOST_BULKS,
-            _BULKS_APART,
+            bulks, lambda bulk, here: value(at_bulk(bulk), here), _MOST_BULKS, _BULKS_APART
         )
-
-    def _posterior_at(self, bulk: float) -> Posterior:
-        if bulk not in self._posteriors and self.critical is not None:
-            self._posteriors[bulk] = self.critical.at_bulk(bulk)
-        return self._posteriors[bulk]
-
-    @functools.cached_property
-    def _posteriors(self) -> dict[float, Posterior]:
-        return {}
 
     @property
     def without_result(self) -> list[EvaluatedTest]:

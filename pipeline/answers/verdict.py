@@ -8,7 +8,6 @@ verdict stands against a test that rules it out, or that has no result yet.
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import IntFlag
@@ -24,9 +23,8 @@ from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
 from pipeline.answers.pchip import at_nodes
 from pipeline.answers.results import CaseResults
-from pipeline.answers.surface_sampling import Specimen, specimen_of
+from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out
-from pipeline.answers.warnings import warning_flags
 from pipeline.constants import DECIDED, FARTHEST
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo import WarningKind
@@ -56,7 +54,6 @@ class JudgedCase:
 
     def __init__(self, case: CaseResults) -> None:
         self.case, self.promised = case, velocity_error(case.sweep)
-        self._flags = warning_flags(case)
         self._held = dict[Any, Any]()
 
     def _once(self, key: Any, make: Any) -> Any:
@@ -71,7 +68,7 @@ class JudgedCase:
             known_critical_temperature(c)
         specimen = self._once(
             ("specimen", c.critical_area_fraction, c.corrections),
-            lambda: specimen_of(self.case, c, self._flags),
+            lambda: specimen_of(self.case, c),
         )
         if c.critical_temperature is None:
             others = "from tests", c.added_rise_fraction, c.critical_area_fraction, c.corrections
@@ -248,7 +245,7 @@ class VerdictModel:
         inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
         for k in np.flatnonzero(~inside).tolist():
             load, velocity = values[:, k].tolist()
-            found[k] = words.outside(self.case.ds, ends, load=load, velocity=velocity)
+            found[k] = words.outside(ends, load=load, velocity=velocity)
         found[np.isnan(rise) & (found == "")] = words.TOO_FEW
         return found
 
@@ -309,9 +306,3 @@ class VerdictModel:
         """Relative errors of critical velocities by part (4, k)."""
         parts = rise_errors(self.specimen, self.promised, loads, velocities)
         return velocity_errors(self.field, parts, self.promised, loads, velocities)
-
-
-def passes_severe(model: VerdictModel, at: Operation, line: dict[str, Any], margin: Array) -> Mask:
-    """Mild points at whose velocity wear is severe at a lower load, through which a ramp passes."""
-    lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
-    return np.asarray((lowest < at.load) & (margin >= 0))

@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
-import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.condition_words import added_rise_words, verdict_conditions
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.results import sweep_of
-from pipeline.answers.scene_notes import warning_lines
-from pipeline.answers.surface_sampling import specimen_of
+from pipeline.answers.scene_words import (
+    added_rise_words,
+    value_words,
+    verdict_conditions,
+    warning_lines,
+)
+from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import waiting_text
-from pipeline.answers.units import value_words
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
-from pipeline.shipped import typed_name
-from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
-from tribo import Corrections, Stages
+from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
@@ -41,7 +37,6 @@ OUTSIDE = "outside the model, and not safe by this: the oil film carries more th
 OWN_CONDITIONS = "given for each point"
 TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 _MOST_NAMED = 6  # rows that a line names
-_AXES = {"load": "sweep.loads", "velocity": "sweep.velocities"}
 _NUMBER = tuple("0123456789+-−.")
 _SHIFT = 0.05  # relative distance of the velocities with tests from which a line names it
 
@@ -102,7 +97,7 @@ def _with_earlier_turns(model: VerdictModel) -> str:
     parts = model.conditions.corrections or Corrections()
     parts = replace(parts, motion=case.sweep.scene.motion, **tracks)
     conditions = replace(model.conditions, corrections=parts)
-    field = specimen_of(case, conditions, np.zeros(case.status.shape, int)).field
+    field = specimen_of(case, conditions).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))
     if case.status.size == 1:  # a row with its own load and velocity
         return "with it" * bool(lines.severe_at_start[0])
@@ -125,42 +120,15 @@ def model_error(evidence: Evidence) -> str:
     return said.replace("-", "−")
 
 
-def outside(ds: xr.Dataset, ends: Mapping[str, tuple[float, float]], **place: float) -> str:
-    """Why nothing is known at a load and a velocity; empty if they lie within the `ends`.
-
-    The command that adds them to the store of `ds` follows, where one can.
-    """
-    said, new = [], {}
+def outside(ends: Mapping[str, tuple[float, float]], **place: float) -> str:
+    """Why nothing is known at a load and a velocity; empty if they lie within the `ends`."""
+    said = []
     for name, value in place.items():
         (low, high), unit = ends[name], UNITS[name]
         if not (low <= value <= high and value > 0):
             within = f"({low:g} to {high:g} {unit})"
             said.append(f"{name} {value:g} {unit} is outside the sweep {within}")
-            new[_AXES[name]] = [f"{value!r} {unit}".replace(".0 ", " ")]
-    if not said:
-        return ""
-    sweep, is_finite = sweep_of(ds), all(0 < value < math.inf for value in place.values())
-    # Rows have places of their own, and stages, up to the highest load, are the scene's.
-    is_plane = sweep.case_table.column("load") is None
-    is_able = is_finite and is_plane and not isinstance(sweep.scene.loading, Stages)
-    return f"{', '.join(said)}; {extending(ds, new) if is_able else 'give a value inside it'}"
-
-
-def extending(ds: xr.Dataset, values: Mapping[str, list[Any]]) -> str:
-    """The command that simulates a sweep at further values of entries, such as ``sweep.loads``."""
-    sweep, store = sweep_of(ds), str(ds.encoding.get("source", ""))
-    usual = Path("results", f"{sweep.name}.zarr").absolute()
-    out = ["-o", store] if store not in ("", str(usual)) else []
-    goals = re.findall(f"{GOAL}(.+)", str(ds.attrs.get("history", "")))
-    preset = ["--preset", sweep.preset] if sweep.preset not in (None, "standard") else []
-    numerics = ["--accuracy", goals[-1]] if goals else preset
-    settings = [
-        one
-        for path, new in values.items()
-        for one in ("--set", f"{path}={json.dumps(new, ensure_ascii=False)}")
-    ]
-    command = ["irg", "run", typed_name(sweep.name), *out, *numerics, *settings]
-    return f"to extend the sweep: {shlex.join(command)}"
+    return f"{', '.join(said)}; add it to the scene, and run it again" if said else ""
 
 
 # One point or one boundary: from codes to text

@@ -58,7 +58,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
 
-    output.QUIET.set() if options.quiet else output.QUIET.clear()
+    if options.quiet:
+        output.QUIET.set()
     is_run = options.command == "run"  # which alone keeps results before its end
     safe = "; finished points are saved" * is_run
     try:
@@ -94,3 +95,5 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             # Keep Python from flushing stdout again at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return output.WRONG_USE
+    finally:
+        output.QUIET.clear()

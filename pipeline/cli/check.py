@@ -11,9 +11,8 @@ import numpy as np
 import pandas as pd
 
 import pipeline
-from pipeline.answers.condition_words import added_rise_words
 from pipeline.answers.discretization_error import has_unknown_error
-from pipeline.answers.scene_notes import warning_text
+from pipeline.answers.scene_words import added_rise_words, warning_text
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, pluralized
 from pipeline.frames import frame_of, records

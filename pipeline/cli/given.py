@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.answers.units import value_words
+from pipeline.answers.scene_words import value_words
 from pipeline.cli.output import print_note
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path

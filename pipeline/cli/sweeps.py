@@ -14,7 +14,7 @@ import xarray as xr
 import pipeline
 from pipeline.answers.discretization_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
-from pipeline.answers.scene_notes import warning_lines
+from pipeline.answers.scene_words import warning_lines
 from pipeline.answers.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.check import check, notes_on_scene

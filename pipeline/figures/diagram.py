@@ -23,7 +23,7 @@ from scipy.ndimage import distance_transform_edt
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.results import CaseResults, cases_of, sweep_of
-from pipeline.answers.units import value_words
+from pipeline.answers.scene_words import value_words
 from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED
 from pipeline.figures import style

@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.answers.condition_words import heating_words
 from pipeline.answers.conditions import in_array
 from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
+from pipeline.answers.scene_words import heating_words
 from pipeline.answers.verdict import conditions_of
-from pipeline.answers.words import extending, outside
+from pipeline.answers.words import outside
 from pipeline.figures import style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions, allowable_rise
@@ -68,10 +68,7 @@ def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | N
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
-            more = extending(ds, {"sweep.realizations": [realization]})
-            raise InputError(
-                f"realization {realization} is not in the sweep, which has {seeds}; {more}"
-            )
+            raise InputError(f"realization {realization} is not in the sweep, which has {seeds}")
         kept = sweep_of(ds).field_surface
         usual = kept if kept in seeds else seeds[0]
         ds = ds.sel(realization=[usual if realization is None else realization])
@@ -140,7 +137,7 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
     places, found = case.loads if axis == "load" else case.velocities, list[int]()
     for wanted in wanted_values(axis, values):
-        if said := outside(case.ds, {axis: (places[0], places[-1])}, **{axis: wanted}):
+        if said := outside({axis: (places[0], places[-1])}, **{axis: wanted}):
             raise InputError(said)
         found.append(int(np.abs(places - wanted).argmin()))
     return found

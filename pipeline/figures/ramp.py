@@ -13,10 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.answers.condition_words import governing_words, heating_words
 from pipeline.answers.field import Field
-from pipeline.answers.scene_notes import warning_lines
-from pipeline.answers.surface_sampling import specimen_of
+from pipeline.answers.scene_words import governing_words, heating_words, warning_lines
+from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
 from pipeline.figures.fields import (
     PointIndex,
@@ -204,4 +203,4 @@ def temperature(
 
 def _field(shown: Shown, conditions: Conditions) -> Field:
     """ln(rise) of the surface realization under conditions."""
-    return specimen_of(shown.case, conditions, np.zeros(shown.case.status.shape, int)).field
+    return specimen_of(shown.case, conditions).field

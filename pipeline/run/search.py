@@ -25,12 +25,12 @@ from pipeline.answers.error import (
     rise_errors,
     velocity_errors,
 )
-from pipeline.answers.realizations import (
+from pipeline.answers.specimen import (
+    Specimen,
     least_variance_share,
     realizations_needed,
     realizations_share,
 )
-from pipeline.answers.surface_sampling import Specimen
 from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from tribo.types import Array, Indices, Mask

@@ -18,8 +18,8 @@ import pandas as pd
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import curve_errors, exponents, total
-from pipeline.answers.realizations import realizations_share
 from pipeline.answers.results import cases_of, open_sweep
+from pipeline.answers.specimen import realizations_share
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed

@@ -4,8 +4,7 @@ import functools
 
 import numpy as np
 
-from pipeline.answers.realizations import SWEPT
-from pipeline.answers.surface_sampling import merged
+from pipeline.answers.specimen import SWEPT, merged
 from pipeline.run.search import Search
 from pipeline.sweep.conditions import allowable_rise
 

@@ -20,7 +20,7 @@ from scipy.stats import binom
 
 from pipeline.answers.discretization_error import preset_bound
 from pipeline.answers.error import INTERPOLATION, rise_errors, total
-from pipeline.answers.surface_sampling import merged
+from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point

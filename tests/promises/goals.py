@@ -27,7 +27,7 @@ from scipy.stats import beta
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, total
-from pipeline.answers.realizations import JackknifeQuality
+from pipeline.answers.specimen import JackknifeQuality
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Place
 from pipeline.sweep.plan import choose_stored_steps, run_point

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.answers.condition_words import heating_words
+from pipeline.answers.scene_words import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import known_critical_temperature

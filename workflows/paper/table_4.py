@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.answers.condition_words import governing_words
+from pipeline.answers.scene_words import governing_words
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import allowable_rise, known_critical_temperature

@@ -18,7 +18,7 @@ from pipeline.answers.error import (
 )
 from pipeline.answers.pchip import Pchip
 from pipeline.answers.posterior import Outcome, Prior, update
-from pipeline.answers.surface_sampling import merged
+from pipeline.answers.specimen import merged
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
 

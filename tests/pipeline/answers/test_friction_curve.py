@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.answers.condition_words import verdict_conditions
+from pipeline.answers.scene_words import verdict_conditions
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test

@@ -10,7 +10,7 @@ from scipy.stats import t
 
 import pipeline
 from pipeline.answers.error import PARTS
-from pipeline.answers.realizations import (
+from pipeline.answers.specimen import (
     JackknifeQuality,
     realizations_needed,
     surface_sampling_bound,

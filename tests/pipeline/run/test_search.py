@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from pipeline.answers.realizations import SWEPT, JackknifeQuality
+from pipeline.answers.specimen import SWEPT, JackknifeQuality
 from pipeline.run.search import Goal
 from tests.helpers.search_in_memory import Told
 from tribo import Conditions, Corrections, Friction

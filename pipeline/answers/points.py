@@ -1,0 +1,162 @@
+"""What is known of the simulated points themselves: state, temperatures and warnings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Unpack, cast
+
+import numpy as np
+import xarray as xr
+
+from pipeline.answers.answers import with_attributes
+from pipeline.answers.conditions import ConditionValues, judged
+from pipeline.answers.results import cases_of, dataset_of, sweeps_of
+from pipeline.answers.scene_words import named_value
+from pipeline.answers.verdict import JudgedCase, conditions_of
+from pipeline.answers.words import about
+from pipeline.store.place import PathLike
+from pipeline.store.schema import FAILED, PENDING, PLANE
+from pipeline.sweep.conditions import allowable_rise
+from tribo import QUANTILES, InputError, WarningKind
+from tribo.simulation.point_warnings import SLOW
+from tribo.simulation.severity import columns_needed, corrected_columns
+from tribo.thermal.quantiles import failed_share
+
+_MEANINGS = {
+    "max_temperature": ("max_rise", "highest temperature of the contact"),
+    "mean_temperature": ("mean_rise", "mean temperature of the contact"),
+    "temperature_quantile": ("rise_quantile", "quantile of the temperature of the contact"),
+}
+
+
+def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
+    """State of each simulated point of a sweep's first case, on each surface realization.
+
+    ``state`` is mild, severe, failed, pending, or empty where no run simulates the point;
+    ``warned`` is true at points with a warning.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.points("results/first_try.zarr")["state"].sel(load=750)[0].values.tolist()
+    ['mild', 'severe', 'severe', 'severe', 'severe', 'severe']
+    """
+    case = cases_of(ds)[0]
+    own = judged(case.conditions, conditions)
+    y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
+    model = JudgedCase(case).under(own)
+    failed, pending = (case.status == one for one in (FAILED, PENDING))
+    kinds = case.done & (y > model.limit), case.done, failed, pending
+    state = np.select(kinds, ("severe", "mild", "failed", "pending"), "")
+    axes = {"load": case.loads, "velocity": case.velocities}
+    dims = ("realization", *PLANE)
+    found = xr.Dataset({"state": (dims, state), "warned": (dims, case.warning_flags != 0)}, axes)
+    return with_attributes(found).assign_attrs(about(model), missing_points=case.missing)
+
+
+@dataclass(frozen=True, slots=True)
+class WarnedPoints:
+    """Counts of points that carry a warning, by kind."""
+
+    points: int = 0  #: Points with at least one warning.
+    kinds: Mapping[str, int] = field(default_factory=dict)  #: Number of points by kind.
+    example: str = ""  #: The first of these points, with its warning.
+
+    def lines(self) -> Iterator[str]:
+        """Yield how many points carry each kind of warning, and the first such point."""
+        if self.points:
+            kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())
+            carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
+            yield f"warning: {carry} a warning ({kinds})"
+            yield f"warning: at {self.example}"
+
+
+def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
+    """Count the points of a sweep that carry a warning, such as too few elements in contact.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.points_with_warnings("results/first_try.zarr").points
+    0
+    """
+    count, counts, example = 0, Counter[WarningKind](), ""
+    for case in cases_of(ds):
+        flags = case.warning_flags
+        count += np.count_nonzero(flags)
+        counts.update({kind: np.count_nonzero(flags & kind) for kind in WarningKind})
+        if flags.any() and not example:
+            place, *_ = np.argwhere(flags).tolist()
+            kinds = [kind for kind in WarningKind if flags[*place] & kind]
+            said = [SLOW if kind == WarningKind.SLOW_RISE else kind.label for kind in kinds]
+            at = f"{case.loads[place[1]]:g} N", f"{case.velocities[place[2]]:g} m/s"
+            own = (named_value(case.ds[name]) for name in case.labels)
+            example = f"{', '.join([*at, *own])}: {'; '.join(said)}"
+    return WarnedPoints(count, {k.label: counts[k] for k in WarningKind if counts[k]}, example)
+
+
+@np.errstate(under="ignore")
+def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
+    """Temperatures of the contact at each step of each point.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, a part of it that keeps ``status``, or path of a store. A
+        whole large sweep takes much memory: select loads and velocities first.
+    **conditions
+        Conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+
+    Returns
+    -------
+    Dataset
+        ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
+        the temperature [K] that a share ``area_fraction_below`` of the contact stays below; and,
+        with a critical temperature, ``failed_area_fraction``, the share of the contact area above
+        it.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> point = pipeline.open_sweep("results/first_try.zarr").sel(load=600, velocity=1.6)
+    >>> end = pipeline.end_of_point(point)
+    >>> pipeline.temperatures(end)["max_temperature"].round().item()
+    436.0
+    >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
+    464.0
+    """
+    ds = dataset_of(ds)
+    if len(ds["area_fraction_below"]) < len(QUANTILES):
+        raise InputError(
+            f"the dataset has {len(ds['area_fraction_below'])} of {len(QUANTILES)} values of "
+            "area_fraction_below, and needs all; select some from the result"
+        )
+    whole = list[xr.Dataset]()
+    for sweep, part in sweeps_of(ds):
+        own = judged(sweep.conditions, conditions)
+        if own.critical_temperature is None and sweep.base.critical_from_tests:
+            own = conditions_of(cases_of(part)[0], conditions)
+        names = {"max_rise", "mean_rise", "rise_quantile", *columns_needed(own)}
+        axes = (*part["status"].dims, "step", "area_fraction_below")
+        held = {
+            name: part[name].broadcast_like(part["status"]).transpose(*axes, missing_dims="ignore")
+            for name in names
+        }
+        rises = corrected_columns({name: one.values for name, one in held.items()}, own)
+        found = xr.Dataset()
+        for name, (rise, meaning) in _MEANINGS.items():
+            found[name] = held[rise].copy(data=own.contact_temperature(rises[rise]))
+            found[name].attrs = {"units": "K", "long_name": meaning}
+        if own.critical_temperature is not None:
+            failed = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
+            share = failed(rises["rise_quantile"], allowable_rise(own))
+            share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
+            meaning = "share of the contact above the critical temperature"
+            about_share = {"units": "1", "long_name": meaning}
+            found["failed_area_fraction"] = held["max_rise"].copy(data=share)
+            found["failed_area_fraction"].attrs = about_share
+        whole.append(found)
+    joined: Any = whole[0] if len(whole) == 1 else xr.combine_by_coords(whole)
+    return cast(xr.Dataset, joined)
