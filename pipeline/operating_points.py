@@ -30,7 +30,7 @@ class OperatingPoints(NamedTuple):
     """
 
     columns: dict[str, list[float | None]]
-    labels: dict[str, Sequence[Any]]
+    labels: Mapping[str, Sequence[Any]]
 
     @classmethod
     def read(
@@ -55,8 +55,8 @@ class OperatingPoints(NamedTuple):
             for name in names
             if any(name in row for row in rows)
         }
-        labels = {one.head: one.cells for one in sheet.columns if one.name not in names}
-        return cls(columns, labels)
+        others = (one for one in sheet.columns if one.name not in names)
+        return cls(columns, {one.head: one.cells for one in others})
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

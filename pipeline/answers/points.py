@@ -85,8 +85,8 @@ def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
     count, counts, example = 0, Counter[WarningKind](), ""
     for case in cases_of(ds):
         flags = case.warning_flags
-        count += np.count_nonzero(flags)
-        counts.update({kind: np.count_nonzero(flags & kind) for kind in WarningKind})
+        count += int(np.count_nonzero(flags))
+        counts.update({kind: int(np.count_nonzero(flags & kind)) for kind in WarningKind})
         if flags.any() and not example:
             place, *_ = np.argwhere(flags).tolist()
             kinds = [kind for kind in WarningKind if flags[*place] & kind]

@@ -87,7 +87,10 @@ class Specimen(NamedTuple):
 def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     """The specimen of a case."""
     counts = case.usable_realizations
-    y, sampling = case.log_rises(conditions)[counts], _stated(case.sampling(conditions)[counts])
+    y, sampling = (
+        case.log_rises(conditions)[counts],
+        _mean_stated(case.sampling(conditions)[counts]),
+    )
     kinds = np.bitwise_or.reduce(case.warning_flags[counts], 0)
     durations = case.durations[counts].max(axis=0)
     axes = [case.loads, case.velocities]
@@ -131,7 +134,7 @@ def merged(
     return Specimen(field, apart, mean, flags, durations, is_highest, alone)
 
 
-def _stated(sampling: Array) -> Array:
+def _mean_stated(sampling: Array) -> Array:
     """Root mean square over realizations at each point; where none tells, that of the nearest."""
     known = np.isfinite(sampling)
     squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=0), known.sum(axis=0)

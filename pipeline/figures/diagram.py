@@ -28,8 +28,8 @@ from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED
 from pipeline.figures import style
 from pipeline.figures.fields import QuantityLike, wanted_values
-from pipeline.figures.markers import mark_places, mark_tests
-from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
+from pipeline.figures.tests import UNDECIDED_LABEL, mark_tests
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from pipeline.words import split_notes
@@ -50,8 +50,10 @@ _NAMES = (
 )
 """Name of each region and its colour, by verdict."""
 COMPUTED = "computed boundary, numerical error"
-UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
-"""Labels in legends."""
+"""Label in legends."""
+_OF_WORDS = 0.3  # of the width of a figure, for the numbers of an operating point
+_OF_EDGE = 0.08  # of the height of a figure, where numbers would lie over an edge
+_FEW = 6  # operating points up to which each has its numbers beside
 _WIDE = 3.0  # width of a name over its height
 _LEAST_ROOM = 0.1  # around a name, over the width of a usual figure
 
@@ -114,7 +116,7 @@ def diagram(
         legend = _mark_points(axes, ds, case, conditions)
         caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
     _set_axes(axes, case, marked, log)
-    mark_places(axes, places)
+    _mark_places(axes, places)
     surface = f", of which surface sampling {realization}" * (realization is not None)
     style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
     legend |= entry
@@ -340,3 +342,23 @@ def _name(axis: xr.DataArray, value: Any) -> str:
     """A value of a varied entry or condition, such as "1 mm" or "friction 0.1"."""
     shown = value_words(axis, value)
     return f"{axis.name} {shown}" if shown == f"{value:g}" else shown
+
+
+def _mark_places(axes: Axes, places: Sequence[OperatingPoint]) -> None:
+    """Mark operating points; few have their numbers beside, on the side away from the boundary."""
+    look: dict[str, Any] = {"mfc": OPERATING, "mec": "white", "zorder": 5, "clip_on": False}
+    for load, velocity in places:
+        size = 2.4 * rcParams["lines.markersize"]
+        axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
+        if len(places) > _FEW:
+            continue
+        across, up = axes.transAxes.inverted().transform(axes.transData.transform((velocity, load)))
+        is_low = across + up < 1  # boundaries fall from the upper left to the lower right
+        to_left = across > _OF_WORDS if is_low else across > 1 - _OF_WORDS
+        is_below = up > 1 - _OF_EDGE or (is_low and up > _OF_EDGE)
+        axes.annotate(
+            f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
+            (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",
+            color=OPERATING, ha="right" if to_left else "left", va="top" if is_below else "bottom",
+            fontweight="bold", path_effects=style.HALO, zorder=5,
+        )  # fmt: skip

@@ -6,7 +6,6 @@ import functools
 import io
 import itertools
 import math
-import re
 import textwrap
 import threading
 from collections.abc import Callable, Iterator
@@ -15,11 +14,12 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from matplotlib import rc_context, rc_params_from_file, rcParams, rcParamsDefault
+from matplotlib import rc_params_from_file, rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.patheffects import withStroke
+from matplotlib.style import context
 from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.frames import write_bytes
@@ -52,13 +52,6 @@ _LETTER = 0.55  # mean width of a letter over the font size
 _CAPTION = 8  # most lines of a caption in a figure of usual width
 _MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
 
-_OF_COLOUR = re.compile(r"color$|prop_cycle$|usetex$")
-_COLOURS = {
-    name: (_HOUSE if name in _HOUSE else rcParamsDefault)[name]
-    for name in rcParamsDefault
-    if _OF_COLOUR.search(name)
-}
-"""Settings that a caller's style does not change: colours, and words set without TeX."""
 _one_style = threading.RLock()  # Matplotlib's settings belong to all threads
 
 P = ParamSpec("P")
@@ -138,21 +131,16 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in one style, but keep matplotlib settings that the caller changed.
-
-    Colours are the house's own, since lines and words have colours that need them.
-    """
+    """Decorator: draw in one style, whatever settings of Matplotlib the caller has."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
         share = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
         look = dict(_HOUSE) | {name: share * _HOUSE[name] for name in _SIZES}
-        with _one_style:
-            unset = [name for name in look if rcParams[name] == rcParamsDefault[name]]
-            dpi = _LOOK.get().dpi
-            dots: dict[Any, Any] = {} if dpi is None else {"figure.dpi": dpi, "savefig.dpi": dpi}
-            with rc_context({name: look[name] for name in unset} | _COLOURS | dots):
-                return draw(*args, **kwargs)
+        if (dpi := _LOOK.get().dpi) is not None:
+            look |= {"figure.dpi": dpi, "savefig.dpi": dpi}
+        with _one_style, context(look, after_reset=True):
+            return draw(*args, **kwargs)
 
     return styled
 
