@@ -8,7 +8,6 @@ refused: all faults at once, each with its row and column.
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import re
 import zipfile
@@ -23,7 +22,7 @@ import pandas as pd
 from pipeline.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.units import UnitError, as_entry, si_unit, to_si
-from pipeline.words import fault_lines, quoted
+from pipeline.words import did_you_mean, fault_lines, quoted
 from tribo import InputError
 from tribo.types import Array
 
@@ -38,15 +37,6 @@ _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temper
 _MANY = 12  # names that a message lists
 _QUANTITIES = {"N", "m/s", "K"}
 """SI units of columns that are hardly labels."""
-_OTHER_WORDS = {
-    **dict.fromkeys(("cof", "mu", "µ", "friction_coefficient", "coefficient_of_friction"),
-                    "friction"),
-    **dict.fromkeys(("speed", "sliding_speed"), "velocity"),
-    **dict.fromkeys(("force", "normal_force"), "load"),
-    **dict.fromkeys(("temperature", "oil_temperature", "t_oil"), "bulk_temperature"),
-    "result": "outcome",
-}  # fmt: skip
-"""Headings that are not read, and what may be meant by them."""
 
 
 class TableError(InputError):
@@ -134,16 +124,14 @@ class Sheet:
         faults, taken = [*self.faults], list[Column]()
         names = {one.name for one in self.columns}
         for one in self.columns:
-            near = "" if one.name in known else nearest(one.name, {*known} - names)
+            near = did_you_mean(one.name, {*known} - names)
             if one.name in known or (labels and one.is_label and not near):
                 taken.append(one)
                 continue
-            advice = "the path of an entry" if len(known) > _MANY else f"one of {', '.join(known)}"
-            advice = "the column" if near else f"it to {advice}"
-            meant = f" (did you mean {quoted(near)}?)" * bool(near)
+            into = "the path of an entry" if len(known) > _MANY else f"one of {', '.join(known)}"
             faults.append(
-                f"the column {quoted(one.head)} is unknown{meant}; rename {advice}, or ignore it "
-                "(--ignore)"
+                f"the column {quoted(one.head)} is unknown{near}; rename it to {into}, or ignore "
+                "it (--ignore)"
             )
         heads = ", ".join(quoted(one.head) for one in self.columns)
         missing = [name for name in needed if name not in names]
@@ -174,16 +162,6 @@ def _split(cell: str) -> tuple[str, str]:
     """A cell as its number, with all of its marks, and what follows; no number is empty."""
     found = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
     return (found[1], found[2] or "") if found else ("", cell)
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Which of the names in `known` may be meant by a name that is none of them; else empty."""
-    known, plain = [*known], name.lower().replace(" ", "_")
-    parts = {part: one for one in known for part in (one.rpartition(".")[2], one.replace(".", "_"))}
-    near = difflib.get_close_matches(plain, parts, 1, 0.8)
-    near += [part for part in parts if len(plain) > 3 and part.startswith(plain)]
-    near += [other for word, other in _OTHER_WORDS.items() if word == plain and other in parts]
-    return parts[near[0]] if near else ""
 
 
 def read_table(

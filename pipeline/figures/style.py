@@ -14,7 +14,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from matplotlib import rc_params_from_file, rcParams
+from matplotlib import rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -131,14 +131,15 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in one style, whatever settings of Matplotlib the caller has."""
+    """Decorator: draw in one style; of the caller's settings of Matplotlib the resolution acts."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
         share = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
-        look = dict(_HOUSE) | {name: share * _HOUSE[name] for name in _SIZES}
-        if (dpi := _LOOK.get().dpi) is not None:
-            look |= {"figure.dpi": dpi, "savefig.dpi": dpi}
+        look: dict[Any, Any] = {**_HOUSE} | {name: share * _HOUSE[name] for name in _SIZES}
+        for name in ("figure.dpi", "savefig.dpi"):  # the user's own, as in a notebook
+            own = _LOOK.get().dpi or rcParams[name]
+            look[name] = look[name] if own == rcParamsDefault[name] else own
         with _one_style, context(look, after_reset=True):
             return draw(*args, **kwargs)
 
