@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import itertools
+import io
 import math
+import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata, resources
@@ -16,28 +17,21 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from jinja2 import Environment
+from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
 from pipeline.figures.tests import draw_tests
-from pipeline.frames import without_columns, writable_path, write_text
-from pipeline.page.parts import (
-    Grid,
-    Items,
-    Picture,
-    Section,
-    as_sentence,
-    picture_of,
-    table_of,
-    without_help,
-)
+from pipeline.frames import cells_of, without_columns, writable_path, write_text
 from pipeline.scene.entries import flat
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -75,11 +69,33 @@ _PAPER = (
 _NO_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
+_BELOW = "The table below has the numbers."
 _AS_COMPUTED = "Critical velocity as computed"
-_MOST_LISTED = 12  # loads of a boundary that are listed in place of a figure
-
+_NARROW = 0.075  # width of figures on a telephone [m]
 
 Conditions = Mapping[str, Any]
+
+
+class Grid(NamedTuple):
+    """A table of a page; the row number `bold` stands out."""
+
+    caption: str
+    heads: list[str]
+    rows: list[list[str]]
+    bold: int = -1
+
+
+class Picture(NamedTuple):
+    """A figure of a page, for usual and for narrow screens, as addresses that hold all data."""
+
+    usual: str
+    narrow: str
+    alt: str
+    caption: str
+
+
+Section = tuple[str, list[str | Grid | Picture | list[str]]]
+"""Heading of a section, and its parts; several strings are a list."""
 
 
 class Answer(NamedTuple):
@@ -110,7 +126,7 @@ def report(
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.dataset_of`, or path or URL of the store.
+        Dataset of `pipeline.open_sweep`, or path or URL of the store.
     load, velocity : float or str, optional
         An operating point, in SI or as text with a unit.
     out : path, optional
@@ -150,14 +166,7 @@ def report(
     if load is not None or points is not None or not is_plane:
         found = pipeline.margin(ds, **asked, **conditions)
     if found is None:
-        line = words.next_run_line
-        plane_answer = pipeline.boundary(ds, **conditions)
-        said = (
-            [] if plane_answer["critical_velocity"].ndim > 1 else [as_sentence(line(plane_answer))]
-        )
-        said += map(as_sentence, words.not_included_lines(plane_answer))
-        plane = _plane(ds, conditions)
-        answer = Answer("", "Boundary between mild and severe wear", said, plane)
+        answer = _of_boundary(ds, conditions)
     elif not found.sizes:
         answer = _of_point(ds, conditions, found)
     else:
@@ -185,27 +194,36 @@ def report(
     return page if path is None else write_text(page, path)
 
 
+def _of_boundary(ds: xr.Dataset, conditions: Conditions) -> Answer:
+    """The boundary of a plane, without an operating point."""
+    found = pipeline.boundary(ds, **conditions)
+    is_one = found["critical_velocity"].ndim == 1
+    said = [words.next_run_line(found)] * is_one + [*words.not_included_lines(found)]
+    headline = "Boundary between mild and severe wear"
+    return Answer("", headline, [*map(_as_sentence, said)], _plane(ds, conditions))
+
+
 def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answer:
     """The verdict on one operating point."""
-    if here["verdict"].item() not in HEADLINES:
-        raise InputError(here["reason"].item())
+    verdict, reason = here["verdict"].item(), here["reason"].item()
+    if verdict not in HEADLINES:
+        raise InputError(reason)
     place = here["load"].item(), here["velocity"].item()
-    headline = f"{HEADLINES[here['verdict'].item()]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
-    facts = dict(words.margin_facts(here))
-    said = [_verdict(here), *map(as_sentence, words.not_included_lines(here))]
-    critical = f"critical velocity at {place[0]:.4g} N: {facts.get('critical velocity')}"
-    said += [as_sentence(critical)] * ("critical velocity" in facts)
-    said += [f"The verdict is withheld: {here['reason'].item()}."] * bool(here["reason"].item())
-    decider = words.to_decide(here)
-    said += [f"To decide it, {decider}."] * bool(decider)
-    said += map(as_sentence, without_help(words.common_lines(here)))
-    table = Grid(
-        "The operating point in numbers", ["quantity", "value"], [*map(list, facts.items())]
-    )
-    warned = [Items([*words.margin_warnings(here)])] * any(words.margin_warnings(here))
+    facts, decider = dict(words.margin_facts(here)), words.to_decide(here)
+    said = [_verdict(here), *words.not_included_lines(here)]
+    if "critical velocity" in facts:
+        said.append(f"critical velocity at {place[0]:.4g} N: {facts['critical velocity']}")
+    said += [f"The verdict is withheld: {reason}"] * bool(reason)
+    said += [f"To decide it, {decider}"] * bool(decider)
+    said += _without_help(words.common_lines(here))
+    rows = [*map(list, facts.items())]
+    table = Grid("The operating point in numbers", ["quantity", "value"], rows)
+    warned = [*words.margin_warnings(here)]
     first, *others = _plane(ds, conditions, [place])
-    sections: list[Section] = [first, ("Operating point", [table, *warned]), *others]
-    return Answer(words.verdict_text(here), headline, said, sections)
+    sections: list[Section] = [first, ("Operating point", [table, *[warned] * bool(warned)])]
+    headline = f"{HEADLINES[verdict]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
+    lines = [*map(_as_sentence, said)]
+    return Answer(words.verdict_text(here), headline, lines, [*sections, *others])
 
 
 def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answer:
@@ -222,40 +240,33 @@ def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answe
     if codes[decides] == MILD and judged < len(codes):  # the others may be severe
         headline = f"{judged} of {len(codes)} operating points have a verdict; mild at {critical}"
         verdict = ""
-    alt = "; ".join(
-        f"{name}: {here}" + ("" if math.isnan(reserve) else f", {reserve:.3g} K")
-        for name, here, reserve in zip(
-            names, verdicts, found["temperature_margin"].values, strict=True
-        )
-    )
     caption = "Temperature margin of each row: critical minus governing temperature."
-    picture = picture_of(lambda: draw_rows(found, ""), caption, f"{caption} {alt}.")
-    grid = table_of(margin_frame(found), "Operating points; the deciding one is bold", decides)
+    picture = picture_of(lambda: draw_rows(found, ""), caption, f"{caption} {_BELOW}")
+    grid = _table_of(margin_frame(found), "Operating points; the deciding one is bold", decides)
     notes = [
         *words.conditions_lines(found), *words.not_included_lines(found),
         *words.reason_lines(found), *words.row_warnings(found), *words.common_lines(found),
     ]  # fmt: skip
-    notes = [*map(as_sentence, without_help(notes))]
-    sections: list[Section] = [("Operating points", [picture, grid, Items(notes)])]
+    notes = [*map(_as_sentence, _without_help(notes))]
+    sections: list[Section] = [("Operating points", [picture, grid, notes])]
     if {*PLANE} <= {*ds["status"].dims}:
         places = xr.broadcast(found["load"], found["velocity"])
         each = (one.values.ravel().tolist() for one in places)
         sections += _plane(ds, conditions, dict.fromkeys(zip(*each, strict=True)))
     else:
-        sections.append(("Errors", [Items(_errors(words.model_error_line(found)))]))
-    counts = Counter(verdicts)
-    numbers = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
-    said = [f"Operating points: {numbers}.", *map(as_sentence, words.not_included_lines(found))]
+        sections.append(("Errors", [_errors(words.model_error_line(found))]))
+    numbers = ", ".join(f"{number} {one}" for one, number in Counter(verdicts).items())
+    said = [f"Operating points: {numbers}", *words.not_included_lines(found)]
     if codes[decides] in HEADLINES:
         said.insert(0, _verdict(found.isel({row: decides})))
-    return Answer(verdict, headline, said, sections)
+    return Answer(verdict, headline, [*map(_as_sentence, said)], sections)
 
 
 def _verdict(here: xr.Dataset) -> str:
     """The sentence on one operating point, whose verdict the headline has."""
     verdict, _, rest = words.headline(here).partition(": ")
     begins = "probability of severe wear "
-    return as_sentence((rest or verdict).replace(begins, f"the {begins}is ", 1))
+    return (rest or verdict).replace(begins, f"the {begins}is ", 1)
 
 
 def _plane(
@@ -269,64 +280,52 @@ def _plane(
         for place in places
         if all(low <= at <= high for at, (low, high) in zip(place, ends, strict=True))
     ]
-    first = found.isel({dim: 0 for dim in found["critical_velocity"].dims if dim != "load"})
-    columns = first["load"].values, first["critical_velocity"].values
-    each = zip(*columns, words.outcome_texts(first, "velocity"), strict=True)
-    parts = (
-        f"{load:g} N: {outcome if math.isnan(speed) else f'{speed:.3g} m/s'}"
-        for load, speed, outcome in itertools.islice(each, _MOST_LISTED)
-    )
-    alt = (
-        f"Transition diagram over sliding velocity, {ends[1][0]:g} to {ends[1][1]:g} m/s, and "
-        f"normal load. Computed critical velocity by load: {'; '.join(parts)}"
-    )
-    caption = as_sentence(words.conditions_lines(found)[0])
+    caption = _as_sentence(words.conditions_lines(found)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
     if missing := found.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
     loads, velocities = ([place[axis] for place in within] for axis in (0, 1))
     picture = picture_of(
-        lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption, f"{alt}."
-    )
+        lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption,
+        f"Transition diagram over sliding velocity and normal load. {_BELOW}",
+    )  # fmt: skip
     title, needless = f"{_AS_COMPUTED}; with tests: where severe wear is 5, 50, 95 % probable", []
     if not found.attrs.get("tests", 1):  # a coordinate where cases differ in it
         title = f"{_AS_COMPUTED}, and where severe wear is 5 and 95 % probable"
         needless.append("with tests, 50 % [m/s]")
     crosses = bool(found["critical_velocity"].notnull().all())
     is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
-    grid = table_of(
-        without_columns(boundary_frame(found), needless + ["outcome"] * is_plain), title
-    )
+    needless += ["outcome"] * is_plain
+    grid = _table_of(without_columns(boundary_frame(found), needless), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if found.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
     lines = _errors(*words.error_lines(found), *words.shift_lines(found))
-    return [*sections, ("Errors", [Items(lines)])]
+    return [*sections, ("Errors", [lines])]
 
 
 def _errors(*lines: str) -> list[str]:
     """Sentences on errors: how large each is, and where it comes from."""
-    origins = {"numerical": _NUMERICAL, "model error": _OF_MODEL}
-    found = list[str]()
-    for line in lines:
-        origin = [text for begin, text in origins.items() if line.startswith(begin)]
-        found.append(" ".join([as_sentence(line), *map(as_sentence, origin)]))
-    return found
+    origins = {"numerical": f" {_NUMERICAL}.", "model error": f" {_OF_MODEL}."}
+    return [
+        _as_sentence(line)
+        + "".join(text for begin, text in origins.items() if line.startswith(begin))
+        for line in lines
+    ]
 
 
-def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | Items]:
+def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | list[str]]:
     """Yield tests beside what is computed for them."""
     found = pipeline.compare_tests(ds, **conditions)
     caption = "Computed rise ratio of each test, next to its outcome."
-    alt = f"{caption} The table below has the numbers."
-    yield picture_of(lambda: draw_tests(ds, conditions), caption, alt)
+    yield picture_of(lambda: draw_tests(ds, conditions), caption, f"{caption} {_BELOW}")
     table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
     y = found["log_rise_ratio"].values
     computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
     table.insert(2, "computed", computed)
-    yield table_of(table, "Tests, each at its own conditions, and what is computed for them")
+    yield _table_of(table, "Tests, each at its own conditions, and what is computed for them")
     if lines := [*words.test_lines(found)]:
-        yield Items(lines)
+        yield lines
 
 
 def _common(
@@ -334,24 +333,22 @@ def _common(
 ) -> Iterator[Section]:
     """Yield the sections that each report ends with: inputs, limits beyond those `said`, origin."""
     sweep = sweep_of(ds)
-    entries = flat(tomllib.loads(ds.attrs.get("scene", "")))
-    shown = (
-        (path, _text_of(value))
-        for path, value in entries
-        if not (path.startswith(_NO_INPUTS) or dimension_of(path) in ds.coords)
-    )
-    rows = [
-        [table, "; ".join(f"{_name_of(path, table)} {text}" for path, text in pairs), "scene"]
-        for table, pairs in itertools.groupby(shown, lambda pair: _part_of(pair[0]))
-    ]
-    rows += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
-    inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], rows)
+    rows = dict[str, list[str]]()
+    for path, value in flat(tomllib.loads(ds.attrs.get("scene", ""))):
+        if not (path.startswith(_NO_INPUTS) or dimension_of(path) in ds.coords):
+            is_material = path.startswith("materials")
+            table = path.rpartition(".")[0] if is_material else path.partition(".")[0]
+            name = path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
+            rows.setdefault(table, []).append(f"{name} {_text_of(value)}")
+    cells = [[table, "; ".join(texts), "scene"] for table, texts in rows.items()]
+    cells += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
+    inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], cells)
     yield "Conditions and inputs", [inputs]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
     notes = split_notes(words.attribute_texts(pipeline.points(ds, **single), "notes"))
-    limits = map(as_sentence, without_help([*notes, *pipeline.points_with_warnings(ds).lines()]))
-    others = [line for line in limits if line not in said]
-    yield "What is not covered", [_MODEL, *[Items(others)] * bool(others)]
+    limits = _without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
+    others = [line for line in map(_as_sentence, limits) if line not in said]
+    yield "What is not covered", [_MODEL, *[others] * bool(others)]
     choices = [
         f"{name.replace('_', ' ')} {quoted(value)}"
         for name, value in asdict(sweep.scene.fidelity).items()
@@ -363,17 +360,37 @@ def _common(
         f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
         _PAPER,
     ]
-    yield "How this was computed", [Items(origin)]
-
-
-def _part_of(path: str) -> str:
-    """Table of an entry, such as "pin" or "materials.steel"."""
-    return path.rpartition(".")[0] if path.startswith("materials") else path.partition(".")[0]
-
-
-def _name_of(path: str, table: str) -> str:
-    return path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
+    yield "How this was computed", [origin]
 
 
 def _text_of(value: Any) -> str:
     return ", ".join(map(_text_of, value)) if isinstance(value, list) else str(value)
+
+
+def _without_help(lines: Iterable[str]) -> list[str]:
+    """Lines without references to pages of help, which a reader of the report may not have."""
+    return [re.sub(r" \(irg help [\w-]+\)", "", line) for line in lines]
+
+
+def _as_sentence(line: str) -> str:
+    """Line of an answer with a capital letter and a full stop."""
+    return f"{line[:1].upper()}{line[1:]}" + "." * (not line.endswith("."))
+
+
+def _table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
+    """Table with the values of a data frame; the row number `bold` stands out."""
+    frame = without_columns(frame.replace("", None))
+    heads = [str(head).replace("_", " ") for head in frame]
+    return Grid(caption, heads, cells_of(frame, "–", digits=3), bold)
+
+
+def picture_of(draw: Callable[[], Figure], caption: str, alt: str) -> Picture:
+    """Draw a figure twice, for usual and for narrow screens."""
+    drawn = []
+    for width in (None, _NARROW):
+        with style.fitted(width, plain=True):
+            written = io.BytesIO()
+            draw().savefig(written, format="svg", metadata={"Date": None})
+        text = base64.b64encode(written.getvalue()).decode()
+        drawn.append(f"data:image/svg+xml;base64,{text}")
+    return Picture(drawn[0], drawn[1], alt, caption)

@@ -11,7 +11,7 @@ import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.page import report
-from pipeline.page.parts import Picture
+from pipeline.page.report import Picture
 from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named

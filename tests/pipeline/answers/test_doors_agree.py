@@ -12,7 +12,7 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline.page import report
-from pipeline.page.parts import Picture
+from pipeline.page.report import Picture
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test

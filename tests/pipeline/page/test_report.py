@@ -153,7 +153,7 @@ REPORTS = {
     "half done": (
         half_done, {},
         (
-            "500 N: unknown because too few points are done",
+            "unknown",
             "(5 %: 2.25 m/s); at 2.07 m/s at 400 N", "×: 10 points that are pending or failed",
         ),
     ),
