@@ -88,18 +88,11 @@ def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.
 
     A unit in the attributes of a DataArray follows each number.
     """
-    about = value.attrs if isinstance(value, xr.DataArray | xr.Variable) else {}
-    if packed := {"scale_factor", "add_offset"} & {*about}:
-        raise InputError(f"{name} is packed ({min(packed)}); decode it")
-    if np.ma.is_masked(value):
-        raise InputError(f"{name} has masked values; leave them out")
-    try:
-        values = np.asarray(value, object)
-    except (TypeError, ValueError):  # such as lists of different lengths
-        raise InputError(f"{name} is a {type(value).__name__} and no array; give numbers") from None
+    values = np.asarray(value, object)
     if not values.size:
         raise InputError(f"{name} is empty; give at least one value")
-    unit, found = about.get("units"), np.empty(values.shape, object)
+    unit = value.attrs.get("units") if isinstance(value, xr.DataArray) else None
+    found = np.empty(values.shape, object)
     for place, one in np.ndenumerate(values):
         bare = not unit or isinstance(one, str) or (isinstance(one, float) and np.isnan(one))
         found[place] = read(one if bare else f"{one} {unit}")

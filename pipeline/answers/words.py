@@ -128,7 +128,9 @@ def outside(ends: Mapping[str, tuple[float, float]], **place: float) -> str:
         if not (low <= value <= high and value > 0):
             within = f"({low:g} to {high:g} {unit})"
             said.append(f"{name} {value:g} {unit} is outside the sweep {within}")
-    return f"{', '.join(said)}; add it to the scene, and run it again" if said else ""
+    is_able = all(0 < value < math.inf for value in place.values())
+    advice = "add it to the scene, and run it again" if is_able else "give a value inside it"
+    return f"{', '.join(said)}; {advice}" if said else ""
 
 
 # One point or one boundary: from codes to text

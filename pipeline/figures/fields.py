@@ -126,13 +126,6 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     return found
 
 
-def require_single(kind: str, **given: QuantityLike) -> None:
-    """Raise an `InputError` if a figure of this `kind` is given several loads or velocities."""
-    for name, values in given.items():
-        if len(several := wanted_values(name, values)) > 1:
-            raise InputError(f"{kind} shows one {name}, not {len(several)}; give one")
-
-
 def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[int]:
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
     places, found = case.loads if axis == "load" else case.velocities, list[int]()
@@ -165,14 +158,15 @@ def fields(
     counts back from the end of the point, which is 0. In a figure as narrow as a journal's column
     the panels are stacked.
     """
-    require_single("fields", load=load, velocity=velocity)
     if "pressure" not in ds:
         raise InputError(
             "the store has no fields; set 'fields = true' under [sweep], and run the scene into "
             "another store"
         )
     here = shown_of(ds, conditions, realization)
-    point = chosen_points(here, load, velocity)[0]
+    point, *others = chosen_points(here, load, velocity)
+    if others:
+        raise InputError(f"fields shows one point, not {1 + len(others)}; give one")
     _require_step(here, point, step)
     shown = _surface_fields(here, point, step)
     if np.isnan(shown[0]).all():

@@ -24,7 +24,6 @@ from pipeline.figures.fields import (
     chosen_points,
     nearest_indices,
     require_done_at,
-    require_single,
     shown_of,
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
@@ -173,10 +172,11 @@ def temperature(
     a number in N or text with a unit. The sweep's load nearest to it is drawn; by default the
     highest. `realization` is the seed of the surface; by default the first one.
     """
-    require_single("temperature", load=load)
     shown = shown_of(ds, conditions, realization)
     case, own, velocities = shown.case, shown.conditions, shown.case.velocities
-    row = (nearest_indices(case, "load", load) or [-1])[0]
+    row, *others = nearest_indices(case, "load", load) or [-1]
+    if others:
+        raise InputError(f"temperature shows one load, not {1 + len(others)}; give one")
     load_here = float(case.loads[row])
     figure, axes = style.canvas()
     x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))

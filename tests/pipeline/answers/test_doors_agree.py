@@ -275,9 +275,6 @@ REFUSED = {  # by the place or the conditions that are given
     "true": ((True, 2.0), {}, "True is no number"),
     "empty": (([], 2.0), {}, "load is empty"),
     "plane": (([[1.0]], 2.0), {}, "2 dimensions"),
-    "dataset": ((xr.Dataset(), 2.0), {}, "load is a Dataset"),
-    "packed": ((with_unit(4, "N", scale_factor=100.0), 2.0), {}, "load is packed (scale_factor)"),
-    "masked": ((np.ma.masked_array([4.0], [True]), 2.0), {}, "load has masked values"),
     "alone": ((None, 2.0), {}, "give both a load and a velocity"),
     "newtons": ((), {"friction": "300 N"}, "friction is '300 N'"),
     "nan": ((), {"friction": np.nan}, "must be one finite number"),
@@ -290,7 +287,7 @@ REFUSED = {  # by the place or the conditions that are given
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_no_load_and_no_condition_is_refused_in_a_line(name):
     place, told, said = REFUSED[name]
-    doors = ("margin",) if place else ("boundary", "points", "points_with_warnings")
+    doors = ("margin",) if place else ("boundary", "points")
     for door in doors:
         with pytest.raises(InputError, match=re.escape(said)) as error:
             getattr(pipeline, door)(plane(), *place, **told)
@@ -306,7 +303,7 @@ def test_a_load_that_no_contact_has_is_unknown_and_said():
 
 
 def test_only_margin_and_boundary_take_several_values():
-    for door in ("points", "compare_tests", "points_with_warnings", "infer", "temperatures"):
+    for door in ("points", "compare_tests", "infer", "temperatures"):
         with pytest.raises(InputError, match="friction takes a single value here"):
             getattr(pipeline, door)(plane(), friction=[0.1, 0.2])
     for given in (None, 5, plane()["status"]):
