@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 _SHOWN = 18  # faults that are shown, where there are thousands
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
@@ -53,19 +53,11 @@ def key_path(place: str, key: str) -> str:
     return f"{place}.{bare}" if place else bare
 
 
-def remarks(grade: str, *words: str | None) -> Iterator[str]:
-    """Write each of `words` as a line such as "note: text"; empty words are left out.
-
-    `grade` is the word before the colon.
-    """
-    return (f"{grade}: {one}" for one in words if one)
+def join_notes(notes: Iterable[str]) -> str:
+    """Return the text of one table cell with all `notes`, without repeats."""
+    return _SEPARATOR.join(dict.fromkeys(notes))
 
 
-def join_notes(notes: Iterable[str]) -> str | None:
-    """Return the text of one table cell with all `notes`, without repeats; None without notes."""
-    return _SEPARATOR.join(dict.fromkeys(notes)) or None
-
-
-def split_notes(cells: Iterable[str | None]) -> list[str]:
+def split_notes(cells: Iterable[str]) -> list[str]:
     """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

@@ -16,9 +16,6 @@ from pipeline.constants import (
 from pipeline.sweep.sweep import Sweep
 from tribo import PRESETS, Fidelity, Scene
 
-KEPT_FIELDS = ("heat_model",)
-"""Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
-
 
 def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
     """Presets by name, adapted to a scene.

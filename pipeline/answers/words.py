@@ -56,10 +56,10 @@ def about(model: VerdictModel) -> dict[str, str | int]:
         "model_error": model_error(evidence),
         "realizations": len(model.specimen.apart),
         "tests": len(evidence.specimens),
-        "outliers": join_notes(evidence.outliers) or "",
+        "outliers": join_notes(evidence.outliers),
         "tests_without_result": waiting_text(evidence),
         "not_included": not_included(model),
-        "notes": join_notes(_notes(model)) or "",
+        "notes": join_notes(_notes(model)),
     }
 
 
