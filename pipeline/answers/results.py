@@ -194,7 +194,6 @@ class CaseResults:
     name: CaseName  #: The case, as the sweep names it.
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
-    from_rest: bool = False  #: True if the sweep also has velocity 0.
     _arrays: dict[str, Array] = field(default_factory=dict, repr=False)
 
     @property
@@ -241,28 +240,12 @@ class CaseResults:
 
     @functools.cached_property
     def usable_realizations(self) -> Indices:
-        """Realizations that count.
-
-        One that failed is left out if 4 others have each of its places. One that shares no place
-        with the first waits.
-        """
-        done, failed = self.done, (self.status == FAILED).any(axis=(1, 2))
-        others = done[~failed].sum(axis=0)
-        replaced = failed & (~done | (others >= 4)).all(axis=(1, 2))
-        found = np.flatnonzero(done.any(axis=(1, 2)) & ~replaced)
+        """Realizations that count; one that shares no place with the first waits."""
+        found = np.flatnonzero(self.done.any(axis=(1, 2)))
         if not found.size:
             return np.array([0])
-        return np.asarray(found[(done[found] & done[found[0]]).any(axis=(1, 2))])
-
-    @property
-    def failed_realizations_note(self) -> str:
-        """Which realizations failed and are left out, in words; empty if there are none."""
-        failed = (self.status == FAILED).any(axis=(1, 2))
-        failed[self.usable_realizations] = False
-        if len(failed) == 1 or not failed.any():
-            return ""
-        seeds = ", ".join(map(str, self.ds["realization"].values[failed].tolist()))
-        return f"left out as they failed at some point: realizations {seeds} (irg status)"
+        shares = (self.done[found] & self.done[found[0]]).any(axis=(1, 2))
+        return np.asarray(found[shares])
 
     def log_rises(self, conditions: Conditions) -> Array:
         """ln(rise) at the worst step of each point, NaN if it is not done.
@@ -404,7 +387,7 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
         ds = ds.drop_vars(fields).expand_dims(lacking).assign(fields)
     moves = ds["velocity"] > 0
     ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() and not moves.all() else ds
-    return CaseResults(case, labels, name, ds, tests, from_rest=not moves.all())
+    return CaseResults(case, labels, name, ds, tests)
 
 
 def _label(labels: tuple[Label, ...], value: Any) -> Label:

@@ -237,9 +237,7 @@ class VerdictModel:
 
     def _reasons(self, at: Operation, rise: Array) -> Any:
         """Why nothing is known of a point; empty if it is."""
-        found, ends = np.full(at.load.shape, "", object), {**self.ranges}
-        if self.case.from_rest:
-            ends["velocity"] = 0.0, ends["velocity"][1]
+        found, ends = np.full(at.load.shape, "", object), self.ranges
         values = np.stack([at.load, at.velocity])
         low, high = np.transpose([ends["load"], ends["velocity"]])[..., None]
         inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)

@@ -80,13 +80,10 @@ def not_included(model: VerdictModel) -> str:
 
 def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits that all answers of a case have, beside `not_included`."""
-    case, sweep = model.case, model.case.sweep
-    lines = [
-        case.failed_realizations_note, sweep.note, *warning_lines(sweep, answered=True),
-        added_rise_words(model.conditions),
-        error_in_words(sweep) if model.promised is None else None,
-    ]  # fmt: skip
-    yield from filter(None, lines)
+    sweep = model.case.sweep
+    unknown = error_in_words(sweep) if model.promised is None else ""
+    lines = sweep.note, *warning_lines(sweep, answered=True), added_rise_words(model.conditions)
+    yield from filter(None, (*lines, unknown))
 
 
 def _with_earlier_turns(model: VerdictModel) -> str:

@@ -76,7 +76,7 @@ def diagram(
     boundary with tests, if there are any; the computed boundary has a band of numerical error. Dots
     are simulated points. `realization`, the seed of a surface, chooses one of several surface
     realizations. Of several cases only the boundaries are drawn, each in its own colour. `log`
-    makes both axes logarithmic, without velocity 0. `load` and `velocity` of an operating point are
+    makes both axes logarithmic. `load` and `velocity` of an operating point are
     marked, in SI or as text with a unit; lists of equal length are pairs.
     """
     places = _places(load, velocity)
@@ -150,10 +150,9 @@ def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[OperatingPoint], l
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    lowest = 0.0 if case.from_rest and not log else case.velocities[0]
     for limit, ends, at in (
         (axes.set_ylim, case.loads[[0, -1]], [place[0] for place in marked]),
-        (axes.set_xlim, (lowest, case.velocities[-1]), [place[1] for place in marked]),
+        (axes.set_xlim, case.velocities[[0, -1]], [place[1] for place in marked]),
     ):
         if ends[0] < ends[1]:
             limit(min([ends[0], *at]), max([ends[1], *at]))

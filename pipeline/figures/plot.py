@@ -86,7 +86,7 @@ def plot(
 
         - all but tests and rows: ``realization``, seed of the surface to draw. By default the
           first; a diagram shows the specimen of all.
-        - diagram: ``log``, True for logarithmic axes, without velocity 0; ``load`` and
+        - diagram: ``log``, True for logarithmic axes; ``load`` and
           ``velocity`` of an operating point to mark, or lists of equal length for several.
         - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
           nearest load of the sweep is drawn, by default the highest.

@@ -156,7 +156,7 @@ def test_a_logarithmic_diagram_has_the_same_boundary_and_leaves_rest_out():
     ds = sweep(velocities=(0.0, 1.0, 2.0, 4.0))
     plain, log = drawn(ds)[0], drawn(ds, log=True)[0]
     assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
-    assert (log.get_xlim()[0], plain.get_xlim()[0]) == (1.0, 0.0)
+    assert (log.get_xlim()[0], plain.get_xlim()[0]) == (1.0, 1.0)
     whole = vertices(plain, "boundary")
     np.testing.assert_allclose(vertices(log, "boundary"), whole)
     low, high = log.get_xlim()
