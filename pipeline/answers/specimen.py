@@ -87,15 +87,13 @@ class Specimen(NamedTuple):
 def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     """The specimen of a case."""
     counts = case.usable_realizations
-    y, sampling = (
-        case.log_rises(conditions)[counts],
-        _mean_stated(case.sampling(conditions)[counts]),
-    )
+    y = case.log_rises(conditions)[counts]
+    sampling = _mean_stated(case.sampling(conditions)[counts])
     kinds = np.bitwise_or.reduce(case.warning_flags[counts], 0)
     durations = case.durations[counts].max(axis=0)
     axes = [case.loads, case.velocities]
     for axis, x in enumerate(axes):
-        starts = np.flatnonzero(np.diff(np.log(x), prepend=-np.inf) >= TWINS)
+        starts = np.flatnonzero(np.append(True, np.diff(np.log(x)) >= TWINS))
         if len(starts) < len(x):
             axes[axis] = _means(x, starts)
             y, sampling = _means(y, starts, axis + 1), _means(sampling, starts, axis)
