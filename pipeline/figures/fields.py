@@ -57,9 +57,7 @@ class Shown(NamedTuple):
 
     def title(self, *more: str) -> str:
         """Title of the figure."""
-        seed = self.case.ds["realization"].values if "realization" in self.case.ds.coords else ()
-        words = [f"surface {one}" for one in seed if len(self.case.ds["realization"]) > 1]
-        return "\n".join([", ".join([style.as_text(self.case.sweep.title), *words]), *more])
+        return "\n".join([style.as_text(self.case.sweep.title), *more])
 
 
 def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
