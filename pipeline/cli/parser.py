@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module, metadata
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline.cli import values
@@ -195,11 +194,9 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
 def _add_commands_on_stores(add: AddCommand) -> None:
     command = add(
         "status", "pipeline.cli.stores:status",
-        "count done, failed and pending points of a store, or list the stores in a folder",
-        "results",
+        "count done, failed and pending points of a store", "results/scene.zarr",
     )  # fmt: skip
-    words, usual = "results store, or folder of stores; default: results", Path("results")
-    _value(command, "store OUT.zarr", words, values.stored, nargs="?", default=usual)
+    _store(command)
 
     command = add(
         "verify", "pipeline.cli.stores:verify", "read a whole store and list damaged points",
