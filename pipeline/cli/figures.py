@@ -17,8 +17,8 @@ _USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
 
 def plot(options: argparse.Namespace) -> Result:
     """Answer ``irg plot``: draw a figure of a store, and print its path."""
-    names = "load", "velocity", "realization", "log", "show", "step", "width", "plain", "title"
-    look = given.values_in(options, *names, "dpi")
+    names = "load", "velocity", "realization", "log", "step", "width", "plain", "title", "dpi"
+    look = given.values_in(options, *names)
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
     written = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))

@@ -159,9 +159,6 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
     )  # fmt: skip
     _scene(command)
-    words = "store for the simulated points, resumed if it exists; by default they are not kept"
-    _value(command, "--store OUT.zarr", words, values.store, dest="store_path")
-    _workers(command)
     words = "contact width measured at --load and --velocity; prints the specific wear rate instead"
     _quantity(command, "--contact-width W", words, "348 um")
     words = "sliding time before the width was measured, ramp included; default: from the scene"
@@ -238,11 +235,8 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
     )  # fmt: skip
     _store(command)
-    words = (
-        "default: diagram, or rows if each has its own load and velocity; temperature is drawn "
-        "over the velocity"
-    )
-    kinds = "diagram", "rows", "ramp", "fields", "temperature", "tests"
+    words = "default: diagram, or rows if each has its own load and velocity"
+    kinds = "diagram", "rows", "ramp", "fields", "tests"
     command.add_argument("--kind", choices=kinds, help=words)
     _value(command, "-o --output FILE.png", "figure file; default: next to the store", user_path)
     words = "width of the figure; text shrinks less than the figure does"
@@ -251,7 +245,6 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _flag(command, "--plain", "omit title and caption")
     _value(command, "--dpi DPI", "resolution in dots per inch; default: 150", values.count)
     _flag(command, "--log", "draw the diagram on logarithmic axes")
-    _value(command, "--show NAME", "variable to draw in a ramp figure, such as wear_volume")
     words = "step of fields, counted back from the end of a point: 0, -1, ..."
     _value(command, "--step N", words, int)
     _judged(command)

@@ -93,7 +93,7 @@ def infer(options: argparse.Namespace) -> Result:
             f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
     least = replace(sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
-    with working("simulating the tests") as progress, writing(options.store_path, least) as store:
+    with working("simulating the tests") as progress, writing(None, least) as store:
         run_serial(store, source=stored_tests_of(sweep), report=progress)
     ds = computed_dataset(store)
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)

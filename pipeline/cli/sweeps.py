@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> Result:
 def _ending(ds: xr.Dataset, store: str) -> list[str]:
     """The boundary of a sweep that was run, and the commands that go on from its `store`."""
     if not sweep_of(ds).base.is_judged:
-        return [f"next: irg plot {store} --kind temperature"]
+        return [f"next: irg plot {store} --kind ramp"]
     if not {*PLANE} <= {*ds["status"].dims}:
         return [f"next: irg margin {store}, irg plot {store}"]
     found = list[str]()

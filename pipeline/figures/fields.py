@@ -22,7 +22,7 @@ from pipeline.sweep.conditions import Conditions, allowable_rise
 from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 QuantityLike = float | str | Iterable[float | str] | None
 """Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
@@ -89,7 +89,11 @@ def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> l
     known = conditions.critical_temperature is not None
     limit, points = allowable_rise(conditions) if known else math.inf, list[PointIndex]()
     for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
-        require_done_at(case.loads[i], is_done[i])
+        if not is_done[i].any():
+            raise InputError(
+                f"no point at {case.loads[i]:g} N is done; choose another load, or continue with "
+                "irg run"
+            )
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
         wanted = nearest_indices(case, "velocity", velocity) or [int(np.nanargmin(distance))]
         points += [(i, j) for j in wanted]
@@ -100,17 +104,6 @@ def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> l
                 "continue with irg run; irg status prints why a point failed"
             )
     return points
-
-
-def require_done_at(load: float, is_done: Mask) -> None:
-    """Raise an `InputError` if no point at a load [N] is done.
-
-    `is_done` has a value for each velocity.
-    """
-    if not is_done.any():
-        raise InputError(
-            f"no point at {load:g} N is done; choose another load, or continue with irg run"
-        )
 
 
 def wanted_values(axis: str, values: Any) -> list[float]:

@@ -16,7 +16,7 @@ from pipeline.answers.results import dataset_of
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
-from pipeline.figures.ramp import ramp, temperature
+from pipeline.figures.ramp import ramp
 from pipeline.figures.rows import rows
 from pipeline.figures.tests import draw_tests
 from pipeline.frames import FIGURES, writable_path
@@ -24,7 +24,7 @@ from pipeline.store.schema import PLANE
 from pipeline.units import in_si
 from tribo import InputError
 
-Kind = Literal["diagram", "rows", "ramp", "fields", "temperature", "tests"]
+Kind = Literal["diagram", "rows", "ramp", "fields", "tests"]
 
 
 class PlotOptions(ConditionValues, total=False):
@@ -35,7 +35,6 @@ class PlotOptions(ConditionValues, total=False):
     load: Any
     velocity: Any
     step: int
-    show: str
 
 
 KINDS: dict[str, Callable[..., Figure]] = {
@@ -43,7 +42,6 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "rows": rows,
     "ramp": ramp,
     "fields": fields,
-    "temperature": temperature,
     "tests": draw_tests,
 }
 """Function that draws each kind of figure of a sweep."""
@@ -67,7 +65,7 @@ def plot(
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or path or URL of a store; or a result of
         `pipeline.trade` or `pipeline.surface_statistics`.
-    kind : {"diagram", "rows", "ramp", "fields", "temperature", "tests"}, optional
+    kind : {"diagram", "rows", "ramp", "fields", "tests"}, optional
         Name of the figure of a sweep; by default "diagram", or "rows" if each row of the sweep has
         its own load and velocity.
     out : path, optional
@@ -88,12 +86,11 @@ def plot(
           first; a diagram shows the specimen of all.
         - diagram: ``log``, True for logarithmic axes; ``load`` and
           ``velocity`` of an operating point to mark, or lists of equal length for several.
-        - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
+        - ramp, fields: ``load`` in N, or text with a unit; a ramp takes several. The
           nearest load of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the boundary at that load.
         - fields: ``step``, counted back from the end of the point, which is 0.
-        - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
 
         Of a sweep also conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
 

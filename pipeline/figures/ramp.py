@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -13,27 +12,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.answers.field import Field
 from pipeline.answers.scene_words import governing_words, heating_words, warning_lines
-from pipeline.answers.specimen import specimen_of
 from pipeline.figures import style
 from pipeline.figures.fields import (
     PointIndex,
     QuantityLike,
     Shown,
     chosen_points,
-    nearest_indices,
-    require_done_at,
     shown_of,
 )
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
+from pipeline.figures.style import BLACK, GREY
 from pipeline.quantities import shown_in
-from pipeline.store.schema import COLUMNS, MADE, VARIABLES
-from pipeline.sweep.conditions import Conditions, allowable_rise
-from tribo import InputError
+from pipeline.sweep.conditions import Conditions
 from tribo.types import Array
 
-_NODES = 400  # velocities of a curve of temperature
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
 _CONTACT = (
@@ -50,31 +42,27 @@ def ramp(
     load: QuantityLike = None,
     velocity: QuantityLike = None,
     realization: int | None = None,
-    show: str | None = None,
 ) -> Figure:
     """Draw temperature, contact and wear of points over time, as their load grows.
 
-    The variable `show`, stored at each step, is drawn instead of contact and wear. The points
-    nearest to each pair of `load` and `velocity` are drawn; both are in SI or text with a unit, and
-    may have several values. By default the load is the highest with a computed point, and the
-    velocity is the nearest to the transition. `realization` is the seed of the surface; by default
-    the first one.
+    The points nearest to each pair of `load` and `velocity` are drawn; both are in SI or text with
+    a unit, and may have several values. By default the load is the highest with a computed point,
+    and the velocity is the nearest to the transition. `realization` is the seed of the surface; by
+    default the first one.
     """
     shown = shown_of(ds, conditions, realization)
     points, columns = chosen_points(shown, load, velocity), shown.columns()
-    panels = [_CONTACT, _WEAR] if show is None else [(_stored_variable(columns, show),)]
-    figure = style.Picture((8.0, 4.2 + 2.1 * len(panels)))
-    top, *below = figure.subplots(1 + len(panels), sharex=True)
+    figure = style.Picture((8.0, 8.4))
+    top, *below = figure.subplots(3, sharex=True)
     _temperatures(top, shown, columns, points)
-    for axes, panel in zip(below, panels, strict=True):
+    for axes, panel in zip(below, (_CONTACT, _WEAR), strict=True):
         handles = []
         # The right axis has more room, so that proportional curves do not coincide.
-        for (label, name), look, room in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=False):
+        for (label, name), look, room in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=True):
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
-            values = columns[name].astype(float)
-            values = values if show else shown_in(values, unit.split()[0])
+            values = shown_in(columns[name].astype(float), unit.split()[0])
             _draw(side, columns, values, points, look)
             side.ticklabel_format(axis="y", scilimits=(-2, 3))
             side.set(ylabel=label, ylim=(0, room * side.get_ylim()[1]))  # room for the legend
@@ -92,15 +80,6 @@ def ramp(
     said += warning_lines(shown.case.sweep, most=1, answered=True)
     style.legend_below(figure, handles=names, caption="\n".join(said))
     return figure
-
-
-def _stored_variable(columns: Mapping[str, Any], name: str) -> tuple[str, str]:
-    """Axis label with unit, and `name`; `InputError` unless it is stored at each step."""
-    stepped = {*COLUMNS, *MADE} & {*columns}
-    names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
-    if name not in names:
-        raise InputError(f"unknown variable {name!r}; stored at each step: {', '.join(names)}")
-    return f"{name} [{VARIABLES[name].units}]", name
 
 
 def _draw(
@@ -157,50 +136,3 @@ def _load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> Non
         pairs = (time, load), (load, time)
         there, back = (lambda at, pair=pair: np.interp(at, *pair) for pair in pairs)
         axes.secondary_xaxis("top", functions=(there, back)).set_xlabel("normal load [N]")
-
-
-@style.house_style
-def temperature(
-    ds: xr.Dataset,
-    conditions: Mapping[str, Any],
-    load: float | str | None = None,
-    realization: int | None = None,
-) -> Figure:
-    """Draw the highest and the governing temperature over velocity, at one load and surface.
-
-    The governing temperature is the one that is compared with the critical temperature. `load` is
-    a number in N or text with a unit. The sweep's load nearest to it is drawn; by default the
-    highest. `realization` is the seed of the surface; by default the first one.
-    """
-    shown = shown_of(ds, conditions, realization)
-    case, own, velocities = shown.case, shown.conditions, shown.case.velocities
-    row, *others = nearest_indices(case, "load", load) or [-1]
-    if others:
-        raise InputError(f"temperature shows one load, not {1 + len(others)}; give one")
-    load_here = float(case.loads[row])
-    figure, axes = style.canvas()
-    x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))
-    for judged, look in _line_styles(own):
-        rises = shown.rises(judged)[row]
-        require_done_at(load_here, np.isfinite(rises))
-        between = x, np.exp(_field(shown, judged)(np.full(len(x), load_here), x))
-        for (at, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
-            curve = shown_in(own.contact_temperature(rise), "°C")
-            axes.plot(at, curve, color=BLUE, **look | part)
-        words = governing_words(judged.critical_area_fraction)
-        axes.plot([], [], color=BLUE, label=words, **look)
-    if _critical_line(axes, own) and (limit := allowable_rise(own)) > 0:
-        line = np.array([load_here]), np.array([math.log(limit)])
-        turns = _field(shown, own).along_velocity(*line).places
-        for turn in turns[np.isfinite(turns)]:
-            axes.axvline(turn, color=VERMILION, label=f"critical velocity, {turn:.3g} m/s")
-    axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    style.write_title(axes, shown.title(f"{load_here:g} N"))
-    said = [heating_words(own), *warning_lines(case.sweep, most=1, answered=True)]
-    style.legend_below(figure, caption="\n".join(said))
-    return figure
-
-
-def _field(shown: Shown, conditions: Conditions) -> Field:
-    """ln(rise) of the surface realization under conditions."""
-    return specimen_of(shown.case, conditions).field

@@ -114,13 +114,6 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
 
 
-def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_given(sweep):
-    axes = pipeline.plot(sweep, "temperature").axes[0]
-    assert axes.get_title().endswith("750 N")
-    hottest = axes.lines[1].get_ydata()[:3]
-    assert hottest == pytest.approx(25.0 + 0.1 * sweep["max_rise"][-1, :3, -1], rel=1e-4)
-
-
 def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
     tests = (
         bare_test(600.0, 1.5, 0.1),
