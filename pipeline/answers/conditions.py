@@ -15,7 +15,7 @@ from pipeline.quantities import display
 from pipeline.sweep.conditions import OIL_WORKS, PATHS, Conditions
 from pipeline.units import in_si, share_of
 from tribo import InputError
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 NAMES = tuple(PATHS)
@@ -51,6 +51,15 @@ class Operation(NamedTuple):
     def take(self, which: Any) -> Operation:
         """Some of the points."""
         return Operation(*(one[which] for one in self))
+
+
+def by_bulk(bulks: Array, function: Callable[[float, Mask], Array]) -> Array:
+    """Values (k,) of a function of a bulk temperature [K] and of which of the points have it."""
+    found = np.full(bulks.shape, np.nan)
+    for bulk in np.unique(bulks).tolist():
+        here = bulks == bulk
+        found[here] = function(bulk, here)
+    return found
 
 
 def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:

@@ -10,9 +10,6 @@ takes a third of a second to import.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from pipeline.constants import LEAST_SLOPE
@@ -65,30 +62,6 @@ class Pchip:
                 slope = np.maximum((self.y[end] - self.y[beside]) / run, LEAST_SLOPE)
                 found[side] += (x[side] - self.x[end])[:, None] * slope
         return found
-
-
-def at_nodes(x: Array, function: Callable[[float, Any], Array], most: int, apart: float) -> Array:
-    """Values at k places of a `function` of a number `x` (k,) and of which places are asked.
-
-    With more than `most` different numbers it is asked at even nodes, and a cubic passes through
-    the four around each place, whichever others are asked together.
-    """
-    each, back = np.unique(x, return_inverse=True)
-    if len(each) > most:
-        first, last = (int(one // apart) for one in each[[0, -1]])
-        nodes = np.arange(first - 1, last + 3)
-        planes = np.array([function(node * apart, slice(None)) for node in nodes.tolist()])
-        t, beside = np.modf(x / apart)
-        four = beside.astype(int) - nodes[0] + np.arange(-1, 3)[:, None]
-        cubic = (
-            -t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
-            -t * (t + 1) * (t - 2) / 2, t * (t + 1) * (t - 1) / 6,
-        )  # fmt: skip
-        return np.asarray((cubic * planes[four, np.arange(len(x))]).sum(axis=0))
-    found = np.full(x.shape, np.nan)
-    for k, one in enumerate(each.tolist()):
-        found[back == k] = function(one, back == k)
-    return found
 
 
 def _slopes(x: Array, y: Array) -> Array:

@@ -6,13 +6,11 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr
 
-from pipeline.answers.conditions import Operation
-from pipeline.answers.pchip import at_nodes
+from pipeline.answers.conditions import Operation, by_bulk
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
@@ -29,7 +27,6 @@ if TYPE_CHECKING:
 
 _FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
 _BESIDE = 0.1  # relative distance in load and velocity within which a test is near
-_MOST_BULKS, _BULKS_APART = 8, 5.0  # with a posterior each; else nodes so far apart [K]
 _SAME = 1e-9  # relative rounding difference of equal conditions
 
 
@@ -81,28 +78,18 @@ class Evidence:
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-
-        def probits(y: Array) -> Array:
-            return self._by_bulk(bulks, lambda one, here: one.probit(y[here]))
-
-        return [np.asarray(ndtr(probits(y))) for y in ys]
+        return [self._by_bulk(bulks, lambda one, here, y=y: one.probability(y[here])) for y in ys]
 
     def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
+        return self._by_bulk(bulks, lambda one, here: np.full(here.sum(), one.level(probability)))
 
-        def level(one: Posterior, here: Any) -> Array:
-            return np.full(bulks[here].shape, one.level(probability))
-
-        return self._by_bulk(bulks, level)
-
-    def _by_bulk(self, bulks: Array, value: Callable[[Posterior, Any], Array]) -> Array:
+    def _by_bulk(self, bulks: Array, value: Callable[[Posterior, Mask], Array]) -> Array:
         """Values of points by the posterior at the bulk temperature of each."""
         if self.critical is None:
-            return value(self.posterior, ...)
+            return value(self.posterior, np.ones(bulks.shape, bool))
         at_bulk = self.critical.at_bulk
-        return at_nodes(
-            bulks, lambda bulk, here: value(at_bulk(bulk), here), _MOST_BULKS, _BULKS_APART
-        )
+        return by_bulk(bulks, lambda bulk, here: value(at_bulk(bulk), here))
 
     @property
     def without_result(self) -> list[EvaluatedTest]:

@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers import words
-from pipeline.answers.conditions import Operation, judged
+from pipeline.answers.conditions import Operation, by_bulk, judged
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_of
-from pipeline.answers.pchip import at_nodes
 from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out
@@ -36,8 +35,6 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
-_MOST_FILMS = 24  # bulk temperatures for each of which a film is computed; else between nodes
-_FILM_APART = 2.0  # K, distance of these nodes
 
 
 class Flag(IntFlag):
@@ -91,10 +88,10 @@ class JudgedCase:
         if self._film(self.case.conditions.bulk_temperature) is None:
             return None
 
-        def excess(bulk: float, here: Any) -> Array:
+        def excess(bulk: float, here: Mask) -> Array:
             return np.asarray(self._film(bulk)(at.load[here], at.velocity[here]))
 
-        return at_nodes(at.bulk_temperature, excess, _MOST_FILMS, _FILM_APART)
+        return by_bulk(at.bulk_temperature, excess)
 
     def _film(self, bulk: float) -> Any:
         return self._once(("film", bulk), lambda: film_of(self.case, bulk))
