@@ -17,7 +17,7 @@ from pipeline.paths import user_path
 AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
 """Function that adds a command: its name, its function, its purpose and an example."""
 _AT = '--load "500 N" --velocity "2 m/s"'
-_TABLE = "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.table
+_TABLE = "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.writable("table")
 _BEGIN = """Begin with:
   irg new scene.toml
   irg check scene.toml
@@ -151,7 +151,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _value(command, "--store OUT.zarr", words, values.store, dest="store_path")
     _workers(command)
     words = "file of a figure; or of the table, .csv, .md or .json"
-    _value(command, "-o --output FILE.png", words, values.figure_or_table)
+    _value(command, "-o --output FILE.png", words, values.writable("figure", "table"))
 
     command = add(
         "infer", "pipeline.cli.points:infer",
@@ -185,7 +185,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _quantity(command, "--ra RA", words, "0.2 um")
     _quantity(command, "--rsm RSM", "RSm of a profile or data sheet", "60 um")
     words = "figure of the scan beside the random surface"
-    _value(command, "-o --output FILE.png", words, values.figure)
+    _value(command, "-o --output FILE.png", words, values.writable("figure"))
 
 
 def _add_commands_on_stores(add: AddCommand) -> None:

@@ -109,25 +109,14 @@ def stored(text: str) -> Path | str:
     return store(str(found_store(text)))
 
 
-@_refusing
-def figure(text: str) -> Path:
-    """Return the path of a figure to write."""
-    from pipeline.frames import FIGURES, writable_path
+def writable(*kinds: str) -> Callable[[str], Path]:
+    """Return a function that checks the path of a file to write, a "figure" or a "table"."""
 
-    return writable_path(text, FIGURES)
+    @_refusing
+    def read(text: str) -> Path:
+        from pipeline.frames import FIGURES, TABLES, writable_path
 
+        suffixes = {"figure": FIGURES, "table": TABLES}
+        return writable_path(text, [one for kind in kinds for one in suffixes[kind]])
 
-@_refusing
-def table(text: str) -> Path:
-    """Return the path of a table to write."""
-    from pipeline.frames import TABLES, writable_path
-
-    return writable_path(text, TABLES)
-
-
-@_refusing
-def figure_or_table(text: str) -> Path:
-    """Return the path of a figure or of a table to write, which the suffix tells apart."""
-    from pipeline.frames import FIGURES, TABLES, writable_path
-
-    return writable_path(text, (*FIGURES, *TABLES))
+    return read
