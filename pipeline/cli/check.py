@@ -102,48 +102,32 @@ def _meaning_rows(
     sweep: Sweep, facts: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
-    worn = "worn" if facts.wear_depth else "unworn"
-    rough = "rough" if facts.surface else "smooth"
-    yield (
-        "contact",
-        f"Hertz: maximum pressure {_text(facts.hertz_pressure, 'GPa')}, half-width "
-        f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: width "
-        f"{_text(facts.contact_width, 'µm')}",
-    )
-    nx, ny = sweep.scene.grid.shape
+    scene, conditions = sweep.scene, sweep.conditions
+    pressure, half_width = _text(facts.hertz_pressure, "GPa"), _text(facts.hertz_half_width, "µm")
+    worn, rough = "worn" if facts.wear_depth else "unworn", "rough" if facts.surface else "smooth"
+    smooth = f"Hertz: maximum pressure {pressure}, half-width {half_width}"
+    yield "contact", f"{smooth}; {worn} and {rough}: width {_text(facts.contact_width, 'µm')}"
+    nx, ny = scene.grid.shape
     yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
     given = sweep.source.entries["window"]["pixels"]
-    if wider := _wider(given, sweep.scene):
+    if wider := _wider(given, scene):
         yield "", f"widened from {given[0]} pixels because of wear in the load stages; {wider}"
     yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
-    motion = (
-        f"duration {_text(facts.duration, 's')}, sliding distance "
-        f"{_text(facts.sliding_distance, 'm')}"
-    )
-    yield "motion", motion
+    time, distance = _text(facts.duration, "s"), _text(facts.sliding_distance, "m")
+    yield "motion", f"duration {time}, sliding distance {distance}"
     yield from _film_rows(sweep, [one.film_parameter for one in cases])
-    depth = (
-        f"{_text(facts.wear_depth, 'µm')} deep at the end of the test"
-        if facts.wear_depth
-        else "none"
-    )
-    yield "wear", depth
-    u = "of the disk u" if sweep.scene.motion else "V"
-    peclet = (
-        f"Péclet number {_text(facts.peclet_number)}, defined as {u} a/(2 κ) with the Hertzian "
-        "half-width a"
-    )
-    yield "heat", peclet if sweep.scene.friction_heat else "none, because friction is zero"
-    if added := added_rise_words(sweep.conditions):
+    depth = facts.wear_depth
+    yield "wear", f"{_text(depth, 'µm')} deep at the end of the test" if depth else "none"
+    u = "of the disk u" if scene.motion else "V"
+    peclet = f"Péclet number {_text(facts.peclet_number)}, defined as {u} a/(2 κ) with the Hertzian"
+    yield "heat", f"{peclet} half-width a" if scene.friction_heat else "none, as friction is zero"
+    if added := added_rise_words(conditions):
         yield "", added
-    elif sweep.scene.friction_heat and not sweep.tests:
-        yield (
-            "",
-            "heating through pin holder and surface films is not modelled; model.rise adds it "
-            "(irg help physics)",
-        )
-    if sweep.conditions.corrections:
-        yield "corrections", sweep.conditions.corrections.text
+    elif scene.friction_heat and not sweep.tests:
+        words = "heating through pin holder and surface films is not modelled; model.rise adds it"
+        yield "", f"{words} (irg help physics)"
+    if conditions.corrections:
+        yield "corrections", conditions.corrections.text
 
 
 def _wider(given: tuple[int, ...], scene: Scene) -> str:
@@ -192,20 +176,15 @@ def _text(span: Span, unit: str = "") -> str:
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Yield rows on the cost of a sweep: points, steps, time and disk."""
     velocities = sweep.case_table.column("velocity") or sweep.velocities
-    counts = [
-        pluralized(len(sweep.loads), "load", "loads"),
-        pluralized(len(velocities), "velocity", "velocities"),
-    ]
+    loads = pluralized(len(sweep.loads), "load", "loads")
+    counts = [loads, pluralized(len(velocities), "velocity", "velocities")]
     names = {"realization": "surfaces", CASE: "cases"}
     if sweep.case_table.column("load"):
         counts, names[CASE] = [], "cases, each at its own load and velocity"
     for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    steps = (
-        f"{cost.steps} contact solutions and {cost.temperatures} temperature solutions in "
-        f"{cost.tasks} tasks"
-    )
-    yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
+    steps = f"{cost.steps} contact solutions and {cost.temperatures} temperature solutions"
+    yield "points", f"{cost.points}: {', '.join(counts)}; {steps} in {cost.tasks} tasks"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
         widest = max((test.case.scene for test in sweep.tests), key=_pixels)
@@ -213,15 +192,11 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
             yield "", f"tests with load stages need wider windows, up to {wider}"
     workers, size = pluralized(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
-    yield (
-        "time",
-        f"about {duration(cost.seconds)} on {workers} of an idle machine; {disk} of disk space",
-    )
+    time = f"about {duration(cost.seconds)} on {workers} of an idle machine"
+    yield "time", f"{time}; {disk} of disk space"
     if has_unknown_error(sweep):
-        yield (
-            "error",
-            "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",
-        )
+        words = "unknown for custom numerical settings; --accuracy 2% replaces them by a preset"
+        yield "error", words
 
 
 def _surface_words(facts: SurfaceSummary) -> str:
