@@ -237,10 +237,10 @@ def _answers_at(model: VerdictModel, at: Operation) -> dict[str, Any]:
         values[:] = [snap(value, *ends) for value in values.tolist()]
     found = model.points(at)
     known = ~np.isnan(found["log_rise_ratio"])
-    for name in ("critical_velocity", "critical_load", "critical_velocity_p50"):
-        found[name] = np.full(known.shape, np.nan)
     for axis in ("velocity", "load"):
+        found[f"critical_{axis}"] = np.full(known.shape, np.nan)
         found[f"outcome_along_{axis}"] = np.full(known.shape, int(Outcome.UNKNOWN), np.int8)
+    found["critical_velocity_p50"] = np.full(known.shape, np.nan)
     if known.any():
         here = at.take(known)
         for axis in ("velocity", "load"):

@@ -78,7 +78,11 @@ class Evidence:
 
     def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-        return [self._by_bulk(bulks, lambda one, here, y=y: one.probability(y[here])) for y in ys]
+
+        def probability(y: Array) -> Array:
+            return self._by_bulk(bulks, lambda one, here: one.probability(y[here]))
+
+        return [*map(probability, ys)]
 
     def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
