@@ -101,7 +101,7 @@ def test_an_answer_on_a_store_waits_for_no_library_and_no_reader_of_scenes(alone
     place = "--load=400N --velocity=1.2m/s"
     commands = f"status {alone}", f"boundary {alone}", f"margin {alone} {place}", f"verify {alone}"
     *_, loaded = loaded_by(*commands)
-    slow = {"distributed", "matplotlib", "scipy.interpolate", "scipy.optimize"}
+    slow = {"dask", "pint", "distributed", "matplotlib", "scipy.interpolate", "scipy.optimize"}
     assert slow & loaded == set()
     assert [name for name in loaded if name.startswith("pipeline.scene")] == []
 
