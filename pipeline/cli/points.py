@@ -99,17 +99,17 @@ def infer(options: argparse.Namespace) -> Result:
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
     found = {str(name): one.item() for name, one in values.items()}
     said = (
-        f"{display(found['critical_temperature'], '°C', 4)}; standard deviation "
+        f" {display(found['critical_temperature'], '°C', 4)}; standard deviation "
         f"{found['spread_another_rig']:.2g} K for another rig, {found['spread_this_rig']:.2g} K "
         "for this one"
     )
     for bound in ("at_least", "at_most"):
         if not math.isnan(found[bound]):
-            said = f"{bound.replace('_', ' ')} {display(found[bound], '°C', 3)} (95 %)"
+            said = f": {bound.replace('_', ' ')} {display(found[bound], '°C', 3)} (95 %)"
     count = pluralized(tests.sizes["test"], "test", "tests")
     frame = answer_frame(tests)
     text = [
-        f"critical temperature: {said}, from {count}", "", without_columns(frame),
+        f"critical temperature{said}, from {count}", "", without_columns(frame),
         *words.common_lines(tests),
     ]  # fmt: skip
     return Result({**found, "tests": records([frame])}, wrapped(text), frames=[frame])
