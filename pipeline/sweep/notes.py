@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 from pipeline.units import unusual
-from tribo import InputError
 
 
 class SceneNote(NamedTuple):
@@ -25,16 +24,7 @@ Code = Literal[
     "unusual", "unusual_values", "narrow_window", "lay_along_sliding", "long_correlation",
     "no_wear", "far_test", "fresh_specimens", "cold_tracks", "sharp_ends",
 ]  # fmt: skip
-_VALUES: dict[Code, tuple[type, ...]] = {
-    "unusual": (float, float, float, str),  # value [SI], usual range and its unit
-    "unusual_values": (float, float, float, float, float, str),  # how many, of how many; the same
-    "narrow_window": (float, float),  # contact and window [m]
-    "long_correlation": (str, float),  # axis, length [m]
-    "far_test": (float, float),  # load [N], velocity [m/s]
-    "fresh_specimens": (str, float),  # names of tests, and number of those that are not named
-    "cold_tracks": (float, str),  # length [m], bodies
-}
-"""Types of the values of a warning; without an entry it has none."""
+"""Kinds of warnings."""
 
 
 class SceneWarning(NamedTuple):
@@ -50,12 +40,6 @@ class SceneWarning(NamedTuple):
     values: tuple[float | str, ...] = ()
     cases: tuple[str, ...] = ()
     of_case: str = ""
-
-    def require_values(self) -> None:
-        """Raise an `InputError` if the values are not those of the code."""
-        wanted = _VALUES.get(self.code, ())
-        if len(self.values) != len(wanted) or not all(map(isinstance, self.values, wanted)):
-            raise InputError(f"the warning {self.code} has other values: {self.values!r:.60}")
 
 
 def unusual_warning(

@@ -41,10 +41,6 @@ class MissingSurface(UnknownHeights):
         return "the heights of the measured surface are missing"
 
 
-class SweepDataError(InputError):
-    """Plain data do not describe a sweep."""
-
-
 _CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
@@ -70,7 +66,7 @@ def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
 
 
 def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
-    """The sweep of plain data from `plain_sweep`; `SweepDataError` for any other data."""
+    """The sweep of plain data from `plain_sweep`; `CodecError` for any other data."""
     try:
         base = plain["base"]
         cases = [changed(base, case) for case in plain["cases"]]
@@ -78,15 +74,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
             name: [test | {"case": changed(base, test["case"])} for test in plain[name]]
             for name in ("tests", "former")
         }
-        whole = {**plain, "cases": cases, **tests}
-    except (CodecError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
-    try:
-        sweep = decode(whole, _CLASSES, arrays)
-        if not isinstance(sweep, Sweep) or not 0 < len(sweep.cases) == len(sweep.case_table):
-            raise CodecError("it has no case for each row")
-        for one in sweep.warnings:
-            one.require_values()
-    except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
-        raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
+        sweep: Sweep = decode({**plain, "cases": cases, **tests}, _CLASSES, arrays)
+    except (CodecError, TriboError, KeyError) as error:  # no other: a fault of this program
+        raise CodecError(f"the data of the sweep cannot be read: {error}") from error
     return sweep

@@ -1,7 +1,5 @@
 """All refusals of sweeps, their conditions, cases: causes, and what each says."""
 
-import functools
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -37,10 +35,6 @@ def other_heights():
 
 
 SMOOTH = tiny.sweep(roughness=None)
-FAR = {
-    "is": "SceneWarning", "code": "far_test", "place": "", "values": [1.0], "cases": [],
-    "of_case": "",
-}  # fmt: skip
 REFUSALS = {
     # conditions
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
@@ -60,19 +54,11 @@ REFUSALS = {
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing: realization 1, pin b"),
     # data of sweeps
-    "class": (data(warnings=[{"is": "os"}]), "'os': 'os'"),
+    "class": (data(warnings=[{"is": "os"}]), "there is no class 'os'"),
     "fields": (data(warnings=[{"is": "SceneWarning"}]), "SceneWarning.cases is missing"),
-    "values": (data(warnings=[FAR]), "the warning far_test has other values: (1.0,)"),
-    "type": (data(title=3), "Sweep.title is 3"),
-    "depth": (data(title=functools.reduce(lambda one, _: [one], range(30))), "more than 24 within"),
-    "length": (data(title="x" * (2**20 + 1)), "str of 1048577 is longer than 1048576"),
-    "large number": (data(loads=[10**400]), "… is too large"),
-    "no number": (data(loads=[math.inf]), "Infinity is no number of JSON"),
     "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
-    "cases": (data(cases=[]), "it has no case for each row"),
-    "no object": (lambda: sweep_of_plain([], {}), "the data of the sweep cannot be read"),
     "array": (other_heights, "its numbers are others"),
     # surfaces
     "not beside": (lambda: MissingSurface("0", (1, 1)).heights(None), "heights of the measured"),
