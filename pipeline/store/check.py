@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.arrays import read_chunk
 from pipeline.store.layout import Group, blocks
-from pipeline.store.place import Folder, read_errors
-from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, is_coordinate, path_of
+from pipeline.store.place import DamagedError
+from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, is_coordinate, path_of
 from tribo.types import Indices, Mask
 
 if TYPE_CHECKING:
@@ -74,53 +73,42 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
 
 
 def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
-    """A field of each point; None where it is lost, and of points without fields."""
-    array, own = store.arrays[name], store.group.have_fields(where)
-    found: list[Any] = [None] * len(where)
-    files = store.field_files(name, where) if isinstance(store.place, Folder) else ()
-    for number, chunk in enumerate(store.group.field_numbers[tuple(where.T)].tolist()):
-        if own[number] and files:
-            with store.noted(name, [chunk]), read_errors(store.place, name):
-                found[number] = read_chunk(array, files[number])
-        elif own[number]:
-            found[number] = store.try_read(name, (slice(chunk, chunk + 1),))
-        if found[number] is not None:
-            found[number] = found[number][0]
-    store.require_same()
+    """A field of each done point; None where it is lost, and of points without fields."""
+    numbers, found = store.group.field_numbers[tuple(where.T)], [None] * len(where)
+    (rows,) = np.nonzero((numbers >= 0) & (store.flags[tuple(where.T)] == DONE))
+    try:
+        made = store.read(name, (numbers[rows],))
+    except DamagedError:  # of one of them
+        parts = [store.try_read(name, (slice(one, one + 1),)) for one in numbers[rows].tolist()]
+        made = [None if one is None else one[0] for one in parts]
+    for row, field_ in zip(rows.tolist(), made, strict=True):
+        found[row] = field_
     return found
 
 
 def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
     """What is wrong with each point, from its stored values; empty if it is sound."""
-    done, own = store.flags[tuple(where.T)] == DONE, store.group.have_fields(where)
-    faults = [""] * len(where)
-
-    def note(mask: Mask, words: str) -> None:
-        for number in np.flatnonzero(mask).tolist():
-            faults[number] = faults[number] or words
-
+    group, done = store.group, store.flags[tuple(where.T)] == DONE
+    own = group.field_numbers[tuple(where.T)] >= 0
     lost = [name for name, one in values.items() if one is None]
-    if lost:
-        words, of_all = f"{', '.join(lost)} cannot be read", {*lost} - {*DATA, "steps"}
-        note(done | bool(of_all), words)  # points that failed have no results
-    for name, made in values.items():
-        if name in FIELDS:
-            ends = [one if one is None or one.ndim == 2 else one[-1] for one in made]
-            is_lost = np.array([one is None or np.isnan(one).all() for one in ends]) & own
-            chunks = store.group.field_numbers[tuple(where.T)].tolist()
-            keys = [store.key(name, [chunk]) for chunk in chunks]
-            known = store.damage.files if store.damage else {}
-            unread = np.array([key in known for key in keys])
-            note(is_lost & done & unread, f"{name} cannot be read")
-            note(is_lost & done, f"{name} is missing")
-        elif made is not None and name in DATA and made.dtype.kind == "f":
-            end = made[:, -1] if store.group.is_stepped(name) else made
-            is_lost = np.isnan(end).reshape(len(where), -1).any(axis=1)
-            note(is_lost & done, f"{name} is missing")
-    if not lost:
-        differ = checksums(store.group, where, values, done) != values["checksum"]
-        note(differ, "its values are not those that were written")
-    return faults
+    of_all = {*lost} - {*DATA, "steps"}  # points that failed have no results
+    right = values["checksum"] if lost else checksums(group, where, values, done)
+
+    def fault(row: int) -> str:
+        if lost:
+            return f"{', '.join(lost)} cannot be read" if done[row] or of_all else ""
+        for name in values if done[row] else ():
+            if name not in DATA or (name in FIELDS and not own[row]):
+                continue
+            if (one := values[name][row]) is None:
+                return f"{name} cannot be read"
+            end = one[-1] if group.is_stepped(name) else one
+            if end.dtype.kind == "f" and np.isnan(end).any():
+                return f"{name} is missing"
+        is_whole = right[row] == values["checksum"][row]
+        return "" if is_whole else "its values are not those that were written"
+
+    return [fault(row) for row in range(len(where))]
 
 
 def checksums(
@@ -132,7 +120,7 @@ def checksums(
     """
     found = np.zeros(len(where), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
-    own = group.have_fields(where)
+    own = group.field_numbers[tuple(where.T)] >= 0
     for number, point in enumerate(group.points_at(tuple(where.T))):
         is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
         crc = zlib.crc32(is_of.encode())
@@ -170,8 +158,9 @@ def find_damage(store: Store, progress: Report = silent) -> Damage:
 
 def mend(store: Store) -> int:
     """Mark damaged points as pending, and replace damaged files; return their number."""
-    damage = find_damage(store)
-    # Statuses first, so that a done point is whole even after a kill in between.
-    store.mark_pending(damage.points)
+    damage, flags = find_damage(store), store.flags.copy()
+    for index in damage.points:
+        flags[index] = PENDING
+    store.set_flags(flags)  # before the files, so that a done point is whole even after a kill
     store.put(damage.files.values())
     return len(damage.points) + len(damage.files)

@@ -17,17 +17,17 @@ import os
 import re
 import shlex
 import shutil
-from collections.abc import Iterable, Iterator
+from collections import defaultdict
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
-from pipeline.store.check import Checked, Damage, checked_points, mend
+from pipeline.store.check import Checked, Damage, Index, checked_points, mend
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
@@ -46,15 +46,13 @@ from pipeline.store.place import (
 )
 from pipeline.store.resume import join, mismatches
 from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
-from pipeline.store.schema import AT_ENDS, DATA, DONE, FAILED, FIELDS, PENDING
+from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING
 from pipeline.store.store import Store
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import choose_stored_steps, points
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
-from tribo.types import Indices
 
-_SPARE = 2**22  # bytes of a disk that stay free when a store takes the place of another
 _CHUNK = re.compile(r"c(\.\d+)*")
 
 
@@ -123,8 +121,8 @@ def _opened(
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []
-    growths, order = (before.plane.growths, before.plane.order) if before else (0, ())
-    root = Root.of(join(before.sweep if before else None, sweep), lines, growths, order)
+    growths = before.plane.growths if before else 0
+    root = Root.of(join(before.sweep if before else None, sweep), lines, growths)
     if before and _have_the_same_points(before, root):
         store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
@@ -135,8 +133,7 @@ def _opened(
             _update(place, root)
     elif isinstance(place, Folder):
         if before:  # a dataset that is open must not read the numbers of other points
-            new = Root.of(root.sweep, lines, growths + 1)
-            root = Root.of(root.sweep, lines, growths + 1, new.plane.order_after(before.plane))
+            root = Root.of(root.sweep, lines, growths + 1)
         store = _moved_in(place, before, root, lock, progress, held)
     elif before:
         raise _no_room(place, "on an object store a plane is fixed")
@@ -225,7 +222,6 @@ def _moved_in(
     if place.path.exists():
         if others := sorted(_not_of(before, place)):
             raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
-        _require_space(place)
         lock = held.enter_context(locked(new, progress))
     with io_errors(new, "written"):
         for path in new.path.iterdir():
@@ -235,7 +231,7 @@ def _moved_in(
     if before:
         store, other = Store(new, root, lock, Damage()), Store(place, before, None, Damage())
         for mine, theirs in zip(store.groups, other.groups, strict=False):
-            _, unsound, lost = _take(mine, theirs, mine.pending(), (DONE, FAILED))
+            _, unsound, lost = _take(mine, theirs, (DONE, FAILED))
             if lost:
                 raise _no_room(place, f"{lost} of its points, which are done, would be lost")
             if unsound:
@@ -269,18 +265,6 @@ def _not_of(root: Root | None, place: Folder) -> Iterator[str]:
                 yield key
 
 
-def _require_space(place: Folder) -> None:
-    """Raise a `StoreError` unless the disk has room for a second copy of all but the fields."""
-    kept = 0
-    for folder, inner, names in os.walk(place.path):
-        if AT_ENDS in inner:  # fields are linked
-            inner.remove(AT_ENDS)
-        kept += sum(os.lstat(f"{folder}/{name}").st_size for name in names)
-    free, needed = shutil.disk_usage(place.path).free, 2 * kept + _SPARE
-    if free < needed:
-        raise _no_room(place, f"its disk has {free / 1e6:.3g} MB left, of {needed / 1e6:.3g}")
-
-
 def _no_room(place: StorePlace, reason: str) -> StoreError:
     return StoreError(
         f"{place} cannot be extended: {reason}; write a new store and copy the points of this "
@@ -299,84 +283,51 @@ def copy_points(store: Store, other: Store) -> int:
     at different times, or `other` lacks a variable of `store`.
     """
     pairs = zip(store.groups, other.groups, strict=False)
-    return sum(_take(mine, theirs, mine.pending(), (DONE,))[0] for mine, theirs in pairs)
+    return sum(_take(mine, theirs, (DONE,))[0] for mine, theirs in pairs)
 
 
-def _take(
-    store: Store, other: Store, wanted: Iterable[Point], flags: tuple[int, ...]
-) -> tuple[int, int, int]:
-    """Copy points with one of the `flags`.
+def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int, int]:
+    """Copy the pending points that `other` has in one of these states.
 
     Return the numbers of those copied, of those damaged, and of those that have no place.
     """
-    data = store.arrays.keys() & DATA.keys()
     if (
         choose_stored_steps(store.sweep) != choose_stored_steps(other.sweep)
-        or data - other.arrays.keys()
+        or store.arrays.keys() & DATA.keys() - other.arrays.keys()
+        or store.sweep.fields not in (False, other.sweep.fields)
     ):
         return 0, 0, 0
-    if store.sweep.fields not in (False, other.sweep.fields):
-        return 0, 0, 0
-    places: dict[tuple[Any, ...], list[Point]] = {}
-    for point in wanted:
-        places.setdefault((store.group.scene_hash(point), *point[:2]), []).append(point)
+    places = defaultdict[tuple[Any, ...], list[Point]](list)
+    for point in store.pending():
+        places[store.group.scene_hash(point), *point[:2]].append(point)
     taken, unsound, lost = 0, 0, 0
     other.damage = other.damage or Damage()
     for some in checked_points(other):
-        rows, targets = list[int](), list[tuple[int, ...]]()
+        rows, targets, found = list[int](), list[Index](), other.flags[tuple(some.where.T)]
         for row, here in enumerate(other.group.points_at(tuple(some.where.T))):
             same = places.get((other.group.scene_hash(here), *here[:2]), ())
             unsound += bool(some.faults[row] and same)
             lost += not (some.faults[row] or same)
-            if not some.faults[row]:
-                targets += [store.index(point) for point in same]
-                rows += [row] * len(same)
-        of_rows = other.flags[tuple(some.where[rows].T)]
-        for status in flags:
-            own = np.flatnonzero(of_rows == status)
-            at = np.array(targets, int).reshape(-1, len(store.dims))[own]
-            taken += _copy(store, other, some, np.array(rows, int)[own], at, status)
+            for index in map(store.index, same if found[row] in states else ()):
+                # Points whose fields `other` lacks have to be simulated.
+                needs = store.group.field_numbers[index] >= 0 and found[row] == DONE
+                if not some.faults[row] and not (needs and _lacks_fields(some, row)):
+                    rows.append(row)
+                    targets.append(index)
+        if rows:
+            names = store.arrays.keys() - {"checksum"}
+            values = {
+                name: one[rows] if isinstance(one, np.ndarray) else [one[row] for row in rows]
+                for name, one in some.values.items()
+                if name in names and one is not None
+            }
+            store.write(np.array(targets), values, found[rows])
+        taken += len(rows)
     return taken, unsound, lost
 
 
-def _copy(
-    store: Store, other: Store, some: Checked, rows: Indices, targets: Indices, status: int
-) -> int:
-    """Write the points at `rows` of `some` at the indices `targets`; return their number.
-
-    Fields are linked where the two have the same chunks. Points whose fields `other` lacks are left
-    out: they have to be simulated.
-    """
-    there = other.group.have_fields(some.where[rows])
-    able = there | ~store.group.have_fields(targets) | (status != DONE)
-    rows, targets = rows[able], targets[able]
-    if not len(rows):
-        return 0
-    names = store.arrays.keys() & some.values.keys() - {"checksum"}
-    if status != DONE:
-        names -= {*DATA, "steps"}
-    values = {
-        name: [some.values[name][row] for row in rows]
-        if name in FIELDS
-        else some.values[name][rows]
-        for name in names
-    }
-    linked = [name for name in names if name in FIELDS and _have_same_chunks(store, other, name)]
-    own = store.group.have_fields(targets)
-    for name in linked:
-        assert isinstance(store.place, Folder)
-        new = (Path(file).name for file in store.field_files(name, targets[own]))
-        old = other.field_files(name, some.where[rows][own])
-        store.place.link(store.arrays[name].path, dict(zip(new, old, strict=True)))
-    store.write(targets, values, status, linked)
-    return len(rows)
-
-
-def _have_same_chunks(store: Store, other: Store, name: str) -> bool:
-    """True if both are folders, and a chunk of a variable has the same values in both."""
-    are_folders = isinstance(store.place, Folder) and isinstance(other.place, Folder)
-    within = (one.arrays[name].shape[len(one.block_of(name)) :] for one in (store, other))
-    return are_folders and len({*within}) == 1
+def _lacks_fields(some: Checked, row: int) -> bool:
+    return any(some.values[name][row] is None for name in FIELDS if name in some.values)
 
 
 @functools.cache

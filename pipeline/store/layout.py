@@ -50,15 +50,13 @@ class Group:
     """A group of points, of a plane or of tests: all else follows from the sweep.
 
     `prefix` is the path of the group in the store, with a slash; empty for the plane. `inputs` has
-    the arrays that were read from the scene's files, by SHA-256. `order` has the number in the
-    group ``fields`` of each point with fields; in a new store they are counted as they come.
+    the arrays that were read from the scene's files, by SHA-256.
     """
 
     sweep: Sweep
     inputs: Mapping[str, Array] = field(default_factory=dict)  # read from the scene's files
     prefix: str = ""
     growths: int = 0  # how often the store took the place of a smaller one
-    order: Sequence[int] = ()
 
     @property
     def step(self) -> str:
@@ -145,44 +143,17 @@ class Group:
         if self.sweep.fields:
             own, every = self.field_index, slice(None)
             on_it = tuple(own if dim in self.seeds else every for dim in self.dims)
-            order = self.order or range(self.sizes[FIELD_POINT])
-            numbers[on_it] = np.reshape(order, numbers[on_it].shape)
+            numbers[on_it] = np.arange(self.sizes[FIELD_POINT]).reshape(numbers[on_it].shape)
         return numbers
-
-    def have_fields(self, where: Indices) -> Mask:
-        """True for points with fields; `where` has an index along `dims` for each, (n, n_dim)."""
-        has: Mask = self.field_numbers[tuple(where.T)] >= 0
-        return has
-
-    def order_after(self, before: Group) -> list[int]:
-        """`order` by which points keep the numbers that they have in the smaller group `before`.
-
-        So a file of a field is of the same point however a store grows, and a dataset that was
-        opened before reads the right one.
-        """
-        mine, theirs = self._points_with_fields, before._points_with_fields
-        kept = dict(zip(theirs, before.order or range(len(theirs)), strict=True))
-        new = itertools.count(len(kept))
-        return [kept[point] if point in kept else next(new) for point in mine]
-
-    @property
-    def _points_with_fields(self) -> list[Point]:
-        """Points with fields in the order of the plane, without their surfaces."""
-        return [
-            point._replace(case=tuple(one for one in point.case if one[0] not in self.seeds))
-            for point in self.points_at(np.nonzero(self.field_numbers >= 0))
-        ]
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
         block, made = self._block(), dict[str, Document]()
         for name, one in self.variables.items():
-            if name in FIELDS:  # their files are linked by a store that takes the place of this one
-                made[name] = array_document(one, self.sizes, {FIELD_POINT: 1})
-            else:
-                own = {} if is_coordinate(name) or name == "status" else block
-                made[name] = array_document(one, self.sizes, own, self.growths)
+            own = {FIELD_POINT: 1} if name in FIELDS else block
+            own = {} if is_coordinate(name) or name == "status" else own
+            made[name] = array_document(one, self.sizes, own, self.growths)
         return made
 
     def _block(self) -> dict[str, int]:
@@ -203,8 +174,7 @@ class Group:
         """Values of coordinates, and of the arrays from the scene's files, by name."""
         values: dict[str, Any] = self.axes | _made_coordinates(self)
         if self.sweep.fields:
-            numbers = self.field_numbers
-            where = np.argwhere(numbers >= 0)[np.argsort(numbers[numbers >= 0])]
+            where = np.argwhere(self.field_numbers >= 0)
             for name in [*self.axes, *PLANE]:
                 if f"{AT_ENDS}/{name}" in self.variables:
                     along = where[:, self.dims.index(self.variables[name].dims[0])]

@@ -20,7 +20,7 @@ from __future__ import annotations
 import errno
 import os
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.paths import open_regular, user_path
-from pipeline.store.files import make_folder, path_below, require_no_link, sync, write_file
+from pipeline.store.files import make_folder, path_below, require_no_link, sync
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -117,25 +117,6 @@ class Folder:
         """Return once the names of the files that were written are on the disk, too."""
         while self.zarr.touched:
             sync(self.zarr.touched.pop())
-
-    def folder_of(self, path: str) -> str:
-        """Folder of an array below this one; `OSError` if a link is on the way."""
-        return os.fspath(path_below(self.path, f"{path}/{ROOT}").parent)
-
-    def link(self, path: str, files: Mapping[str, str]) -> None:
-        """Put files of another store into the folder `path`, by new names; their content is shared.
-
-        Where a disk has no links, it is copied.
-        """
-        folder = Path(self.folder_of(path))
-        for name, file in files.items():
-            with suppress(FileNotFoundError):
-                os.unlink(f"{folder}/{name}")  # noqa: PTH108 (thousands of files)
-            try:
-                os.link(file, f"{folder}/{name}")
-            except OSError:
-                write_file(folder / name, Path(file).read_bytes())
-        self.zarr.touched.add(folder)
 
     def open_file(self, key: str) -> int:
         """Open or create the file `key`; return its descriptor.

@@ -31,7 +31,6 @@ from pipeline.store.schema import (
     ABOUT,
     AT_ENDS,
     DIM,
-    FIELD_POINT,
     FORMAT,
     INPUTS,
     OF_TESTS,
@@ -52,7 +51,6 @@ FACTS = f"{ABOUT}/{ROOT}"
 """Key of the document that says what a store is; it is written last."""
 _COPY = "consolidated_metadata"
 _SOURCE = "simulated by irg-transition"
-_MOST_GROWTHS = 2**12  # each adds four bytes to a chunk; more are no data of this program
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
@@ -71,10 +69,9 @@ class Root:
         sweep: Sweep,
         history: Sequence[str],
         growths: int = 0,
-        order: Sequence[int] = (),
         stored: Any = None,
     ) -> Root:
-        """The root of the store of a sweep; `growths` and `order` are those of its groups.
+        """The root of the store of a sweep; `growths` is that of its groups.
 
         `stored` has the sweep's plain data and arrays, if these were read from a store.
         """
@@ -82,7 +79,7 @@ class Root:
         if sweep.tests or sweep.former:
             own = sweep_of_tests(sweep, judges_holds(sweep))
             tests = Group(own, prefix=f"{OF_TESTS}/", growths=growths)
-        plane = Group(sweep, arrays, growths=growths, order=order)
+        plane = Group(sweep, arrays, growths=growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
     @property
@@ -120,7 +117,6 @@ class Root:
             "format": FORMAT,
             "history": [*self.history],
             "growths": self.plane.growths,
-            "order": [*self.plane.order],
             "inputs": sizes_of(self.plane.inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
@@ -145,7 +141,7 @@ def _group(attributes: Document) -> Document:
 
 def _digest(facts: Mapping[str, Any]) -> str:
     """SHA-256 of the facts without their own digest."""
-    said = [facts[name] for name in ("format", "history", "inputs", "growths", "order", "sweep")]
+    said = [facts[name] for name in ("format", "history", "inputs", "growths", "sweep")]
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
@@ -201,37 +197,26 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
 
     try:
         facts = json.loads(content)["attributes"]
-        version, by = facts["format"], [str(line) for line in facts["history"]]
-        plain, sizes, text = facts["sweep"], dict(facts["inputs"]), str(facts["scene"])
-        growths, order = facts["growths"], [*facts["order"]]
-        is_whole = version == FORMAT and facts["digest"] == _digest(facts)
-        is_whole &= all(type(size) is int and 0 < size < 2**40 for size in sizes.values())
-        is_whole &= type(growths) is int and 0 <= growths < _MOST_GROWTHS
-        is_whole &= all(type(number) is int for number in order)
+        version, history = facts["format"], facts["history"]
+        is_whole = facts["digest"] == _digest(facts)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
         raise StoreError(
             f"{place}: its {FACTS} has format {version!r:.20}, and this program reads {FORMAT}; "
-            "run the scene into another store, or read it with the version that wrote it"
-            + f" ({by[-1]:.200})"
-            * bool(by)
+            "run the scene into another store, or read it with the version that wrote it "
+            f"({history[-1]:.200})"
         )
     if not is_whole:
         raise is_damaged("it is not what was written")
-    try:  # anybody can write such a document; other errors are faults of this program
-        arrays = _read_inputs(place, sizes, growths)
-        sweep = replace(sweep_of_plain(plain, arrays), text=text)
-        root = Root.of(sweep, by, growths, order, (plain, arrays))
-        if order and sorted(order) != [*range(root.plane.sizes.get(FIELD_POINT, 0))]:
-            raise ValueError("the order of its fields")
-        for group in root.groups:
-            _ = group.axes, group.arrays, group.coordinates, group.field_index
+    try:
+        arrays = _read_inputs(place, facts["inputs"], facts["growths"])
+        sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
+        return Root.of(sweep, history, facts["growths"], (facts["sweep"], arrays))
     except StoreError:
         raise
-    except (TriboError, ValueError, ArithmeticError) as error:
+    except TriboError as error:
         raise is_damaged(error) from error
-    return root
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:

@@ -6,9 +6,9 @@ Data are written first, the status last: done means that all of a point is on th
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from pipeline.store.place import (
     LOCK,
     Bucket,
     DamagedError,
-    Folder,
     PathLike,
     StoreError,
     StorePlace,
@@ -46,11 +45,9 @@ from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
-from tribo.types import Indices
+from tribo.types import Indices, Mask
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
-_OF_POINT = ("message", "warning_flags", "wall_time")  # of a record, beside its data
-_AT_ONCE = 2**25  # bytes of fields that are read at once
 _THREADS = 8  # an object store answers them side by side
 
 
@@ -116,6 +113,10 @@ class Store:
         """Points where a mask of the shape of `flags` is True."""
         return self.group.points_at(np.nonzero(mask))
 
+    def pending(self) -> list[Point]:
+        """Points that were asked for, and are neither done nor failed."""
+        return self.points_where(self.flags == PENDING)
+
     def block_of(self, name: str) -> Index:
         """Number of points in a chunk of a variable, along each of its dimensions of points."""
         dims = self.group.variables[name].dims
@@ -128,11 +129,7 @@ class Store:
         """
         within = [0] * (self.arrays[name].ndim - len(chunk))
         path = f"{self.group.prefix}{path_of(name)}"
-        return f"{path}/{self.file_name(chunk, within)}"
-
-    def file_name(self, chunk: Sequence[int], within: Sequence[int]) -> str:
-        """Name of the file of a chunk in the folder of its variable."""
-        return ".".join(map(str, ("c", *chunk, *within)))
+        return f"{path}/{'.'.join(map(str, ('c', *chunk, *within)))}"
 
     # Reading
 
@@ -142,60 +139,35 @@ class Store:
             with read_errors(self.place, name):
                 return self.arrays[name].oindex[key]
         finally:
-            self.require_same()
-
-    def require_same(self) -> None:
-        """Raise a `StoreError` if another store has taken the place of this one."""
-        if self.place.stamp() != self._stamp:
-            raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
-
-    def pending(self) -> list[Point]:
-        """Points that were asked for, and are neither done nor failed."""
-        return self.points_where(self.flags == PENDING)
-
-    def field_files(self, name: str, where: Indices) -> list[str]:
-        """Files of a field at points, in a folder."""
-        assert isinstance(self.place, Folder)
-        array, numbers = self.arrays[name], self.group.field_numbers[tuple(where.T)].tolist()
-        within = [0] * (array.ndim - 1)
-        with io_errors(self.place):
-            folder = self.place.folder_of(array.path)
-        return [f"{folder}/{self.file_name([number], within)}" for number in numbers]
+            if self.place.stamp() != self._stamp:
+                raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
 
     def try_read(self, name: str, block: Slices) -> Any:
-        """Values of a variable at `block`; None, and a note of its chunk, if it is damaged."""
-        sizes = self.block_of(name)
-        chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
-        with self.noted(name, chunk):
-            return self.read(name, block)
-        return None
+        """Values of a variable at `block`, which is a chunk.
 
-    @contextmanager
-    def noted(self, name: str, chunk: Sequence[int]) -> Iterator[None]:
-        """Context manager: note a chunk that proves damaged, with values that replace it."""
+        If it is damaged, None; `damage` then notes the chunk, with values that replace it.
+        """
         try:
-            yield
+            return self.read(name, block)
         except DamagedError:
             if self.damage is None:
                 raise
             sizes, fill = self.block_of(name), self.arrays[name].fill_value
-            place = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-            self.damage.files[self.key(name, chunk)] = name, place, fill
+            chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
+            self.damage.files[self.key(name, chunk)] = name, block, fill
+            return None
 
     # Writing: every method raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
         """Write the records of points: data first, then statuses, so that done points have data."""
-        records = [*records]
-        done = [record for record in records if record.data is not None]
-        failed = [record for record in records if record.data is None]
-        for some, status in ((done, DONE), (failed, FAILED)):
-            if some:
-                where = np.array([self.index(record.point) for record in some])
-                self.write(where, self._stacked(some), status)
+        if records := [*records]:
+            where = np.array([self.index(record.point) for record in records])
+            states = [FAILED if record.data is None else DONE for record in records]
+            self.write(where, self._stacked(records), np.array(states, np.int8))
 
     def _stacked(self, records: Sequence[PointRecord]) -> dict[str, Any]:
-        """Values of records by variable; with those of a field for each that has it."""
+        """Values of records by variable: those of a field for each point that has it."""
         values: dict[str, Any] = {
             name: np.array([getattr(record, name) for record in records], self.arrays[name].dtype)
             for name in ("warning_flags", "wall_time")
@@ -205,108 +177,95 @@ class Store:
             record.message[:_LONGEST].encode(errors="backslashreplace").decode()
             for record in records
         ]
-        tables = [record.data for record in records if record.data is not None]
-        if not tables:
+        tables = [record.data or {} for record in records]
+        if not any(tables):
             return values
-        steps = np.array([len(one["max_rise"]) for one in tables], np.int32)
+        steps = np.array([len(one.get("max_rise", ())) for one in tables], np.int32)
         for name in DATA.keys() & self.arrays.keys():
-            array = self.arrays[name]
             if name in FIELDS:
                 values[name] = [one.get(name) for one in tables]
-            elif self.group.is_stepped(name):
-                shape = len(tables), steps.max(), *array.shape[len(self.dims) + 1 :]
-                values[name] = made = np.full(shape, array.fill_value, array.dtype)
-                for number, one in enumerate(tables):
-                    made[number, -steps[number] :] = one[name]
-            else:
-                values[name] = np.array([one[name] for one in tables], array.dtype)
+                continue
+            array, room = self.arrays[name], (steps.max(),) * self.group.is_stepped(name)
+            shape = len(tables), *room, *array.shape[len(self.dims) + len(room) :]
+            values[name] = made = np.full(shape, array.fill_value, array.dtype)
+            for row, table in enumerate(tables):
+                if table:
+                    made[(row, slice(-steps[row], None)) if room else row] = table[name]
         return values | {"steps": steps}
+
+    def write(self, where: Indices, values: Mapping[str, Any], states: NDArray[np.int8]) -> None:
+        """Write the values of points by variable, and once these are on the disk, their statuses.
+
+        `where` has the index of each point, shape (n, n_dim). A field is None at points that have
+        none.
+        """
+        values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
+        numbers, chunks = self.group.field_numbers[tuple(where.T)], []
+        for name, ones in values.items():
+            at = numbers[:, None] if name in FIELDS else where
+            rows: dict[Index, list[int]] = {}
+            for row, chunk in enumerate((at // self.block_of(name)).tolist()):
+                if name not in FIELDS or (numbers[row] >= 0 and ones[row] is not None):
+                    rows.setdefault(tuple(chunk), []).append(row)
+            chunks += [(name, chunk, found, at, ones) for chunk, found in rows.items()]
+        with ThreadPoolExecutor(_THREADS) as threads:
+            self.put([*threads.map(lambda one: self._changed(*one), chunks)])
+        flags = self.flags.copy()
+        flags[tuple(where.T)] = states
+        self.set_flags(flags)
+
+    def _changed(
+        self, name: str, chunk: Index, rows: Sequence[int], at: Indices, values: Any
+    ) -> tuple[str, Slices, Any]:
+        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`."""
+        array, sizes = self.arrays[name], self.block_of(name)
+        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
+        if name not in FIELDS and np.isin(self.flags[block], (DONE, FAILED)).any():
+            whole = self.read(name, block)
+        else:  # what is there may be damaged
+            ends = [min(part.stop, n) for part, n in zip(block, array.shape, strict=False)]
+            shape = [end - part.start for end, part in zip(ends, block, strict=True)]
+            whole = np.full((*shape, *array.shape[len(block) :]), array.fill_value, array.dtype)
+        within = tuple((at[rows] - [part.start for part in block]).T)
+        made = np.array([values[row] for row in rows], array.dtype)
+        if self.group.is_stepped(name):
+            n = min(made.shape[1], whole.shape[len(block)])  # what is longer has no values
+            whole[within] = array.fill_value
+            whole[(*within, slice(-n, None))] = made[:, -n:]
+        else:
+            whole[within] = made
+        return name, block, whole
+
+    # Statuses
 
     def forget(self, points: Iterable[Point]) -> None:
         """Mark points as pending, so that they are computed again."""
-        self.mark_pending([self.index(point) for point in points])
-
-    def mark_pending(self, indices: Iterable[Index]) -> None:
-        """Mark the points at these indices as pending."""
-        flags = self.flags.copy()
-        for index in indices:
-            flags[index] = PENDING
-        self._write_flags(flags)
+        self.set_flags(np.where(self._mask(points), np.int8(PENDING), self.flags))
 
     def ask(self, points: Iterable[Point]) -> None:
         """Mark `points` as asked for, and others that are not done as not asked for."""
-        wanted = np.zeros(self.flags.shape, bool)
-        for point in points:
-            wanted[self.index(point)] = True
-        flags = np.where(wanted & (self.flags == NOT_NEEDED), np.int8(PENDING), self.flags)
-        self._write_flags(np.where(wanted | (flags == DONE), flags, np.int8(NOT_NEEDED)))
-
-    def leave_out_pending(self) -> None:
-        """Mark pending points as not asked for, until `ask_for` asks for them."""
-        self._write_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
+        self.ask_for(points := [*points])
+        is_left = self._mask(points) | (self.flags == DONE)
+        self.set_flags(np.where(is_left, self.flags, np.int8(NOT_NEEDED)))
 
     def ask_for(self, points: Iterable[Point]) -> None:
         """Mark points as asked for, too."""
-        flags = self.flags.copy()
-        for index in map(self.index, points):
-            flags[index] = PENDING if flags[index] == NOT_NEEDED else flags[index]
-        self._write_flags(flags)
+        is_new = self._mask(points) & (self.flags == NOT_NEEDED)
+        self.set_flags(np.where(is_new, np.int8(PENDING), self.flags))
 
-    def write(
-        self, where: Indices, values: Mapping[str, Any], status: int, linked: Sequence[str] = ()
-    ) -> None:
-        """Write the values of points by variable, and once these are on the disk, their status.
+    def leave_out_pending(self) -> None:
+        """Mark pending points as not asked for, until `ask_for` asks for them."""
+        self.set_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
 
-        `where` has the index of each point, shape (n, n_dim). Variables that are `linked` have
-        their chunks already.
-        """
-        done = np.full(len(where), status == DONE)
-        values = {**values, "checksum": checksums(self.group, where, values, done)}
-        own, chunks = self.group.have_fields(where), list[tuple[str, Index, Indices]]()
-        for name in values.keys() - {*linked}:
-            is_field = name in FIELDS
-            at = self.group.field_numbers[tuple(where.T)][:, None] if is_field else where
-            rows: dict[Index, list[int]] = {}
-            for row, chunk in enumerate((at // self.block_of(name)).tolist()):
-                if own[row] or not is_field:
-                    rows.setdefault(tuple(chunk), []).append(row)
-            chunks += [(name, chunk, np.array(found)) for chunk, found in rows.items()]
-        with ThreadPoolExecutor(_THREADS) as threads:
-            made = [threads.submit(self._changed, *one, where, values) for one in chunks]
-            parts = [one.result() for one in made]
-        self.put(parts)
-        flags = self.flags.copy()
-        flags[tuple(where.T)] = status
-        self._write_flags(flags)
+    def _mask(self, points: Iterable[Point]) -> Mask:
+        """True at points, in the shape of `flags`."""
+        mask = np.zeros(self.flags.shape, bool)
+        for point in points:
+            mask[self.index(point)] = True
+        return mask
 
-    def _changed(
-        self, name: str, chunk: Index, rows: Indices, where: Indices, values: Mapping[str, Any]
-    ) -> tuple[str, Slices, Any]:
-        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`."""
-        sizes, array = self.block_of(name), self.arrays[name]
-        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-        if name in FIELDS:  # a chunk of its own
-            (row,) = rows
-            whole, made = np.full(array.shape[len(block) :], np.nan, array.dtype), values[name][row]
-            n = min(len(made), len(whole))  # what is longer has no values
-            whole[-n:] = made[-n:]
-            return name, block, whole[(None,) * len(block)]
-        if np.isin(flags := self.flags[block], (DONE, FAILED)).any():
-            whole = self.read(name, block)
-        else:  # what is there may be damaged
-            shape = flags.shape + array.shape[len(self.dims) :]
-            whole = np.full(shape, array.fill_value, array.dtype)
-        within = tuple((where[rows] - [part.start for part in block]).T)
-        if self.group.is_stepped(name):
-            made = values[name][rows]
-            whole[within] = array.fill_value
-            n = min(made.shape[1], whole.shape[len(self.dims)])  # what is longer has no values
-            whole[(*within, slice(-n, None))] = made[:, -n:]
-        else:
-            whole[within] = np.array([values[name][row] for row in rows], array.dtype)
-        return name, block, whole
-
-    def _write_flags(self, flags: NDArray[np.int8]) -> None:
+    def set_flags(self, flags: NDArray[np.int8]) -> None:
+        """Write the statuses of all points."""
         if not np.array_equal(flags, self.flags):
             self.put([("status", ..., flags)])
         self.flags = flags

@@ -115,11 +115,8 @@ REFUSALS = {
         (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "its numbers are others"),
-    "sweep": (changed(forged(lambda sweep, _: sweep.update(loads=3))), "Sweep.loads is 3"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "radius is -1"),
-    "order": (changed(forged(lambda _, facts: facts.update(order=[0, 0]))),
-              "the order of its fields"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
@@ -140,11 +137,10 @@ ELSEWHERE = {
     "create._opened StoreMismatchError": "test_create.py, in several lines",
     "create._opened _no_room": "test_s3.py: on an object store",
     "resume._union InputError": "test_create.py, as a StoreMismatchError",
-    "create._require_space _no_room": "test_create.py, on a full disk",
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
     "create._locked StoreError": "a run that ended between two looks at its folder",
     "store._require_lock StoreError": "test_writing.py",
-    "store.require_same StoreError": "test_writing.py: enlarged since it was opened",
+    "store.read StoreError": "test_writing.py: enlarged since it was opened",
     "root.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
