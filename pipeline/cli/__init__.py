@@ -38,7 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     try:
         options = parse(arguments)
-        options.owns_process = arguments is None
         return exit_code_of(options, _run_command)
     except KeyboardInterrupt:  # before a command began
         return 130

@@ -16,10 +16,9 @@ from pipeline.answers.scene_words import added_rise_words, warning_text
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, pluralized
 from pipeline.frames import frame_of, records
-from pipeline.machine import memory as machine_memory
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
-from pipeline.run.estimate import Estimate, worker_bytes
+from pipeline.run.estimate import Estimate, machine_memory, worker_bytes
 from pipeline.scene.contact_estimate import (
     CaseEstimate,
     ContactEstimate,
@@ -183,8 +182,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counts, names[CASE] = [], "cases, each at its own load and velocity"
     for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    steps = f"{cost.steps} contact solutions and {cost.temperatures} temperature solutions"
-    yield "points", f"{cost.points}: {', '.join(counts)}; {steps} in {cost.tasks} tasks"
+    yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
         widest = max((test.case.scene for test in sweep.tests), key=_pixels)

@@ -42,10 +42,6 @@ def run(options: argparse.Namespace) -> Result:
         from pipeline.run.cluster import client_of  # Dask, which irg check does without
 
         elsewhere = client_of(options.scheduler, options.scheduler_file)
-    elif options.owns_process:
-        from pipeline.run.cluster import start_forkserver
-
-        start_forkserver(by_fork=True)  # before Zarr and Dask start threads
     with elsewhere or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     ds, tests = pipeline.open_sweep(out), outcome.tests

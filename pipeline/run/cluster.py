@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 import gc
-import itertools
 import json
 import logging
 import multiprocessing
 import os
 import signal
 import sys
-import threading
 import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
-from multiprocessing import forkserver, resource_tracker, util
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from multiprocessing import forkserver, resource_tracker
 from pathlib import Path
 
 import dask
@@ -130,12 +127,8 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                         process.kill()  # or Python would wait for them when it ends
 
 
-def start_forkserver(by_fork: bool = False) -> None:
-    """Start the process from which workers are forked, which imports their packages once.
-
-    With `by_fork` it is forked from this process and has what is imported here, which saves a sixth
-    of the processor time of a small run. Only a process of one thread can be forked.
-    """
+def start_forkserver() -> None:
+    """Start the process from which workers are forked, which imports their packages once."""
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
@@ -143,36 +136,12 @@ def start_forkserver(by_fork: bool = False) -> None:
     before = dict(os.environ)
     # It imports from the folders of this process, not from the current folder.
     os.environ.update(ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=os.pathsep.join(sys.path))
-    spawn = util.spawnv_passfds
     try:
         with _no_interrupts():
-            if by_fork and sys.platform == "linux" and threading.active_count() == 1:
-                util.spawnv_passfds = _fork  # type: ignore[assignment]
             forkserver.ensure_running()
     finally:
-        util.spawnv_passfds = spawn
         os.environ.clear()
         os.environ.update(before)
-
-
-def _fork(_: bytes, words: list[str], descriptors: Iterable[int]) -> int:
-    """Fork this process in place of starting Python with `words`, the last of which is code."""
-    util._flush_std_streams()  # type: ignore[attr-defined]  # or text is printed twice
-    if process := os.fork():
-        return process
-    try:
-        ends = [2, *sorted(descriptors), os.sysconf("SC_OPEN_MAX")]
-        for first, last in itertools.pairwise(ends):
-            os.closerange(first + 1, last)
-        for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
-            signal.signal(number, signal.SIG_DFL)
-        with suppress(OSError, AttributeError):  # the C library read its variables long ago
-            allocator = ctypes.CDLL(None)
-            for parameter, name in (-1, "MALLOC_TRIM_THRESHOLD_"), (-3, "MALLOC_MMAP_THRESHOLD_"):
-                allocator.mallopt(parameter, int(ENVIRONMENT[name]))
-        exec(words[-1], {})
-    finally:
-        os._exit(0)
 
 
 @contextmanager

@@ -40,8 +40,8 @@ _SPARE = 16  # tasks for workers that are still to come: a cluster that adapts s
 _DEATHS = 3  # of its workers, after which a point counts as failed
 _SHARED = 2  # deaths of its workers after which a point is tried alone
 _KILLED = (
-    "{} workers died; the last one was computing only this point: {}; use fewer workers, or "
-    "reduce window.pixels"
+    "{} workers died; the last one was computing only this point, which may need more memory than "
+    "it had; use fewer workers, or reduce window.pixels"
 )
 
 
@@ -49,9 +49,8 @@ _KILLED = (
 class _Job:
     task: Task
     worker: str
-    most: int = _SHARED  # deaths of its workers, after which it is given up
     is_alone: bool = False
-    deaths: int = 0
+    has_killed: bool = False  # True if its worker died, by this task or by one beside it
 
 
 def compute(
@@ -79,21 +78,18 @@ def compute(
                 free += [ANYWHERE] * (_SPARE - busy[ANYWHERE])
             jobs = [_Job(queue.take(one or object()), one) for one in free if queue]
             if suspects and not (jobs or tasks):
-                task = suspects.popleft()
-                left = max(_DEATHS - deaths[task.point], 1)
-                jobs = [_Job(task, ANYWHERE, left, is_alone=True)]
+                jobs = [_Job(suspects.popleft(), ANYWHERE, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
-                for job in tasks.lost(watch.deaths(), watch.present):
+                for job in tasks.lost(watch.present):
                     point = job.task.point
-                    deaths[point] += job.deaths
-                    if not job.deaths:  # it waited at a worker that died, or was lost with a result
-                        queue.put_back(job.task)
-                    elif job.is_alone and deaths[point] >= _DEATHS:
-                        words = _KILLED.format(deaths[point], watch.cause())
-                        writer.add([PointRecord(point, None, words)])
-                    else:
+                    deaths[point] += job.has_killed
+                    if job.is_alone and deaths[point] >= _DEATHS:
+                        writer.add([PointRecord(point, None, _KILLED.format(deaths[point]))])
+                    elif deaths[point] >= _SHARED:
                         suspects.append(job.task)
+                    else:
+                        queue.put_back(job.task)
                 for record, program in map(loaded, tasks.results()):
                     watch.require_program(program)
                     writer.add([record])
@@ -156,12 +152,11 @@ class _Tasks:
             self._cases[key] = made.pickled()
         return self._cases[key]
 
-    def lost(self, deaths: list[set[str]], present: Collection[str]) -> list[_Job]:
+    def lost(self, present: Collection[str]) -> list[_Job]:
         """Wait until a task ends, at most a second; return the jobs whose tasks are lost.
 
-        `deaths` has the tasks of each worker that died, and `present` the workers that there are. A
-        job that was at too many deaths is taken back, or Dask would give it to one worker after the
-        other. So is one whose worker is gone: if no other was there, Dask never runs it.
+        `present` has the workers that there are. A job whose worker is gone is taken back: if no
+        other worker was there, Dask never runs it.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
@@ -173,15 +168,14 @@ class _Tasks:
                 self._finished[future] = job
                 continue
             error = future.exception() if future.status == "error" else None
-            if isinstance(error, KilledWorker):
-                job.deaths = error.allowed_failures + 1
-            elif error:
+            job.has_killed = isinstance(error, KilledWorker)
+            if error and not job.has_killed:
                 raise ExecutionError(f"{CANNOT}: {error}")
             lost.append(job)
             future.release()
         for future, job in list(self.running.items()):
-            job.deaths += sum(future.key in keys for keys in deaths)
-            if job.deaths >= job.most or (job.worker and job.worker not in present):
+            if job.worker and job.worker not in present:
+                job.has_killed = True
                 lost.append(self.running.pop(future))
                 future.release()
         return lost

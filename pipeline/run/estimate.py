@@ -6,20 +6,21 @@ import itertools
 import math
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
+import psutil
+from dask.system import cpu_count
 
-from pipeline.machine import cores
 from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import list_points_of_tests, sweep_of_tests
-from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count
-from tribo import Scene, Stages, State
+from tribo import Scene, State
 from tribo.simulation import RampCache, contacts, fit_elements, heat
 from tribo.simulation.ramp_cache import MOST_BYTES
 
@@ -37,12 +38,10 @@ _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Expected cost of a sweep: numbers of points, steps and tasks, time [s], disk space [B]."""
+    """Expected cost of a sweep: numbers of points and tasks, time [s], disk space [B]."""
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
-    steps: int  #: Contacts to solve for these points.
-    temperatures: int  #: Heat partitions to solve for these points.
     tasks: int  #: Parallel tasks; points that share a contact are one. More workers would be idle.
     workers: int  #: Processes that compute.
     seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
@@ -76,77 +75,57 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     """
     if workers is not None:
         require_count("workers", workers)
-    sweep, available = sweep_of(sweep), cores()
+    sweep, available = sweep_of(sweep), cpu_count()
     workers = workers or available
-    every = [*tasks(points_of(sweep), sweep)]
     given = sweep.case_table.without_surfaces.names
     scene = sweep._select_case(given[len(given) // 2])
-    contact_time, heat_time, state = time_steps(scene)
-    is_course = choose_stored_steps(scene).steps == "course"
-    work = _TaskTimes(scene, contact_time, heat_time, is_course)
-    parallel = min(workers, len(every))
-    wall = work.total(every) / parallel
-    slots, points = list_points_of_tests(sweep), len(every)
+    *times, state = time_steps(scene)
+    seconds = _SECONDS_TO_START
+    every = [*tasks(points_of(sweep), sweep)]
+    slots = list_points_of_tests(sweep)
     of_tests = sweep_of_tests(sweep, False) if slots else None
     own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
-    if of_tests:  # each step takes as long as in the scene
-        of_own = _TaskTimes(of_tests, contact_time, heat_time, is_course=False, is_of_tests=True)
-        wall += of_own.total(own) / min(workers, len(own))
+    for one, todo in ((sweep, every), (of_tests, own)):
+        if one and todo:
+            parallel = min(workers, len(todo))
+            busy = max(1.0, parallel / available)
+            seconds += busy * _seconds_of_tasks(one, todo, *times) / parallel
     return Estimate(
-        points=points,
+        points=len(every),
         tests=len(slots),
-        steps=work.contacts,
-        temperatures=work.temperatures,
         tasks=len(every),
         workers=workers,
-        seconds=_SECONDS_TO_START + wall * max(1.0, parallel / available),
-        disk_bytes=_STORE_BYTES + (points + len(own)) * _point_bytes(scene, state),
+        seconds=seconds,
+        disk_bytes=_STORE_BYTES + (len(every) + len(own)) * _point_bytes(scene, state),
     )
 
 
-@dataclass(slots=True)
-class _TaskTimes:
-    """Counts the contacts and heat partitions of tasks, and estimates the time that they take."""
+def _seconds_of_tasks(
+    sweep: Sweep, todo: Iterable[Task], contact_time: float, heat_time: float
+) -> float:
+    """Time of tasks one after another [s]; those of one ramp share its steps."""
+    stored, seconds = choose_stored_steps(sweep), 0.0
+    for _, shared in itertools.groupby(todo, key=lambda task: task.ramp):
+        points = [task.point for task in shared]  # their loads ascend
+        load, velocity, case = points[-1]
+        scene = sweep.case(case).scene
+        steps = len([*scene.load_steps(load, stored.heat_steps(scene, load), velocity)])
+        kept = [len(stored.kept(scene, one.load, velocity)) for one in points]
+        if stored.steps == "course":  # on the grid of the history, and on their own
+            solved, heated = 2 * steps + len(points), kept[-1] + len(points)
+        else:
+            solved, heated = steps + len(points), sum(kept) + steps * scene.remembers_heat
+        heated *= bool(scene.friction_heat and velocity)
+        seconds += solved * contact_time + heated * heat_time + len(points) * _SECONDS_TO_COMMIT
+    return seconds
 
-    sweep: Sweep
-    contact_time: float  # [s]
-    heat_time: float  # [s]
-    is_course: bool  # True if temperatures are also computed during the run
-    is_of_tests: bool = False  # True if each task has a scene of its own
-    contacts: int = 0
-    temperatures: int = 0
-    _steps: dict[Any, tuple[int, int, int]] = field(default_factory=dict)
 
-    def total(self, every: Iterable[Task]) -> float:
-        """Time of tasks [s], one after another, which share their ramps and contacts."""
-        has = dict[Any, Any]()
-        return sum(self._seconds(task, has) for task in every)
-
-    def _seconds(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task [s]; `has` keeps ramps and contacts of those before, and gets its own."""
-        load, velocity, case = task.point
-        scene = self.sweep.case(case).scene if self.is_of_tests else self.sweep.scene
-        if (key := (scene, load, velocity)) not in self._steps:
-            stored_steps = choose_stored_steps(self.sweep)
-            self._steps[key] = _count_steps(scene, stored_steps, load, velocity)
-        increments, own, shown = self._steps[key]
-        new = max(0, increments - has.get(task.ramp, 0))
-        has[task.ramp] = max(increments, has.get(task.ramp, 0))
-        if isinstance(scene.loading, Stages):
-            shown = round(shown * new / increments)  # the new ones
-        warms = bool(scene.friction_heat and velocity)
-        steps = new + own
-        heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
-        heats = (own if scene.remembers_heat else shown) * warms
-        # A worker reuses the contact of its last point; without wear, of its first velocity.
-        contact = (task.ramp if scene.remembers_steps else task.ramp[0]), load
-        steps = new if contact in has else steps
-        has[contact] = True
-        self.contacts += steps
-        self.temperatures += heats_on_way + heats
-        of_heat = (heats_on_way + heats) * self.heat_time
-        solved = steps + new * self.is_course  # on the grid of the history, and on the point's own
-        return float(solved * self.contact_time + of_heat + _SECONDS_TO_COMMIT)
+def machine_memory() -> int:
+    """Memory that this process may use, by a container's limit, too [B]."""
+    limits = [int(psutil.virtual_memory().total)]
+    with suppress(OSError, ValueError):  # "max" is no limit
+        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return min(limits)
 
 
 def worker_bytes(sweep: Sweep) -> float:
@@ -195,28 +174,6 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
             break
         began = time.process_time()
     return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
-
-
-def _count_steps(
-    scene: Scene, stored_steps: StoredSteps, load: float, velocity: float
-) -> tuple[int, int, int]:
-    """Numbers of steps that higher loads share, of all others, and of those with a temperature."""
-    requested = stored_steps.heat_steps(scene, load)
-    steps = list(scene.load_steps(load, requested, velocity))
-    if isinstance(scene.loading, Stages):
-        return len(steps), 0, sum(step.is_shown for step in steps)
-    shared = sum(
-        step.on_trunk and step.normal_load < load and step.index not in requested for step in steps
-    )
-    shown = sum(
-        step is steps[-1]
-        or step.index in requested
-        or (step.normal_load == load and not step.holding)
-        for step in steps
-    )
-    if stored_steps.steps == "course" and steps[-1].on_trunk:
-        return len(steps), 0, 1  # the end is the last step that others share
-    return shared, len(steps) - shared, shown
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:

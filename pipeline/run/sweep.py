@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from dask.system import cpu_count
 from distributed import Client
 
-from pipeline.machine import cores
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import compute
@@ -151,7 +151,7 @@ class Cluster(NamedTuple):
 
     def connected(self, most: int, report: Report) -> AbstractContextManager[Client]:
         """Context manager: a client of at most this many workers."""
-        workers = min(self.workers or cores(), most)
+        workers = min(self.workers or cpu_count(), most)
         return connected(self.client, workers, report, self.dashboard)
 
 
@@ -183,7 +183,7 @@ def run_points(
         run = _Run(store, sweep, goal, Tally(store, shown_progress(progress)), report, held)
         of_tests, queue = TaskQueue(_tasks_of_tests(store)), run.next_tasks()
         if queue or of_tests:
-            most = cores() if goal else len(queue) + len(of_tests)
+            most = cpu_count() if goal else len(queue) + len(of_tests)
             with cluster.connected(most, report) as link:
                 watch = Watch(link, cluster.patience, report, is_own=cluster.client is None)
                 before_time = watch.cpu_time() if cluster.client else 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -11,7 +11,6 @@ from typing import Any
 from distributed import Client
 from distributed.client import ClosedClientError
 
-from pipeline.machine import oom_kills
 from pipeline.progress import Progress, Report, duration
 from pipeline.run.work import PROGRAM, ExecutionError, Program, program
 
@@ -44,9 +43,6 @@ class Watch:
         self._beats: dict[str, tuple[float, float]] = {}  # by the scheduler's clock, and by ours
         self._checked: set[str] = set()
         self._is_own = is_own  # then workers run this program, on this machine
-        self._gone = False  # True if a worker has left that `deaths` has not looked for
-        self._events = 0.0  # time of the last event that was looked at, by the scheduler's clock
-        self._kills, self._cause, self._deaths = oom_kills(), "", list[set[str]]()
 
     def __call__(self) -> list[str]:
         """Addresses of the workers that take tasks.
@@ -60,7 +56,6 @@ class Watch:
             ask = self._client.scheduler.identity
             # Not by `Client.scheduler_info`, which waits without end for a scheduler that stands.
             found = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)["workers"]
-        self._gone |= not found.keys() >= self._beats.keys()
         self._beats = {one: beat for one, beat in self._beats.items() if one in found}
         self._workers = [one for one, about in found.items() if about["status"] == "running"]
         for one, about in found.items():
@@ -91,40 +86,6 @@ class Watch:
     def present(self) -> Collection[str]:
         """Addresses of all workers that there are, also of those that take no tasks."""
         return self._beats.keys()
-
-    def deaths(self) -> list[set[str]]:
-        """Tasks of each worker that has died since the last call."""
-        if self._gone:
-            self._find_deaths()
-        found, self._deaths = self._deaths, []
-        return found
-
-    def cause(self) -> str:
-        """Why the last worker died."""
-        self._find_deaths()
-        return self._cause
-
-    def _find_deaths(self) -> None:
-        """Look for dead workers in the events of the scheduler."""
-        self._gone, last = False, self._events
-        over = {about["worker"] for _, about in self._ask_events("worker-restart-memory")}
-        for when, about in self._ask_events("all"):
-            self._events = max(self._events, when)
-            if when <= last or about.get("action") != "remove-worker" or about["expected"]:
-                continue
-            self._deaths.append({*about["processing-tasks"]})
-            kills, before = oom_kills(), self._kills
-            self._kills = kills
-            if about["worker"] in over:
-                self._cause = "its worker reached its memory limit"
-            elif self._is_own and kills > before:
-                self._cause = "the kernel killed a process for lack of memory"
-            else:
-                self._cause = "it crashed, or was killed from outside"
-
-    def _ask_events(self, topic: str) -> Iterable[tuple[float, Any]]:
-        ask = self._client.scheduler.events
-        return self._client.sync(ask, topic=topic, callback_timeout=self._patience) or ()
 
     def _check(self, workers: list[str]) -> None:
         """Require that workers can import this program: one that cannot drops all its tasks."""
