@@ -75,7 +75,7 @@ def load_scene(
     replaced = _path_overrides(overrides or {}, preset, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
     folders = {key: document.file_of(key).parent for key in FILES}
-    source = Source(path.stem, document.entries(), Files(folders))
+    source = Source(path.stem, document.entries, Files(folders))
     try:
         sweep = source.read(faults)
     except (tribo.InputError, tribo.InvariantError) as error:

@@ -10,7 +10,6 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
-from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,53 +25,43 @@ from pipeline.words import did_you_mean, key_path, quoted
 _KEYS = table_of(SceneFile).keys
 
 
-class Layer(NamedTuple):
-    """A file and its entries, as TOML reads them."""
+class Document(NamedTuple):
+    """Entries of a scene, and the file that gave each of them: the scene's or one it extends."""
 
     file: Path
     entries: dict[str, Any]
+    files: dict[str, Path]  # by path, also those of tables
 
-
-class Document(NamedTuple):
-    """Entries of a scene in layers: overrides, the scene file, the files that it extends."""
-
-    layers: tuple[Layer, ...]  # earlier ones override later ones
-
-    @property
-    def file(self) -> Path:
-        """The scene file itself."""
-        return self.layers[0].file
-
-    def entries(self) -> dict[str, Any]:
-        """Entries of all layers, merged."""
-        return reduce(merged, (layer.entries for layer in reversed(self.layers)))
+    def under(self, file: Path, entries: dict[str, Any]) -> Document:
+        """The document with the entries of a file over its own."""
+        paths = (one for path, _ in flat(entries) for one in _with_tables(path))
+        files = self.files | dict.fromkeys(paths, file)
+        return Document(file, merged(self.entries, entries), files)
 
     def without(self, path: str) -> Document:
         """A new document without the entry at `path`."""
-        return Document(
-            tuple(
-                Layer(one.file, replace_value(one.entries, path, None))
-                if entry_at(one.entries, path) is not None
-                else one
-                for one in self.layers
-            )
-        )
+        within = f"{path}."
+        files = {k: file for k, file in self.files.items() if not f"{k}.".startswith(within)}
+        return Document(self.file, replace_value(self.entries, path, None), files)
 
     def file_of(self, key: str) -> Path:
         """The file that sets the entry at a key path, or else sets the table around the entry."""
-        parts = re.sub(r"\[\d+\]", "", key).split(".")
-        paths = [*itertools.accumulate(parts, "{}.{}".format)]
-        held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]
-        return self.layers[held.index(max(held))].file
+        paths = _with_tables(re.sub(r"\[\d+\]", "", key))
+        return next((self.files[one] for one in paths[::-1] if one in self.files), self.file)
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with its file unless it is the scene file itself."""
         file = fault.file or self.file_of(fault.key)
-        held = [entry_at(one.entries, fault.key) for one in self.layers]
-        is_inherited = not fault.file and file != self.file and any(one is not None for one in held)
+        is_there = entry_at(self.entries, fault.key) is not None
+        is_inherited = not fault.file and file != self.file and is_there
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
         place = "" if file == self.file else f" (in {name_of(file)})"
         return f"{fault.key}{place}: {fault.problem}{hint}"
+
+
+def _with_tables(path: str) -> list[str]:
+    """Paths of the tables around an entry, the outermost first, and its own."""
+    return [*itertools.accumulate(path.split("."), "{}.{}".format)]
 
 
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
@@ -84,7 +73,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
-    document = Document((Layer(path, table),))
+    document = Document(path, {}, {}).under(path, table)
     if extends is None:
         if without is not None:
             faults.append(Fault("without", 'nothing to remove: "without" needs "extends"', path))
@@ -106,7 +95,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     base = _leave_out(base, without, path, faults)
     if entry_at(table, "fidelity.preset") is not None:
         base = base.without("fidelity")
-    return Document((*document.layers, *base.layers))
+    return base.under(path, table)
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
@@ -121,29 +110,14 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     document = _leave_out(document, listed, document.file, faults)
     if "fidelity.preset" in overrides:
         document = document.without("fidelity")
-    top = dict[str, Any]()
     for key, value in overrides.items():
-        top = merged(top, replace_value({}, key, value))
-    return _without_empty_tables(Document((Layer(document.file, top), *document.layers)), faults)
-
-
-def _without_empty_tables(document: Document, faults: Faults) -> Document:
-    """The document without empty tables over entries of lower layers; each is a fault."""
-    layers = list[Layer]()
-    for number, layer in enumerate(document.layers, 1):
-        entries = layer.entries
-        for path in [path for path, value in flat(entries) if value == {}]:
-            if any(entry_at(lower.entries, path) for lower in document.layers[number:]):
-                problem = "the table is empty; fill it or remove it"
-                faults.append(Fault(path, problem, layer.file))
-                entries = replace_value(entries, path, None)
-        layers.append(Layer(layer.file, entries))
-    return Document(tuple(layers))
+        document = document.under(document.file, replace_value({}, key, value))
+    return document
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
     """The document without the entries listed in `value`, the list ``without`` of `file`."""
-    wrong, entries = Faults(), document.entries()
+    wrong, entries = Faults(), document.entries
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
         if entry_at(entries, key) is None:
