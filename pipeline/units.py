@@ -47,9 +47,6 @@ _TURNS = re.compile(
 )
 _COMMA = re.compile(r"\s*[+-]?\d+,\d")
 _SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
-_RANGE = re.compile(
-    rf"\s*({NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
-)
 
 _SIGNS_OF_PRINT = str.maketrans(
     {**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"}
@@ -235,22 +232,6 @@ def _unit(unit: str) -> Unit:
     powers.sort(key=lambda power: power[1] < 0)
     cf = " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers)
     return Unit(cf or "1", size)
-
-
-def middle_of_range(text: str) -> str | None:
-    """The middle of a range of hardness numbers; None for other text.
-
-    Examples
-    --------
-    >>> middle_of_range("60-62 HRC"), middle_of_range("HRC 60 +4"), middle_of_range("700 HV")
-    ('61 HRC', '62 HRC', None)
-    """
-    match = _RANGE.fullmatch(_SCALE_FIRST.sub(r"\2 \1", text.translate(_SIGNS_OF_PRINT)))
-    if match is None:
-        return None
-    low, sign, high, scale = Decimal(match[1]), match[2], Decimal(match[3]), match[4]
-    ends = {"+": 2 * low + high, "+/-": 2 * low, "±": 2 * low}
-    return f"{ends.get(sign, low + high) / 2} {scale}"
 
 
 def _misfit(text: str, unit: Unit, like: str) -> str:

@@ -14,7 +14,7 @@ from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
 from pipeline.sweep.conditions import OIL_WORKS
 from pipeline.sweep.notes import unusual_warning
-from pipeline.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si
+from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from pipeline.words import did_you_mean, quoted
 from tribo import InputError
 
@@ -204,12 +204,9 @@ class Quantity(Kind):
         return self.example.partition(" ")[2]
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        if not isinstance(text := value, str):
+        if not isinstance(value, str):
             raise InvalidValueError(f"{quoted(value)} has no unit")
-        if middle := middle_of_range(text):
-            faults.note(place, f"{quoted(text)} is a range; its midpoint {middle} is used")
-            text = middle
-        exact = exact_si(text, like=self.example)
+        exact = exact_si(value, like=self.example)
         if exact == 0 and self.zero:
             return float(exact)
         if exact <= 0:

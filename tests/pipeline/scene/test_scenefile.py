@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline import Conditions, SceneFileError, load_scene, to_si
+from pipeline import Conditions, SceneFileError, load_scene
 from tests.helpers.entries import bare_test, changed
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.sweeps import sweep_of_fields
@@ -172,18 +172,6 @@ def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "irg_transition.toml"
     path.write_bytes(b"\xef\xbb\xbf" + PAPER.replace("\n", "\r\n").encode())
     assert load_scene(path) == load_scene(WORKFLOWS / "irg_transition.toml")
-
-
-@pytest.mark.parametrize(
-    ("given", "taken"),
-    [("60-62 HRC", "61 HRC"), ("60 – 62 HRC", "61 HRC"), ("HRC 60 +4", "62 HRC"),
-     ("700±20 HV", "700 HV"), ("225 to 305 HB", "265 HB")],
-)  # fmt: skip
-def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
-    sweep = load_scene(WORKFLOWS / "first_try.toml", overrides={"materials.steel.hardness": given})
-    assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
-    (note,) = [note.text for note in sweep.notes if "hardness" in note.text]
-    assert f"its midpoint {taken} is used" in note
 
 
 # A scene that extends another is the scene written in full.

@@ -103,7 +103,7 @@ def zipped(name, content=b""):
         (b"-0,1234,0,2345\n" * 20, "is no whole number"),
         (b"no numbers at all\n", "a text without a matrix of numbers; export"),
         (b"\x93NUMPY\x01", "not a plain array"),
-        (b"\x89PNG\r\n", "an image"),
+        (b"\x89PNG" + bytes(9), "binary"),
         (zipped("heights.npy"), "an archive of arrays; save one"),
         (zipped("xl/workbook.xml"), "a workbook; save its sheet"),
         (zipped("main.xml", b"<p/>"), "SurfaceTopography"),
