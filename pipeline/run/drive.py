@@ -12,9 +12,9 @@ import itertools
 import time
 import uuid
 from collections import Counter, defaultdict, deque
-from collections.abc import Collection
+from collections.abc import Collection, Hashable, Iterable
 from concurrent.futures import Future as Answer
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
@@ -22,14 +22,13 @@ from distributed import Client, Future, as_completed
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.tally import Tally
-from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import CANNOT, POLL, Watch
 from pipeline.run.work import Case, ExecutionError, loaded, simulate_point
-from pipeline.store.store import Writer
+from pipeline.store.store import Store, Writer
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.plan import PointRecord, Task, choose_stored_steps
 from pipeline.sweep.stored_steps import Fields
-from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.sweep import Point
 
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
@@ -53,16 +52,56 @@ class _Job:
     has_killed: bool = False  # True if its worker died, by this task or by one beside it
 
 
-def compute(
-    client: Client, watch: Watch, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally
-) -> None:
+class TaskQueue:
+    """Waiting tasks by loading ramp, and the ramp that each worker had last.
+
+    A worker gets the next load of the ramp that it had last; else the lowest load of a ramp that
+    nobody has begun; else the next load of the ramp with most points left.
+    """
+
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        self._left: dict[tuple[Any, ...], deque[Task]] = {}
+        for task in tasks:
+            self._left.setdefault(task.ramp, deque()).append(task)
+        self._fresh = dict.fromkeys(self._left)
+        self._last: dict[Hashable, tuple[Any, ...]] = {}
+
+    def __len__(self) -> int:
+        return sum(map(len, self._left.values()))
+
+    def __bool__(self) -> bool:
+        return bool(self._left)
+
+    def take(self, worker: Hashable) -> Task:
+        """Remove and return the next task for a worker; the queue must not be empty."""
+        ramp = self._last.get(worker)
+        if ramp is None or ramp not in self._left:
+            ramp = next(iter(self._fresh), None)
+            ramp = ramp or max(self._left, key=lambda one: len(self._left[one]))
+        self._fresh.pop(ramp, None)
+        self._last[worker] = ramp
+        task = self._left[ramp].popleft()
+        if not self._left[ramp]:
+            del self._left[ramp]
+        return task
+
+    def put_back(self, task: Task) -> None:
+        """Put a task that was not computed back into the queue, as the next task of its ramp."""
+        self._left.setdefault(task.ramp, deque()).appendleft(task)
+
+
+def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally: Tally) -> None:
     """Compute all tasks of a queue, and write their points to the store as done or failed.
 
-    `watch` looks after the workers, `writer` writes to the store, and `tally` reports progress.
-    Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
-    or no worker can compute.
+    `watch` looks after the workers, and `tally` reports progress. Raises a `StoreError` if points
+    cannot be written, an `ExecutionError` if the scheduler is lost or no worker can compute.
     """
-    tasks = _Tasks(client, replace(sweep, stored_steps=writer.store.sweep.stored_steps), writer)
+    with Writer(store) as writer:
+        _compute(client, watch, writer, queue, tally)
+
+
+def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
+    tasks = _Tasks(client, writer.store)
     suspects = deque[Task]()  # of workers that died: one of them may have killed its worker
     deaths = Counter[Point]()  # of workers that had a point
     recent = deque([1.0], maxlen=50)  # times of points [s]
@@ -105,9 +144,9 @@ def compute(
 class _Tasks:
     """Tasks at Dask: `running` ones, and those whose result is still to be fetched."""
 
-    def __init__(self, client: Client, sweep: Sweep, writer: Writer) -> None:
-        self._client, self._sweep = client, sweep
-        self._stored_steps, self._store = choose_stored_steps(sweep), writer.store
+    def __init__(self, client: Client, store: Store) -> None:
+        self._client, self._store = client, store
+        self._stored_steps = choose_stored_steps(store.sweep)
         self._cases: dict[tuple[str, Fields], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
@@ -144,9 +183,9 @@ class _Tasks:
             self._ended.update(futures)
 
     def _case(self, name: CaseName) -> bytes:
-        case = self._sweep.case(name)
-        fields = self._store.fields_of(name)
-        key = self._sweep._hash_scene(case.scene), fields
+        sweep, fields = self._store.sweep, self._store.fields_of(name)
+        case = sweep.case(name)
+        key = sweep._hash_scene(case.scene), fields
         if key not in self._cases:
             made = Case(case.scene, self._stored_steps, fields, case.has_film)
             self._cases[key] = made.pickled()

@@ -7,9 +7,8 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from dask.system import cpu_count
@@ -17,10 +16,9 @@ from distributed import Client
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
-from pipeline.run.drive import compute
+from pipeline.run.drive import TaskQueue, compute
 from pipeline.run.goal import GoalRun
 from pipeline.run.tally import Tally, shown_progress
-from pipeline.run.task_queue import TaskQueue
 from pipeline.run.watch import Watch
 from pipeline.scene.read import sweep_of
 from pipeline.store.create import copy_points, enlarged, find_sweep, open_to_write, versions
@@ -28,7 +26,7 @@ from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
-from pipeline.store.store import Store, Writer, opened
+from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import require_count
@@ -137,40 +135,10 @@ def run_sweep(
                 "sweep.realizations = [1, 2, 3]"
             )
         sweep = goal.sweep
-    cluster = Cluster(workers, client, patience, dashboard)
-    return run_points(sweep, out, goal, cluster, progress, retry_failed, source)
-
-
-class Cluster(NamedTuple):
-    """Workers to compute on, as in `run_sweep`."""
-
-    workers: int | None = None
-    client: Client | None = None
-    patience: float = PATIENCE
-    dashboard: bool = False
-
-    def connected(self, most: int, report: Report) -> AbstractContextManager[Client]:
-        """Context manager: a client of at most this many workers."""
-        workers = min(self.workers or cpu_count(), most)
-        return connected(self.client, workers, report, self.dashboard)
-
-
-def run_points(
-    sweep: Sweep,
-    out: PathLike,
-    goal: GoalRun | None,
-    cluster: Cluster,
-    progress: Report | None,
-    retry_failed: bool = False,
-    source: PathLike | None = None,
-) -> Outcome:
-    """Compute the points of a sweep, see `run_sweep`; with a `goal` those that it asks for."""
-    began, report = time.monotonic(), progress or silent
-    own_time, cpu_time = time.process_time(), 0.0
+    report, began, own_time = progress or silent, time.monotonic(), time.process_time()
     before, other = find_sweep(out), None if source is None else opened(source)
-    accuracy = goal.accuracy if goal else None
     with ExitStack() as held:
-        store = open_to_write(out, sweep, held, report, accuracy)
+        store = open_to_write(out, sweep, held, report, goal.accuracy if goal else None)
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         for group in store.groups if retry_failed else ():
@@ -178,29 +146,32 @@ def run_points(
         if other:
             taken = copy_points(store, other)
             report(Progress(f"{taken} points are copied from {source}"))
+        tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
         if goal:
             store.leave_out_pending()
-        run = _Run(store, sweep, goal, Tally(store, shown_progress(progress)), report, held)
-        of_tests, queue = TaskQueue(_tasks_of_tests(store)), run.next_tasks()
-        if queue or of_tests:
-            most = cpu_count() if goal else len(queue) + len(of_tests)
-            with cluster.connected(most, report) as link:
-                watch = Watch(link, cluster.patience, report, is_own=cluster.client is None)
-                before_time = watch.cpu_time() if cluster.client else 0.0
+            store = _ask_for_goal(store, goal, held)
+            tally.follow(store)
+        of_tests, todo = [TaskQueue(_tasks(one)) if one else () for one in (store.tests, store)]
+        if todo or of_tests:
+            most = min(workers or cpu_count(), cpu_count() if goal else len(todo) + len(of_tests))
+            with connected(client, most, report, dashboard) as link:
+                watch = Watch(link, patience, report, is_own=client is None)
+                before_time = watch.cpu_time() if client else 0.0
                 if store.tests and of_tests:
-                    with Writer(store.tests) as writer:
-                        compute(link, watch, store.tests.sweep, writer, of_tests, run.tally)
-                at_tests = run.tally.computed
-                while queue:
-                    run.compute(link, watch, queue)
-                    queue = run.next_tasks()  # the next points of a goal; none without one
-                run.tally.computed -= at_tests
+                    compute(link, watch, store.tests, of_tests, tally)
+                at_tests = tally.computed
+                while todo:
+                    compute(link, watch, store, todo, tally)
+                    store = _ask_for_goal(store, goal, held) if goal else store
+                    tally.follow(store)
+                    todo = TaskQueue(_tasks(store))  # empty without a goal
+                tally.computed -= at_tests
                 cpu_time = watch.cpu_time() - before_time
-        summary = summary_of(run.store)
+        summary = summary_of(store)
     return Outcome(
         summary.total,
         summary.done,
-        run.tally.computed,
+        tally.computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
         cpu_time=time.process_time() - own_time + cpu_time,
@@ -208,46 +179,26 @@ def run_points(
     )
 
 
-@dataclass
-class _Run:
-    """A run into a store, which grows as its goal asks for further realizations."""
-
-    store: Store
-    sweep: Sweep
-    goal: GoalRun | None
-    tally: Tally
-    report: Report
-    held: ExitStack  # with the locks of the store
-
-    def next_tasks(self) -> TaskQueue:
-        """Tasks to compute next; empty at the end."""
-        is_larger = self.goal is not None
-        while self.goal and is_larger:
-            wanted = self.goal.next_points(self.store)
-            if is_larger := self.goal.sweep is not self.sweep:
-                self.sweep = self.goal.sweep
-                self.store = enlarged(self.store, self.sweep, self.held)
-                self.store.leave_out_pending()
-                self.tally.follow(self.store)
-            is_larger &= not wanted
-            self.store.ask_for(wanted)
-        return TaskQueue(tasks(self.store.pending(), self.sweep))
-
-    def compute(self, link: Client, watch: Watch, queue: TaskQueue) -> None:
-        """Compute the tasks of a queue; fields of a goal are those of the first realization."""
-        with Writer(self.store) as writer:
-            compute(link, watch, self.sweep, writer, queue, self.tally)
+def _tasks(store: Store) -> Iterable[Task]:
+    return tasks(store.pending(), store.sweep)
 
 
-def _tasks_of_tests(store: Store) -> Iterable[Task]:
-    return tasks(store.tests.pending(), store.tests.sweep) if store.tests else ()
+def _ask_for_goal(store: Store, goal: GoalRun, held: ExitStack) -> Store:
+    """Ask for the next points of a goal; the store is enlarged for further realizations."""
+    while True:
+        sweep = goal.sweep
+        wanted = goal.next_points(store)
+        if is_larger := goal.sweep is not sweep:
+            store = enlarged(store, goal.sweep, held)
+            store.leave_out_pending()
+        if wanted or not is_larger:
+            store.ask_for(wanted)
+            return store
 
 
 def _require_cluster(client: Client | None) -> None:
     """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
-    script = sys.modules.get(
-        "__mp_main__"
-    )  # the name by which a worker imports the driver's script
+    script = sys.modules.get("__mp_main__")  # by which a worker imports the driver's script
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # it calls this unguarded; an exception would show a traceback for each worker
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous

@@ -18,7 +18,7 @@ from pipeline.run import sweep as running
 from pipeline.run.tally import Tally
 from pipeline.store import place as files
 from pipeline.store import store as write
-from pipeline.store.store import Store
+from pipeline.store.store import Store, Writer
 from tests.crash.sweeps import record_of
 
 GIVEN_UP = 2
@@ -63,11 +63,12 @@ def computing(records, pace):
 
     watch = mock.Mock(**{"cpu_time.return_value": 0.0})
 
-    def compute(link, watch, sweep, writer, queue, tally):
-        while queue:
-            writer.add([record_of(records, sweep, queue.take("here").point)])
-            tally.count(writer.flush(), 1)
-            time.sleep(pace)
+    def compute(link, watch, store, queue, tally):
+        with Writer(store) as writer:
+            while queue:
+                writer.add([record_of(records, store.sweep, queue.take("here").point)])
+                tally.count(writer.flush(), 1)
+                time.sleep(pace)
 
     with (
         mock.patch.object(running, "compute", compute),
@@ -81,9 +82,9 @@ def computing(records, pace):
 def _status_first():
     write = Store.write
 
-    def careless(self, values, flags):
-        write(self, {}, flags)
-        write(self, values, flags)
+    def careless(self, where, values, states):
+        write(self, where, {}, states)
+        write(self, where, values, states)
 
     return mock.patch.object(Store, "write", careless)
 
