@@ -7,13 +7,10 @@ loading ramp that this worker has cached.
 
 from __future__ import annotations
 
-import asyncio
 import itertools
-import time
 import uuid
 from collections import Counter, defaultdict, deque
-from collections.abc import Collection, Hashable, Iterable
-from concurrent.futures import Future as Answer
+from collections.abc import Collection, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
@@ -120,8 +117,14 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                 jobs = [_Job(suspects.popleft(), ANYWHERE, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
-                for job in tasks.lost(watch.present):
+                for job, result in tasks.ended(watch.present):
                     point = job.task.point
+                    if result is not None:
+                        record, program = loaded(result)
+                        watch.require_program(program)
+                        writer.add([record])
+                        recent.append(record.wall_time if record.data else recent[-1])
+                        continue
                     deaths[point] += job.has_killed
                     if job.is_alone and deaths[point] >= _DEATHS:
                         writer.add([PointRecord(point, None, _KILLED.format(deaths[point]))])
@@ -129,11 +132,6 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         suspects.append(job.task)
                     else:
                         queue.put_back(job.task)
-                for record, program in map(loaded, tasks.results()):
-                    watch.require_program(program)
-                    writer.add([record])
-                    if record.data is not None:
-                        recent.append(record.wall_time)
             if written := writer.written():
                 tally.count(written, len(workers))
     finally:
@@ -142,7 +140,7 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
 
 
 class _Tasks:
-    """Tasks at Dask: `running` ones, and those whose result is still to be fetched."""
+    """Tasks at Dask whose results have not arrived, by their futures."""
 
     def __init__(self, client: Client, store: Store) -> None:
         self._client, self._store = client, store
@@ -150,15 +148,11 @@ class _Tasks:
         self._cases: dict[tuple[str, Fields], bytes] = {}
         # A scheduler may know other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
-        self._ended = as_completed(loop=client.loop)
-        self._finished: dict[Future, _Job] = {}
-        self._fetches: dict[Answer[dict[str, Any]], dict[Future, _Job]] = {}
-        self._next = 0.0  # time of the next fetch
-        self._lost: list[_Job] = []
+        self._ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self.running: dict[Future, _Job] = {}
 
     def __bool__(self) -> bool:
-        return bool(self.running or self._finished or self._fetches or self._lost)
+        return bool(self.running)
 
     def submit(self, jobs: list[_Job]) -> None:
         """Give tasks to Dask, those for one worker together, which takes half the time."""
@@ -191,72 +185,30 @@ class _Tasks:
             self._cases[key] = made.pickled()
         return self._cases[key]
 
-    def lost(self, present: Collection[str]) -> list[_Job]:
-        """Wait until a task ends, at most a second; return the jobs whose tasks are lost.
+    def ended(self, present: Collection[str]) -> Iterator[tuple[_Job, bytes | None]]:
+        """Wait until a task ends, at most a second; yield the jobs that have ended, with results.
 
-        `present` has the workers that there are. A job whose worker is gone is taken back: if no
-        other worker was there, Dask never runs it.
+        The result is None if the task is lost. `present` has the workers that there are. A job
+        whose worker is gone is taken back: if no other worker was there, Dask never runs it.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
-        lost, self._lost = self._lost, []
-        for future in self._ended.next_batch(block=False):
+        for future, result in self._ended.next_batch(block=False):
             if (job := self.running.pop(future, None)) is None:
                 continue  # taken back
-            if future.status == "finished":
-                self._finished[future] = job
-                continue
-            error = future.exception() if future.status == "error" else None
-            job.has_killed = isinstance(error, KilledWorker)
-            if error and not job.has_killed:
-                raise ExecutionError(f"{CANNOT}: {error}")
-            lost.append(job)
+            job.has_killed = future.status == "error" and isinstance(result[1], KilledWorker)
+            if future.status == "error" and not job.has_killed:
+                raise ExecutionError(f"{CANNOT}: {result[1]}")
             future.release()
-        for future, job in list(self.running.items()):
+            yield job, result if isinstance(result, bytes) else None
+        for future, job in [*self.running.items()]:
             if job.worker and job.worker not in present:
+                del self.running[future]
+                future.release()
                 job.has_killed = True
-                lost.append(self.running.pop(future))
-                future.release()
-        return lost
-
-    def results(self) -> list[bytes]:
-        """Results that have arrived; others are asked for once a second, and not waited for.
-
-        A worker that hangs delays only the results that are asked for together with its own.
-        """
-        found = list[bytes]()
-        for answer, jobs in list(self._fetches.items()):
-            if all(future.status == "finished" for future in jobs):
-                continue
-            # Its worker died before it was fetched. If none was left, Dask never computes it again.
-            answer.cancel()
-            for future, job in self._fetches.pop(answer).items():
-                if future.status == "finished":
-                    self._finished[future] = job
-                else:
-                    self._lost.append(job)
-                    future.release()
-        for answer in [one for one in self._fetches if one.done()]:
-            # Restarted workers cancel it, and Dask forgets what they had.
-            results = {} if answer.cancelled() else answer.result()
-            for future, job in self._fetches.pop(answer).items():
-                future.release()
-                if result := results.get(future.key):
-                    found.append(result)
-                else:
-                    self._lost.append(job)
-        if self._finished and (not self.running or time.monotonic() >= self._next):
-            self._next = time.monotonic() + POLL
-            asked = {future.key: future for future in self._finished}
-            request = self._client.gather(asked, errors="skip", asynchronous=True)
-            answer = asyncio.run_coroutine_threadsafe(request, self._client.loop.asyncio_loop)
-            self._fetches[answer], self._finished = self._finished, {}
-        return found
+                yield job, None
 
     def release(self) -> None:
         """Leave nothing on a scheduler of others; no answer is waited for."""
-        for answer in self._fetches:
-            answer.cancel()
-        for jobs in (self.running, self._finished, *self._fetches.values()):
-            for future in jobs:
-                future.release()
+        for future in self.running:
+            future.release()

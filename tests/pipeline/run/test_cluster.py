@@ -1,6 +1,5 @@
 """Clusters here and elsewhere, which change, stop or die, and what the user is told."""
 
-import asyncio
 import itertools
 import json
 import multiprocessing
@@ -22,6 +21,7 @@ import psutil
 import pytest
 import xarray as xr
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
+from distributed.utils import CancelledError
 
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
 from pipeline.run import drive, work
@@ -298,14 +298,15 @@ def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
 def test_results_whose_fetch_is_cancelled_are_computed_again(path, alone, monkeypatch):
     """As by a restart of all workers at that moment."""
 
-    async def cancelled():
-        raise asyncio.CancelledError
-
     with here(2) as (_, client):
-        gather, first = client.gather, iter([True])
-        monkeypatch.setattr(
-            client, "gather", lambda *a, **k: cancelled() if next(first, False) else gather(*a, **k)
-        )
+        gather, first = client._gather, iter([True])
+
+        async def cancelled_once(*futures, **options):
+            if next(first, False):
+                raise CancelledError
+            return await gather(*futures, **options)
+
+        monkeypatch.setattr(client, "_gather", cancelled_once)
         outcome = run_sweep(SWEEP, path, client=client)
     assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
     assert content(path) == content(alone)
