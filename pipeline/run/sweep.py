@@ -149,7 +149,7 @@ def run_sweep(
         tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
         if goal:
             store.leave_out_pending()
-            store = _ask_for_goal(store, goal, held)
+            store = _ask_for_goal(store, goal)
             tally.follow(store)
         of_tests, todo = [TaskQueue(_tasks(one)) if one else () for one in (store.tests, store)]
         if todo or of_tests:
@@ -162,7 +162,7 @@ def run_sweep(
                 at_tests = tally.computed
                 while todo:
                     compute(link, watch, store, todo, tally)
-                    store = _ask_for_goal(store, goal, held) if goal else store
+                    store = _ask_for_goal(store, goal) if goal else store
                     tally.follow(store)
                     todo = TaskQueue(_tasks(store))  # empty without a goal
                 tally.computed -= at_tests
@@ -183,13 +183,13 @@ def _tasks(store: Store) -> Iterable[Task]:
     return tasks(store.pending(), store.sweep)
 
 
-def _ask_for_goal(store: Store, goal: GoalRun, held: ExitStack) -> Store:
+def _ask_for_goal(store: Store, goal: GoalRun) -> Store:
     """Ask for the next points of a goal; the store is enlarged for further realizations."""
     while True:
         sweep = goal.sweep
         wanted = goal.next_points(store)
         if is_larger := goal.sweep is not sweep:
-            store = enlarged(store, goal.sweep, held)
+            store = enlarged(store, goal.sweep)
             store.leave_out_pending()
         if wanted or not is_larger:
             store.ask_for(wanted)

@@ -3,7 +3,8 @@
 A folder is made under another name and renamed when it is whole. If a run asks for more than the
 store has room for, a larger one takes over its points and then its place::
 
-    NAME.zarr.irg-new   is made, or takes over points, and holds a lock of its own
+    NAME.zarr.irg-lock  is the lock of all of these
+    NAME.zarr.irg-new   is made, or takes over points
     NAME.zarr       →   NAME.zarr.irg-old       ┐ two renames; if the process dies in between,
     NAME.zarr.irg-new → NAME.zarr               ┘ the next run does the second one
     NAME.zarr.irg-old   is deleted
@@ -21,6 +22,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +33,6 @@ from pipeline.store.check import Checked, Damage, Index, checked_points, mend
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
-    LOCK,
     NEW,
     OLD,
     ROOT,
@@ -90,12 +91,12 @@ def open_to_write(
             raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
         progress(Progress(f"{place} cannot be locked: make sure that only one run writes to it"))
     note = "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
-    return _opened(place, sweep, lock, progress, held, note)
+    return _opened(place, sweep, lock, progress, note)
 
 
-def enlarged(store: Store, sweep: Sweep, held: ExitStack) -> Store:
+def enlarged(store: Store, sweep: Sweep) -> Store:
     """The store that this process writes, with room for the points of a larger sweep."""
-    return _opened(store.place, sweep, store.lock, silent, held)
+    return _opened(store.place, sweep, store.lock, silent)
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
@@ -109,7 +110,6 @@ def _opened(
     sweep: Sweep,
     lock: Lock | None,
     progress: Report,
-    held: ExitStack,
     note: str = "",
 ) -> Store:
     """The store of a sweep, made, enlarged or as it was."""
@@ -134,7 +134,7 @@ def _opened(
     elif isinstance(place, Folder):
         if before:  # a dataset that is open must not read the numbers of other points
             root = Root.of(root.sweep, lines, growths + 1)
-        store = _moved_in(place, before, root, lock, progress, held)
+        store = _moved_in(place, before, root, lock, progress)
     elif before:
         raise _no_room(place, "on an object store a plane is fixed")
     else:
@@ -189,44 +189,28 @@ def _update(place: StorePlace, root: Root) -> None:
 
 
 def _locked(place: Folder, progress: Report, held: ExitStack) -> Lock:
-    """Lock a folder, or what becomes it, and end what a killed run had begun beside it."""
-    new, old = place.beside(NEW), place.beside(OLD)
+    """Lock a folder, and end what a killed run had begun beside it."""
     find_root(place)  # raises if this is no store, before a lock is put there
-    there = place if place.path.exists() else new
-    lock = held.enter_context(locked(there, progress))
-    if not lock.is_in_place() or place.path.exists() != (there is place):
-        raise StoreError(f"{place} was in use a moment ago; run the command again")
+    lock = held.enter_context(locked(place, progress))
+    new, old = place.beside(NEW).path, place.beside(OLD).path
     with io_errors(place, "written"):
-        if there is new and old.path.exists() and read_document(new, FACTS):
-            new.path.rename(place.path)
-            lock.folder = place
-        if place.path.exists():
-            for folder in (new, old):
-                if folder.path.exists():
-                    shutil.rmtree(folder.path)
-            for file in [*place.path.rglob(f"*{PARTIAL}")]:
-                file.unlink()
+        if old.exists() and not place.path.exists():
+            (new if new.exists() else old).rename(place.path)  # killed between two renames
+        for folder in filter(Path.exists, (new, old)):
+            shutil.rmtree(folder)
+        for file in [*place.path.rglob(f"*{PARTIAL}")]:
+            file.unlink()
     return lock
 
 
 def _moved_in(
-    place: Folder,
-    before: Root | None,
-    root: Root,
-    lock: Lock | None,
-    progress: Report,
-    held: ExitStack,
+    place: Folder, before: Root | None, root: Root, lock: Lock | None, progress: Report
 ) -> Store:
     """Make the store of `root`, with the points of the one at `place`, and put it there."""
     new, old = place.beside(NEW), place.beside(OLD)
-    if place.path.exists():
-        if others := sorted(_not_of(before, place)):
-            raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
-        lock = held.enter_context(locked(new, progress))
+    if place.path.exists() and (others := sorted(_not_of(before, place))):
+        raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
     with io_errors(new, "written"):
-        for path in new.path.iterdir():
-            if path.name != "status":
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
         _fill(new, root, place if before else None)
     if before:
         store, other = Store(new, root, lock, Damage()), Store(place, before, None, Damage())
@@ -243,8 +227,6 @@ def _moved_in(
             place.path.rename(old.path)
         new.path.rename(place.path)
         sync(place.path.parent)
-        if lock:
-            lock.folder = place
         if old.path.exists():
             shutil.rmtree(old.path)
     return Store(place, root, lock, Damage())
@@ -252,7 +234,7 @@ def _moved_in(
 
 def _not_of(root: Root | None, place: Folder) -> Iterator[str]:
     """Names of the files and links below a folder that are not those of its store."""
-    own = {LOCK, *(root.documents() if root else ())}
+    own = {*(root.documents() if root else ())}
     folders = [""]
     while folders:
         folder = folders.pop()

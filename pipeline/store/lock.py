@@ -1,7 +1,8 @@
 """The lock of a store: one process writes at a time, whatever path it used for the store.
 
-It is a `flock`, which the kernel releases when the process dies. The lock file names process and
-host, for machines that share a disk and do not see each other's locks. An object store has none.
+It is a `flock` of a file beside the store, which the kernel releases when the process dies. The
+file names process and host, for machines that share a disk and do not see each other's locks. An
+object store has none.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
+from pipeline.paths import open_regular
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.place import LOCK, NEW, Folder, StoreError, StorePlace, io_errors
+from pipeline.store.files import make_folder
+from pipeline.store.place import LOCK, Folder, StoreError, StorePlace, io_errors
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
@@ -24,18 +27,17 @@ _TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` takes the lo
 
 
 class Lock:
-    """A lock that this process holds: an open lock file, and the folder in which it lies.
+    """A lock that this process holds: the open lock file of a store."""
 
-    Whoever moves the folder sets `folder` to its new place.
-    """
-
-    def __init__(self, folder: Folder, descriptor: int) -> None:
-        self.folder, self._descriptor = folder, descriptor
+    def __init__(self, folder: Folder) -> None:
+        self.path = folder.beside(LOCK).path
+        make_folder(self.path.parent)
+        self.descriptor = open_regular(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
 
     def is_in_place(self) -> bool:
-        """True if the lock file is still in its folder, neither deleted nor replaced."""
+        """True if the lock file is still beside the store, neither deleted nor replaced."""
         try:
-            return os.path.samestat(os.fstat(self._descriptor), (self.folder.path / LOCK).lstat())
+            return os.path.samestat(os.fstat(self.descriptor), self.path.lstat())
         except OSError:  # also on a file server that no longer knows the folder
             return False
 
@@ -47,26 +49,29 @@ def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
     If the disk has no locks, this is reported, and the block runs without one.
     """
     with io_errors(folder, "written"):
-        descriptor = folder.open_file(LOCK)
+        lock = Lock(folder)
     try:
         with io_errors(folder, "written"):
-            if not _flock(folder, descriptor):
+            if not _flock(folder, lock.descriptor):
                 problem = f"{folder} cannot be locked: make sure that only one run writes to it"
                 progress(Progress(problem))
-            name, host = _read_holder(descriptor)
+            name, host = _read_holder(lock.descriptor)
             if host not in (None, socket.gethostname()):
-                raise StoreError(
-                    f"{folder} is in use by {name}; if that has ended, delete {folder}/{LOCK}"
-                )
-            os.ftruncate(descriptor, 0)
-            os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}\n".encode(), 0)
+                problem = f"in use by {name}; if that has ended, delete {lock.path}"
+                raise StoreError(f"{folder} is {problem}")
+            if not lock.is_in_place():
+                raise StoreError(f"{folder} was in use a moment ago; run the command again")
+            os.ftruncate(lock.descriptor, 0)
+            holder = f"process {os.getpid()} on {socket.gethostname()}\n"
+            os.pwrite(lock.descriptor, holder.encode(), 0)
         try:
-            yield Lock(folder, descriptor)
+            yield lock
         finally:
             with suppress(OSError):  # the lock is released in any case
-                os.ftruncate(descriptor, 0)
+                if lock.is_in_place():
+                    lock.path.unlink()
     finally:
-        os.close(descriptor)
+        os.close(lock.descriptor)
 
 
 def _flock(folder: Folder, descriptor: int) -> bool:
@@ -93,18 +98,17 @@ def holder_of(place: StorePlace) -> str | None:
     """
     if not isinstance(place, Folder):
         return None
-    for folder in (place, place.beside(NEW)):
-        with suppress(OSError):
-            descriptor = os.open(folder.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)
-            try:
-                name, host = _read_holder(descriptor)
-                if host not in (None, socket.gethostname()):
-                    return name
-                fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            except BlockingIOError:
+    with suppress(OSError):
+        descriptor = os.open(place.beside(LOCK).path, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            name, host = _read_holder(descriptor)
+            if host not in (None, socket.gethostname()):
                 return name
-            finally:
-                os.close(descriptor)
+            fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return name
+        finally:
+            os.close(descriptor)
     return None
 
 

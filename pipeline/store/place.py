@@ -27,8 +27,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.paths import open_regular, user_path
-from pipeline.store.files import make_folder, path_below, require_no_link, sync
+from pipeline.paths import user_path
+from pipeline.store.files import sync
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -39,10 +39,8 @@ if TYPE_CHECKING:
 PathLike = str | os.PathLike[str]
 ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
-LOCK = "status/lock"
-"""Key of the lock of a store: within it, so that every path to the store finds it."""
-NEW, OLD = ".irg-new", ".irg-old"
-"""Endings of folders that replace another store, or are replaced."""
+NEW, OLD, LOCK = ".irg-new", ".irg-old", ".irg-lock"
+"""Endings of what lies beside a store: folders that replace it, or are replaced, and its lock."""
 REMEDY = "irg run repairs it with the same scene; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
@@ -97,7 +95,7 @@ class Folder:
         return FolderStore(self.path)
 
     def beside(self, ending: str) -> Folder:
-        """The folder beside this one whose name has the `ending` `NEW` or `OLD`."""
+        """What lies beside this folder, by its `ending`: `NEW`, `OLD` or `LOCK`."""
         return Folder(self.path.with_name(self.path.name + ending))
 
     def stamp(self) -> tuple[int, int] | None:
@@ -117,21 +115,6 @@ class Folder:
         """Return once the names of the files that were written are on the disk, too."""
         while self.zarr.touched:
             sync(self.zarr.touched.pop())
-
-    def open_file(self, key: str) -> int:
-        """Open or create the file `key`; return its descriptor.
-
-        `OSError` for a link, a file with a second name, and what is no regular file.
-        """
-        path = path_below(self.path, key)
-        require_no_link(path)
-        make_folder(path.parent)
-        descriptor = open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
-        if os.fstat(descriptor).st_nlink > 1:
-            os.close(descriptor)
-            what = "it is a hard link with a second name: delete it if no run is using the store"
-            raise OSError(errno.EMLINK, what, os.fspath(path))
-        return descriptor
 
 
 # Errors of fsspec for a missing object; older versions of it raise the last for a zip file.

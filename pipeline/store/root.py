@@ -17,7 +17,6 @@ from pipeline.store.arrays import Document, array_document, open_arrays, read_do
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
-    LOCK,
     NEW,
     ROOT,
     Bucket,
@@ -170,7 +169,7 @@ def find_root(place: StorePlace) -> Root | None:
     if content is not None:
         return _parsed(place, content)
     is_file = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
-    if is_file or not (keys <= {LOCK} or _is_begun(place, keys)):
+    if is_file or (keys and not _is_begun(place, keys)):
         raise StoreError(f"{place} is not a store: {_what_it_is(place, keys)}")
     return None
 

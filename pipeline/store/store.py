@@ -19,7 +19,6 @@ from pipeline.store.check import Damage, Index, checksums
 from pipeline.store.layout import Group, Slices
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
-    LOCK,
     Bucket,
     DamagedError,
     PathLike,
@@ -280,9 +279,9 @@ class Store:
     def _require_lock(self) -> None:
         if self.lock and not self.lock.is_in_place():
             raise StoreError(
-                f"{self.place}: the lock file ({LOCK}) was deleted or replaced during this run. "
-                "The run stops, because another one may be writing; finished points are saved. "
-                "Run the command again"
+                f"{self.place}: the lock file ({self.lock.path}) was deleted or replaced. The run "
+                "stops, because another one may be writing; finished points are saved. Run the "
+                "command again"
             )
 
 

@@ -13,6 +13,7 @@ import xarray as xr
 
 from pipeline.store import files, root
 from pipeline.store.create import writing
+from pipeline.store.place import LOCK
 from pipeline.store.schema import DONE
 from pipeline.store.store import opened
 from pipeline.sweep.plan import PointRecord, points
@@ -28,6 +29,11 @@ HOLDER = """if True:
         time.sleep(60)
 """
 """Program that holds the lock of a store, once it has said so."""
+
+
+def lock_of(path):
+    """Path of the lock of a store."""
+    return path.with_name(f"{path.name}{LOCK}")
 
 
 @contextmanager
@@ -147,6 +153,6 @@ def forge(store, change):
 
 
 def contents(path):
-    """Contents of all files below a path, by relative path, except the lock."""
-    present = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
+    """Contents of all files below a path, by relative path."""
+    present = (file for file in path.rglob("*") if file.is_file())
     return {str(file.relative_to(path)): file.read_bytes() for file in present}

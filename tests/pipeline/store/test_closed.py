@@ -15,9 +15,8 @@ from pipeline import StoreError
 from pipeline.cli import main
 from pipeline.store import store as stored
 from pipeline.store.files import PARTIAL
-from pipeline.store.place import LOCK
 from tests.helpers import tiny
-from tests.helpers.stores import commit
+from tests.helpers.stores import commit, lock_of
 
 SWEEP = tiny.full()
 FIELD, CHUNK = "fields/rise/c.0.0.0", "mean_rise/c.0.0.0"
@@ -27,7 +26,7 @@ KEY = "a private key"
 @pytest.fixture
 def outside(tmp_path):
     """A folder beside the store, with files named like those of a store."""
-    for name in (LOCK, FIELD, CHUNK, f"load/c.0{PARTIAL}", "load/zarr.json", "status/c.0.0", "key"):
+    for name in (FIELD, CHUNK, f"load/c.0{PARTIAL}", "load/zarr.json", "status/c.0.0", "key"):
         (tmp_path / "outside" / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "outside" / name).write_text(KEY)
     return tmp_path / "outside"
@@ -52,8 +51,8 @@ def link(path, target):
 
 
 LINKS = {
-    "lock": lambda store, out: link(store / LOCK, out / "key"),
-    "pipe for a lock": lambda store, out: ((store / LOCK).unlink(), os.mkfifo(store / LOCK)),
+    "lock": lambda store, out: link(lock_of(store), out / "key"),
+    "pipe for a lock": lambda store, out: os.mkfifo(lock_of(store)),
     "folder of chunks": lambda store, out: link(store / "mean_rise", out / "mean_rise"),
     "root": lambda store, out: link(store / "zarr.json", out / "key"),
     "chunk": lambda store, out: link(store / CHUNK, out / "key"),

@@ -19,7 +19,7 @@ from pipeline import StoreError, StoreMismatchError, open_sweep, summary, verify
 from pipeline.store.create import copy_points, writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
-from pipeline.store.place import NEW, place_of
+from pipeline.store.place import place_of
 from pipeline.store.schema import FIELDS
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
@@ -82,7 +82,7 @@ def test_a_creation_cut_short_leaves_no_store(path, monkeypatch, files):
     with pytest.raises(StoreError, match="a run was cut short as it made"):
         summary(path)
     with (
-        locked(place_of(path).beside(NEW)),
+        locked(place_of(path)),
         pytest.raises(StoreError, match=f"being created by process {os.getpid()}"),
     ):
         summary(path)

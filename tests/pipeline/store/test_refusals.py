@@ -10,13 +10,13 @@ import tribo
 from pipeline import open_sweep, summary
 from pipeline.store import lock
 from pipeline.store.create import writing
-from pipeline.store.place import LOCK, ROOT, place_of
+from pipeline.store.place import ROOT, place_of
 from pipeline.store.root import FACTS
 from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
-from tests.helpers.stores import commit, forge
+from tests.helpers.stores import commit, forge, lock_of
 
 SWEEP = tiny.full()
 
@@ -44,9 +44,8 @@ def put(name, content):
     return lambda path: (path / name).write_bytes(content)
 
 
-def relink(path):
-    (path / LOCK).unlink(missing_ok=True)
-    (path / LOCK).hardlink_to(path / ROOT)
+def lock_elsewhere(path):
+    lock_of(path).write_text("process 7 on node7\n")
 
 
 def forged(change):
@@ -73,7 +72,6 @@ def exchange(path):
 
 def unfinished():
     """Read a store whose root is not written yet while it is locked."""
-    Path("a.zarr/status").mkdir(parents=True)
     with lock.locked(place_of("a.zarr")):
         return summary("a.zarr")
 
@@ -102,10 +100,9 @@ REFUSALS = {
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
-    "hard link": (changed(lambda path: relink(path), go_on),
-                  "cannot be written: it is a hard link with a second name"),
+    "link": (changed(lambda path: lock_of(path).symlink_to(path), go_on), "cannot be written: "),
     "in use": (in_use, f"in use by process {os.getpid()}"),
-    "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
+    "elsewhere": (changed(lock_elsewhere, go_on),
                   "on node7; if that has ended, delete"),
     "being made": (unfinished, "is being created by process"),
     # the root
@@ -131,14 +128,13 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "place.open_file OSError": "row of the hard link, which tells it as a StoreError",
     "files.require_no_link OSError": "rows of links, which tell it as a StoreError",
     "place.keys StoreError": "test_create.py, with a web server",
     "create._opened StoreMismatchError": "test_create.py, in several lines",
     "create._opened _no_room": "test_s3.py: on an object store",
     "resume._union InputError": "test_create.py, as a StoreMismatchError",
     "create._moved_in _no_room": "a done point without a place, which no sweep makes",
-    "create._locked StoreError": "a run that ended between two looks at its folder",
+    "lock.locked StoreError": "a run that ended between opening the lock and taking it",
     "store._require_lock StoreError": "test_writing.py",
     "store.read StoreError": "test_writing.py: enlarged since it was opened",
     "root.read_root StoreError": "a run that was cut short between two renames",

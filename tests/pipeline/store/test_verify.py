@@ -40,7 +40,7 @@ LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.velocities, 2.0))
 
 def chunks(path, name):
     """Files of the chunks of a variable; a store that took the place of another has no "c."."""
-    others = ("zarr.json", "lock")
+    others = ("zarr.json",)
     return sorted(file for file in (path / path_of(name)).iterdir() if file.name not in others)
 
 

@@ -10,7 +10,6 @@ import pipeline
 import tribo
 from pipeline import StoreError, open_sweep, summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.place import LOCK
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.status import FailedPoint
 from pipeline.sweep.plan import points
@@ -25,6 +24,7 @@ from tests.helpers.stores import (
     fail,
     held_elsewhere,
     killed_after,
+    lock_of,
     opened,
     record,
 )
@@ -170,26 +170,26 @@ def test_a_process_that_was_killed_holds_nothing(begun):
 
 @pytest.mark.parametrize("left", ["", f"process 7 on {HOST}\n", "\udcff"])
 def test_what_a_killed_process_of_this_host_or_nobody_left_is_free(begun, left):
-    (begun / LOCK).write_bytes(left.encode(errors="surrogateescape"))
+    lock_of(begun).write_bytes(left.encode(errors="surrogateescape"))
     assert summary(begun).running is None
     commit(begun, SWEEP, ())
-    assert (begun / LOCK).read_bytes() == b""
+    assert not lock_of(begun).exists()
 
 
 def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes_it(begun, irg):
     """A kernel lock may not reach this host, so nothing tells whether that process lives."""
-    (begun / LOCK).write_text("process 7 on node7\n")
-    os.utime(begun / LOCK, (0, 0))
+    lock_of(begun).write_text("process 7 on node7\n")
+    os.utime(lock_of(begun), (0, 0))
     before = contents(begun)
     with pytest.raises(StoreError) as refused:
         pipeline.run_sweep(SWEEP, begun, workers=1)
     assert str(refused.value) == (
-        f"{begun} is in use by process 7 on node7; if that has ended, delete {begun}/status/lock"
+        f"{begun} is in use by process 7 on node7; if that has ended, delete {lock_of(begun)}"
     )
-    assert (begun / LOCK).read_text() == "process 7 on node7\n"
+    assert lock_of(begun).read_text() == "process 7 on node7\n"
     assert contents(begun) == before
     assert "running: process 7 on node7" in irg("status", begun)
-    (begun / LOCK).unlink()
+    lock_of(begun).unlink()
     commit(begun, SWEEP, [OTHER])
     assert_is_as_computed(begun, [POINT, OTHER])
 
@@ -198,10 +198,12 @@ def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes
 def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(begun, replaced):
     with writing(begun, SWEEP) as store:
         store.commit([record(OTHER)])
-        (begun / LOCK).unlink()
+        lock_of(begun).unlink()
         if replaced:
-            (begun / LOCK).touch()
-        with pytest.raises(StoreError, match=rf"the lock file \({LOCK}\) was deleted or replaced"):
+            lock_of(begun).touch()
+        with pytest.raises(
+            StoreError, match=rf"the lock file \({lock_of(begun)}\) was deleted or replaced"
+        ):
             store.commit([record(Point(150.0, 0.5))])
         commit(begun, SWEEP, [Point(600.0, 0.5)])  # committed by another run
         with pytest.raises(StoreError, match="Run the command again"):
@@ -220,5 +222,5 @@ def test_a_disk_without_locks_is_written_and_told(begun, monkeypatch):
         store.commit([record(OTHER)])
     assert messages == [f"{begun} cannot be locked: make sure that only one run writes to it"]
     assert_is_as_computed(begun, [POINT, OTHER])
-    (begun / LOCK).write_text("process 7 on node7\n")
+    lock_of(begun).write_text("process 7 on node7\n")
     refuse(begun, "process 7 on node7; if that has ended, delete")
