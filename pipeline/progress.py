@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
-
-T = TypeVar("T")
 
 _YEAR = 365.25 * 24 * 3600  # [s]
-_SOON = 2.0  # [s] before which no time is predicted
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,30 +40,6 @@ Report = Callable[[Progress], None]
 
 def silent(progress: Progress) -> None:
     """Ignore a report of progress."""
-
-
-def with_progress(
-    items: Iterable[T],
-    progress: Report,
-    name: Callable[[T], str] = str,
-    weight: Callable[[T], float] = lambda item: 1.0,
-) -> Iterator[T]:
-    """Yield items; before each, report its name, its number and the estimated time left.
-
-    `name` returns the name of an item, and `weight` its relative duration.
-    """
-    everything = list(items)
-    weights = [weight(item) for item in everything]
-    began, total = time.monotonic(), len(everything)
-    for number, item in enumerate(everything):
-        done, left = sum(weights[:number]), sum(weights[number:])
-        elapsed = time.monotonic() - began
-        to_go = elapsed * left / done if done > 0 and elapsed >= _SOON else None
-        rest = "" if to_go is None else f" (about {duration(to_go)} left)"
-        count = f"{number + 1} of {total}: " if total > 1 else ""
-        words = f"{count}{name(item)}{rest}"
-        progress(Progress(words, number, total, elapsed=elapsed, time_to_go=to_go))
-        yield item
 
 
 def duration(seconds: float) -> str:

@@ -114,7 +114,7 @@ def _opened(
 ) -> Store:
     """The store of a sweep, made, enlarged or as it was."""
     before = find_root(place)
-    if before and (differing := [*mismatches(before.sweep, sweep, before.goal)]):
+    if before and (differing := [*mismatches(before.sweep, sweep)]):
         advice = "use the values of the store, or write to another store"
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene: {advice}", *differing])

@@ -88,18 +88,13 @@ def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     return tuple(kept)
 
 
-def mismatches(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
-    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can.
-
-    `goal` is the option that the store was last run with for an accuracy, if there is one.
-    """
-    growing = [f"the store is grown by: irg run SCENE {goal}"] * bool(goal)
+def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
+    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can."""
     old, new = stored.case_table, sweep.case_table
     kept, wanted = (one._scene_hashes for one in (stored, sweep))
     if [*old.axes] != [*new.axes] and not {*kept.values()} <= {*wanted.values()}:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
         yield f"axes: {have} in the store, {gives} in the scene, which lacks cases of the store"
-        yield from growing
         return
     for name in kept.keys() & wanted.keys():
         before, after = old.by_name[name], new.by_name[name]
@@ -110,8 +105,6 @@ def mismatches(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
         if different:
             row = f"scene with {', '.join(case_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
-            if all(words.startswith("fidelity.") for words in different):
-                yield from growing
             break  # one case that differs is enough
     if (steps := sweep.steps) not in (None, choose_stored_steps(stored).steps):
         yield _differs("sweep.steps", choose_stored_steps(stored).steps, steps)

@@ -9,7 +9,6 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import PurePath
 from typing import Any
 
 from pipeline.paths import path_hint
@@ -92,12 +91,6 @@ class Root:
         return [self.plane, *([self.tests] if self.tests else [])]
 
     @property
-    def goal(self) -> str:
-        """Option of the last new accuracy that the store was run for; empty without one."""
-        goals = [line for line in self.history if line.startswith(GOAL)]
-        return goals[-1].removeprefix("run with ") if goals else ""
-
-    @property
     def attributes(self) -> dict[str, str]:
         """Attributes of the dataset: texts for people, of which nothing is read."""
         return {
@@ -170,7 +163,7 @@ def find_root(place: StorePlace) -> Root | None:
         return _parsed(place, content)
     is_file = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
     if is_file or (keys and not _is_begun(place, keys)):
-        raise StoreError(f"{place} is not a store: {_what_it_is(place, keys)}")
+        raise StoreError(f"{place} is not a store: {_what_it_is(keys)}")
     return None
 
 
@@ -229,18 +222,14 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int], growths: int) -> dict
         return split_arrays(array[:], one.attributes)
 
 
-def _what_it_is(place: StorePlace, keys: set[str]) -> str:
+def _what_it_is(keys: set[str]) -> str:
     """What a path leads to that is no store, and what to do."""
-    if not keys:
-        suffix = PurePath(str(place)).suffix
-        if suffix == ".toml":
-            return "it is a scene file; run it with irg run, then give the resulting store"
-        return "it is not a folder; give the folder written by irg run"
     if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
         return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
     if ROOT in keys:
         return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
-    return "it is a folder with other files; give the folder written by irg run, or a new one"
+    what = "a folder with other files" if keys else "no folder"
+    return f"it is {what}; give the folder written by irg run, or a new one"
 
 
 def stale_documents(place: StorePlace, root: Root) -> dict[str, Document]:

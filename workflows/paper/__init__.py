@@ -16,7 +16,6 @@ from PIL import Image
 
 from pipeline.figures.style import save_figure
 from pipeline.frames import FIGURES, writable_path
-from pipeline.progress import with_progress
 from pipeline.words import did_you_mean
 from tribo import InputError
 
@@ -33,7 +32,7 @@ from .report import WORDS, Report
 from .resolution import fig6
 from .rivals import rivals
 from .steel import steel
-from .study import Study
+from .study import Study, with_progress
 from .table_4 import table4
 from .table_6 import table6
 from .transition_diagram import fig10

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,12 +12,14 @@ import xarray as xr
 
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
-from pipeline.progress import Progress, Report, silent, with_progress
+from pipeline.progress import Progress, Report, duration, silent
 from pipeline.run.sweep import Outcome
 from pipeline.shipped import WORKFLOWS
 from tribo import Fidelity
 
 T = TypeVar("T")
+
+_SOON = 2.0  # [s] before which no time is predicted
 
 PUBLISHED = "as-published"
 AS_PUBLISHED = Fidelity(
@@ -107,3 +110,27 @@ class Study:
     def seeds(self, usual: int) -> range:
         """Seeds of the random surfaces, as many as asked for, else `usual`."""
         return range(self.surfaces or usual)
+
+
+def with_progress(
+    items: Iterable[T],
+    progress: Report,
+    name: Callable[[T], str] = str,
+    weight: Callable[[T], float] = lambda item: 1.0,
+) -> Iterator[T]:
+    """Yield items; before each, report its name, its number and the estimated time left.
+
+    `name` returns the name of an item, and `weight` its relative duration.
+    """
+    everything = list(items)
+    weights = [weight(item) for item in everything]
+    began, total = time.monotonic(), len(everything)
+    for number, item in enumerate(everything):
+        done, left = sum(weights[:number]), sum(weights[number:])
+        elapsed = time.monotonic() - began
+        to_go = elapsed * left / done if done > 0 and elapsed >= _SOON else None
+        rest = "" if to_go is None else f" (about {duration(to_go)} left)"
+        count = f"{number + 1} of {total}: " if total > 1 else ""
+        words = f"{count}{name(item)}{rest}"
+        progress(Progress(words, number, total, elapsed=elapsed, time_to_go=to_go))
+        yield item
