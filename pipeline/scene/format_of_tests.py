@@ -37,8 +37,8 @@ class TableFile(Declared):
 
 class EvenLevels(Declared):
     form_name = "even stages"
-    first: A[str, LEVEL, "Load or velocity of the first stage."]
-    step: A[str, LEVEL, "Difference between one stage and the next."]
+    first: A[Any, LEVEL, "Load or velocity of the first stage."]
+    step: A[Any, LEVEL, "Difference between one stage and the next."]
     hold: A[float, HELD, "Time for which each stage is held."]
 
 class Test(Declared):
@@ -50,7 +50,7 @@ class Test(Declared):
     outcome: A[str | None, OneOf(OUTCOMES),
         'Outcome at the end of the hold; "transition" if load or velocity was raised until wear '
         "became severe. Needed without `mild_up_to` and `severe_at`."] = None
-    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
+    step: A[Any, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
         "Step of velocity or of load by which a transition was reached: wear was still mild one "
         "step before."] = None
     stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
@@ -235,22 +235,31 @@ class QuantityOrTests(Quantity):
         return math.nan if value == FROM_TESTS else super()._read(value, place, faults)
 
 
+class Level(NamedTuple):
+    """A load or a velocity: which of them it is, and its value in SI."""
+
+    axis: str
+    value: float
+
+
+_AXES = {"N": "load", "m s-1": "velocity"}
+
+
 @dataclass(frozen=True)
 class OneQuantity(Kind):
-    """Kind of scene entry: a quantity of one of several dimensions, kept as it is written."""
+    """Kind of scene entry: a load or a velocity, read as a `Level`."""
 
     kinds: tuple[Quantity, ...]
 
     def __str__(self) -> str:
         return " or ".join(map(str, self.kinds))
 
-    def _read(self, value: Any, place: str, faults: Faults) -> str:
+    def _read(self, value: Any, place: str, faults: Faults) -> Level:
         require(value, str, "has no unit")
-        of = {si_unit(kind.example): kind for kind in self.kinds}.get(si_unit(value))
+        of = {si_unit(kind.example): kind for kind in self.kinds}.get(unit := si_unit(value))
         if of is None:
             raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
-        of._read(value, place, faults)  # raises if it is out of range
-        return str(value)
+        return Level(_AXES[unit], of._read(value, place, faults))
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,8 @@ from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
 from pipeline.scene.format_of_tests import EvenLevels, Test
-from pipeline.scene.kinds import LOAD, VELOCITY
+from pipeline.scene.kinds import LOAD, VELOCITY, Level
 from pipeline.scene.tables import table_of
-from pipeline.units import si_unit, to_si
-from pipeline.words import quoted
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
@@ -33,20 +31,16 @@ def stages_of(stages: Any, highest: float) -> Levels:
     return tuple(level for level, _ in stages), tuple(hold for _, hold in stages)
 
 
-def axis_of(text: str) -> str:
-    """Which of "load" and "velocity" a quantity of a scene is."""
-    return "load" if si_unit(text) == si_unit("1 N") else "velocity"
-
-
 def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
-    """Read the stages of a test: "load" or "velocity", levels and holds; even ones up to `end`."""
+    """Stages of a test: "load" or "velocity", levels in SI and holds; even ones up to `end`."""
     is_even = isinstance(stages, EvenLevels)
-    texts = [stages.first, stages.step] if is_even else [level for level, _ in stages]
-    name = axis_of(texts[0])
-    numbers = [to_si(text, like=f"1 {'N' if name == 'load' else 'm/s'}") for text in texts]
+    found = [stages.first, stages.step] if is_even else [level for level, _ in stages]
+    axis, *others = dict.fromkeys(level.axis for level in found)
+    if others:
+        raise InputError("the stages are of load and of velocity; give one of them")
     if is_even:
-        return name, *_even(numbers[0], numbers[1], stages.hold, end)
-    return name, tuple(numbers), tuple(hold for _, hold in stages)
+        return axis, *_even(found[0].value, found[1].value, stages.hold, end)
+    return axis, tuple(level.value for level in found), tuple(hold for _, hold in stages)
 
 
 def _even(first: float, step: float, hold: float, highest: float) -> Levels:
@@ -106,13 +100,13 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
     if test.step is None:
         return
     if test.outcome != "transition":
-        words = 'belongs to a transition; leave it out, or give outcome = "transition"'
-        yield "step", f"{quoted(test.step)} {words}"
+        words = 'it belongs to a transition; leave it out, or give outcome = "transition"'
+        yield "step", words
         return
-    value = getattr(test, name := axis_of(test.step))
-    if value is not None and to_si(test.step, like=test.step) >= value:
-        words = f"must be less than the {name} ({display(value, UNITS[name])})"
-        yield "step", f"{quoted(test.step)} {words}"
+    axis, step = test.step
+    if (value := getattr(test, axis)) is not None and step >= value:
+        step, value = (display(one, UNITS[axis]) for one in (step, value))
+        yield "step", f"{step} must be less than the {axis} ({value})"
 
 
 def _ends_of(test: Test) -> dict[str, str]:
@@ -140,7 +134,7 @@ def _read_stages(entry: Test, given: dict[str, str], place: str, faults: Faults)
                 problem = f"these are stages of {found}, which the test gives, too; leave out one"
                 raise InputError(problem)
             common["stages"] = tuple(
-                (f"{level!r} {UNITS[name]}", hold)
+                (Level(name, level), hold)
                 for level, hold in zip(levels, holds, strict=True)
                 if level <= last * (1 + 1e-9)
             )

@@ -14,12 +14,11 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages
 from pipeline.scene.format_of_tests import TableFile
 from pipeline.scene.format_of_tests import Test as TestEntry
-from pipeline.scene.stages import axis_of, levels_of, stages_of, test_faults
+from pipeline.scene.stages import levels_of, stages_of, test_faults
 from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest
 from pipeline.sweep.conditions import with_own
 from pipeline.table import read_table, rows_of
-from pipeline.units import to_si
 from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
@@ -131,7 +130,7 @@ def _test_of(entry: Any, case: Case) -> SpecimenTest:
         bulk_temperature=entry.bulk_temperature,
         outcome=entry.outcome,
         number=None if entry.number is None else str(entry.number),
-        **{} if step is None else {f"{axis_of(step)}_step": to_si(step, like=step)},
+        **{} if step is None else {f"{step.axis}_step": step.value},
     )
 
 
@@ -157,7 +156,7 @@ def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
         loading = Stages(*stages_of(stages, entry.load), loading.rate)
         scene = widen_window(replace(scene, loading=loading), entry.velocity)
     step = entry.step
-    before = to_si(step, like=step) if step and axis_of(step) == "load" else 0.0
+    before = step.value if step and step.axis == "load" else 0.0
     for load in dict.fromkeys((entry.load - before, entry.load)):
         loading.count(load)  # raises if it is no stage
     return scene

@@ -167,6 +167,10 @@ ENTRIES = {
     "severe without stage": (staged('velocity = "2 m/s"\nsevere_at = "350 N"'),
                              "load is 350 N, which is no stage; give one of 200 N"),
     "stages given": (staged('load = "1 N"\nsevere_at = "3 m/s"'), "these are stages of load"),
+    "stages of both": (
+        entry("tests", [{"load": "400 N", "severe_at": "1 m/s",
+                         "stages": [["400 N", "5 s"], ["1 m/s", "5 s"]]}], without="tests"),
+        "the stages are of load and of velocity"),
     "stages of a record": (staged_record, "stages need a rate of the load"),
     "velocity of a track": (warmed, "stages of velocity take one friction"),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is outside the allowed range"),
