@@ -16,9 +16,8 @@ from distributed import Client
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
-from pipeline.run.drive import TaskQueue, compute
+from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
 from pipeline.run.goal import GoalRun
-from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.watch import Watch
 from pipeline.scene.read import sweep_of
 from pipeline.store.create import copy_points, enlarged, find_sweep, open_to_write, versions

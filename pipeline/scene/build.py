@@ -12,7 +12,7 @@ from typing import Any
 import tribo
 from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
-from pipeline.scene.checks import check_tables, track_faults
+from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
 from pipeline.scene.entries import Entries, entry_at
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import (
@@ -31,7 +31,6 @@ from pipeline.scene.format import (
 from pipeline.scene.library import resolve_library
 from pipeline.scene.stages import expand_tests, stages_of
 from pipeline.scene.tables import Declared, table_of
-from pipeline.scene.tracks import disc_of, track_length
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case

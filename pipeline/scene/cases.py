@@ -14,8 +14,7 @@ from pipeline.limits import MOST_SCENES
 from pipeline.scene.build import Built, Files, build, realizations_of
 from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import SceneFile
-from pipeline.scene.format_of_tests import TableFile
+from pipeline.scene.format import SceneFile, TableFile
 from pipeline.scene.kinds import LOAD, SPEED
 from pipeline.scene.tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.sweep.case import Case

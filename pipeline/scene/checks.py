@@ -10,10 +10,9 @@ import tribo
 from pipeline.quantities import display
 from pipeline.scene.contact_estimate import expect_contacts
 from pipeline.scene.faults import Fault, Faults
-from pipeline.scene.format import StagesTable
+from pipeline.scene.format import Body, StagesTable
 from pipeline.scene.library import library
 from pipeline.scene.stages import stages_of
-from pipeline.scene.tracks import track_length
 from pipeline.sweep.case import Case
 from pipeline.words import did_you_mean, quoted
 from tribo.simulation.pins import sizes_of
@@ -178,3 +177,15 @@ def _unfit_friction(scene: Any) -> Misfits:
     if nodes and friction.coefficient == 0:
         words = "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
         yield "friction.coefficient", words
+
+
+def track_length(body: Body) -> float | None:
+    """Length of the track around a body [m]: the rim of a disc, or the given value, or None."""
+    return math.pi * body.diameter if body.diameter else body.track_length
+
+
+def disc_of(body: Body) -> tribo.Disc | None:
+    """The disc that a body is; None if it is none, or a size is missing."""
+    if body.diameter and body.width:
+        return tribo.Disc(diameter=body.diameter, width=body.width)
+    return None

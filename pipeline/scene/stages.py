@@ -10,8 +10,7 @@ from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import EvenLevels, Test
+from pipeline.scene.format import EvenLevels, EvenStages, Test
 from pipeline.scene.kinds import LOAD, VELOCITY, Level
 from pipeline.scene.tables import table_of
 from tribo import InputError

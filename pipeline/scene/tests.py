@@ -11,9 +11,8 @@ from pipeline.limits import MOST_ROWS
 from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import EvenStages
-from pipeline.scene.format_of_tests import TableFile
-from pipeline.scene.format_of_tests import Test as TestEntry
+from pipeline.scene.format import EvenStages, TableFile
+from pipeline.scene.format import Test as TestEntry
 from pipeline.scene.stages import levels_of, stages_of, test_faults
 from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest

@@ -15,7 +15,7 @@ from unittest import mock
 from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
 from pipeline.run import sweep as running
-from pipeline.run.tally import Tally
+from pipeline.run.drive import Tally
 from pipeline.store import place as files
 from pipeline.store import store as write
 from pipeline.store.store import Store, Writer

@@ -4,13 +4,13 @@ import pandas as pd
 import pytest
 
 from pipeline.operating_points import OperatingPoints
-from pipeline.scene import format_of_tests
+from pipeline.scene import format as scene_format
 from pipeline.scene.faults import Faults
 from pipeline.scene.tables import table_of
 from pipeline.table import read_table, rows_of
 from tribo import InputError
 
-TEST = table_of(format_of_tests.Test)
+TEST = table_of(scene_format.Test)
 HEADS = "load [N],velocity [m/s]"
 
 
