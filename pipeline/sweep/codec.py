@@ -58,30 +58,37 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
 
     Only objects of `classes`, by name, are made. `arrays` has the arrays by SHA-256.
     """
-    if isinstance(plain, list):
-        return tuple(decode(one, classes, arrays) for one in plain)
-    if not isinstance(plain, dict):
-        return plain
-    own = {key: decode(one, classes, arrays) for key, one in plain.items()}
-    match name := own.pop(_CLASS, None):
-        case "number":
-            return float(own["text"])
-        case "mapping":
-            return dict(own["items"])
-        case "array" if own["digest"] in arrays:
-            array = arrays[own["digest"]].reshape(own["shape"])
-            if array_digest(array) != own["digest"]:
-                raise CodecError("an array is not what was written: its numbers are others")
-            return array
-        case "array":
-            return classes["MissingSurface"](**own)
-        case "MeasuredRoughness" if isinstance(own["array"], UnknownHeights):
-            return own["array"]
-    if name not in classes:
-        raise CodecError(f"there is no class {name!r:.60}")
-    if other := own.keys() ^ {*_fields(classes[name])}:
-        raise CodecError(f"{name}.{min(other)} is missing, or unknown")
-    return classes[name](**own)
+
+    def made(own: dict[str, Any]) -> Any:
+        name = own.pop(_CLASS, None)
+        own = {key: _tuples(one) for key, one in own.items()}
+        match name:
+            case "number":
+                return float(own["text"])
+            case "mapping":
+                return dict(own["items"])
+            case "array" if own["digest"] in arrays:
+                array = arrays[own["digest"]].reshape(own["shape"])
+                if array_digest(array) != own["digest"]:
+                    raise CodecError("an array is not what was written: its numbers are others")
+                return array
+            case "array":
+                name = "MissingSurface"
+            case "MeasuredRoughness" if isinstance(own["array"], UnknownHeights):
+                return own["array"]
+        if name not in classes:
+            raise CodecError(f"there is no class {name!r:.60}")
+        if other := own.keys() ^ {*_fields(classes[name])}:
+            raise CodecError(f"{name}.{min(other)} is missing, or unknown")
+        return classes[name](**own)
+
+    # Written and read once more: the reader of JSON makes inner objects first, without a frame for
+    # each level.
+    return json.loads(json.dumps(plain), object_hook=made)
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def digest(value: Any) -> str:
