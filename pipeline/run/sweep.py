@@ -7,7 +7,6 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
 from pipeline.scene.read import sweep_of
-from pipeline.store.create import copy_points, enlarged, find_sweep, open_to_write, versions
+from pipeline.store.create import copy_points, enlarged, find_sweep, versions, writing
 from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
@@ -136,8 +135,7 @@ def run_sweep(
         sweep = goal.sweep
     report, began, own_time = progress or silent, time.monotonic(), time.process_time()
     before, other = find_sweep(out), None if source is None else opened(source)
-    with ExitStack() as held:
-        store = open_to_write(out, sweep, held, report, goal.accuracy if goal else None)
+    with writing(out, sweep, report, goal.accuracy if goal else None) as store:
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         for group in store.groups if retry_failed else ():

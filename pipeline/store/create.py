@@ -20,7 +20,7 @@ import shlex
 import shutil
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -58,40 +58,30 @@ _CHUNK = re.compile(r"c(\.\d+)*")
 
 
 @contextmanager
-def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
+def writing(
+    path: PathLike | None, sweep: Sweep, progress: Report = silent, accuracy: float | None = None
+) -> Iterator[Store]:
     """Context manager: make the store of a sweep, or open it with room for the sweep's points.
 
-    It is as `open_to_write`. Without a path the store is in memory, and goes with the last
-    reference to it.
-    """
-    with ExitStack() as held:
-        yield open_to_write(path, sweep, held, progress)
+    The points are marked as asked for; damaged ones are to be computed again. An `accuracy` that is
+    asked for is noted in the store's history. Without a path the store is in memory, and goes with
+    the last reference to it.
 
-
-def open_to_write(
-    path: PathLike | None,
-    sweep: Sweep,
-    held: ExitStack,
-    progress: Report = silent,
-    accuracy: float | None = None,
-) -> Store:
-    """Make the store of a sweep, or open it with room for the sweep's points.
-
-    The points are marked as asked for; damaged ones are to be computed again. `held` releases the
-    store's lock in the end. An `accuracy` that is asked for is noted in the store's history.
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
     """
-    place, lock = place_of(path), None
+    place, note = place_of(path), "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
     if isinstance(place, Folder):
-        lock = _locked(place, progress, held)
-    else:
-        if not place.is_written:
-            raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
-        progress(Progress(f"{place} cannot be locked: make sure that only one run writes to it"))
-    note = "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
-    return _opened(place, sweep, lock, progress, note)
+        find_root(place)  # raises if this is no store, before a lock is put beside it
+        with locked(place, progress) as lock:
+            _end_what_was_begun(place)
+            yield _opened(place, sweep, lock, progress, note)
+        return
+    if not place.is_written:
+        raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
+    progress(Progress(f"{place} cannot be locked: make sure that only one run writes to it"))
+    yield _opened(place, sweep, None, progress, note)
 
 
 def enlarged(store: Store, sweep: Sweep) -> Store:
@@ -188,10 +178,8 @@ def _update(place: StorePlace, root: Root) -> None:
 # Folders
 
 
-def _locked(place: Folder, progress: Report, held: ExitStack) -> Lock:
-    """Lock a folder, and end what a killed run had begun beside it."""
-    find_root(place)  # raises if this is no store, before a lock is put there
-    lock = held.enter_context(locked(place, progress))
+def _end_what_was_begun(place: Folder) -> None:
+    """End what a killed run had begun in a folder or beside it."""
     new, old = place.beside(NEW).path, place.beside(OLD).path
     with io_errors(place, "written"):
         if old.exists() and not place.path.exists():
@@ -200,7 +188,6 @@ def _locked(place: Folder, progress: Report, held: ExitStack) -> Lock:
             shutil.rmtree(folder)
         for file in [*place.path.rglob(f"*{PARTIAL}")]:
             file.unlink()
-    return lock
 
 
 def _moved_in(
