@@ -106,8 +106,10 @@ def _opened(
     before = find_root(place)
     if before and (differing := [*mismatches(before.sweep, sweep)]):
         advice = "use the values of the store, or write to another store"
+        goals = [line for line in before.history if line.startswith(GOAL)]
+        more = [f"the store is grown by: irg {goals[-1].replace('with', 'SCENE')}"] if goals else []
         raise StoreMismatchError(
-            "\n  ".join([f"{place} belongs to another scene: {advice}", *differing])
+            "\n  ".join([f"{place} belongs to another scene: {advice}", *differing, *more])
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []

@@ -96,6 +96,5 @@ def test_two_conductivities_cost_the_contacts_of_one(scene, physics):
         with mock.patch.object(loading_step, "solve_contact", wraps=solve) as counted:
             for task in tasks(points(sweep), sweep):
                 run_point(sweep, task.point, ramp_cache)
-        counts.append((counted.call_count, pipeline.estimate(sweep).steps))
-    assert counts[0] == counts[1]
-    assert counts[0][0] > 0
+        counts.append(counted.call_count)
+    assert counts[0] == counts[1] > 0
