@@ -143,9 +143,10 @@ def run_sweep(
         if other:
             taken = copy_points(store, other)
             report(Progress(f"{taken} points are copied from {source}"))
-        tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
         if goal:
             store.leave_out_pending()
+        tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
+        if goal:
             store = _ask_for_goal(store, goal)
             tally.follow(store)
         of_tests, todo = [TaskQueue(_tasks(one)) if one else () for one in (store.tests, store)]
