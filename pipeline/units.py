@@ -145,17 +145,6 @@ def to_si(text: str, like: str) -> float:
     return float(exact_si(text, like))
 
 
-def difference_in_si(text: str, like: str) -> float:
-    """Value in SI of a difference such as ``"8 K"``.
-
-    `like` is any quantity of the required dimension. Raises a `UnitError` for a temperature in °C.
-    """
-    difference = to_si(text, like)
-    if _read(text)[1].zero:
-        raise UnitError(f'"{text}" is a temperature; give a temperature difference, such as "8 K"')
-    return difference
-
-
 @functools.lru_cache(maxsize=256)
 @exact_decimals()
 def si_unit(text: str) -> str:

@@ -146,8 +146,3 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
             f"{tuple(bad[0].tolist())}, counted from 0; every value must be finite"
         )
     return array.astype(np.float64, copy=False)
-
-
-def shortened(reason: str) -> str:
-    """Cut the text `reason` after 80 characters, since it may quote a whole row of a file."""
-    return reason if len(reason) <= 80 else f"{reason[:80]}…"
