@@ -20,9 +20,9 @@ from tribo.errors import InputError
 from tribo.numerics.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
-_LARGE = 64**2  # elements from which on single precision takes less time than double
-_SMALLEST_INFLUENCE = 1e-25  # least influence whose results stay in the range of single precision
-_MOST_BUFFERS = 4  # most sizes of transforms whose buffers a thread keeps
+_MIN_SINGLE_SIZE = 64**2  # number of elements from which single precision is faster than double
+_MIN_INFLUENCE = 1e-25  # smallest influence whose results single precision can represent
+_MAX_BUFFERS = 4  # number of transform sizes whose buffers a thread caches
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
@@ -58,10 +58,10 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel along `axis` for elements twice as long: mean effect of one such source on another."""
-    beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
-    pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
-    return pairs + (beside[0] + beside[1]) / 2
+    """Kernel along `axis` for elements twice as long: two short sources, mean over two targets."""
+    neighbours = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
+    aligned: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
+    return aligned + (neighbours[0] + neighbours[1]) / 2
 
 
 class Convolution:
@@ -77,7 +77,7 @@ class Convolution:
 
     Notes
     -----
-    A map does not change once it is made, so threads may share it.
+    The map of an instance never changes, so that threads may share it.
 
     Examples
     --------
@@ -148,11 +148,11 @@ class Convolution:
 
     def _multiply(self, modes: Spectrum) -> None:
         """Multiply Fourier modes by the spectrum, in place."""
-        pairs = modes.view(modes.real.dtype) if np.isrealobj(self.spectrum) else modes
+        components = modes.view(modes.real.dtype) if np.isrealobj(self.spectrum) else modes
         if self._factors is None:
-            spectrum = self.spectrum.astype(pairs.dtype, copy=False)
-            self._factors = spectrum.repeat(2, axis=1) if pairs is not modes else spectrum
-        np.multiply(pairs, self._factors, out=pairs)
+            spectrum = self.spectrum.astype(components.dtype, copy=False)
+            self._factors = spectrum.repeat(2, axis=1) if components is not modes else spectrum
+        np.multiply(components, self._factors, out=components)
 
     @property
     def rounding(self) -> float:
@@ -180,15 +180,15 @@ class Convolution:
         Single precision is slower on small grids. `influence` is the effect of an element on
         itself; single precision is impossible if this effect is too large or too small.
         """
-        fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
-        gains = math.prod(self.grid.shape) >= _LARGE
-        return self.single_precision() if fits and gains else self
+        is_representable = _MIN_INFLUENCE < influence < 1 / _MIN_INFLUENCE
+        is_faster = math.prod(self.grid.shape) >= _MIN_SINGLE_SIZE
+        return self.single_precision() if is_representable and is_faster else self
 
     def replace_spectrum(self, spectrum: Spectrum) -> Self:
         """Return a copy with another spectrum."""
-        changed = copy.copy(self)
-        changed.spectrum, changed._factors = spectrum, None
-        return changed
+        copied = copy.copy(self)
+        copied.spectrum, copied._factors = spectrum, None
+        return copied
 
     def cropped(self, shape: tuple[int, int]) -> Self:
         """Return this convolution for fields on a part of the window, of `shape` elements.
@@ -224,9 +224,9 @@ class Convolution:
     def _replace_grid(self, grid: Grid, modes: Spectrum) -> Self:
         """Return a copy with another grid, and with `modes` as its spectrum, in its type."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
-        changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
-        changed.grid, changed._lengths = grid, padded_shape(grid)
-        return changed
+        copied = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
+        copied.grid, copied._lengths = grid, padded_shape(grid)
+        return copied
 
     def __add__(self, other: Convolution) -> Convolution:
         """Return the convolution whose result is the sum of the results of both convolutions."""
@@ -237,13 +237,13 @@ _Pair = tuple[NDArray[Any], NDArray[Any]]
 
 
 class _Buffers(threading.local):
-    """Arrays for the transforms of a thread, kept for its next transforms of the same size.
+    """Transform buffers of a thread, cached by transform size.
 
-    Allocating them anew would cost more time, in page faults, than the transforms.
+    Allocating new buffers costs more time, in page faults, than the transforms themselves.
     """
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
+        self._pairs: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
         """Return an array for Fourier modes (mx, my//2 + 1), and one for padded rows (nx, my).
@@ -253,23 +253,23 @@ class _Buffers(threading.local):
         arrays.
         """
         key = nx, mx, my, single
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
-        while len(self._kept) >= _MOST_BUFFERS:
-            self._kept.popitem(last=False)
+        if key in self._pairs:
+            self._pairs.move_to_end(key)
+            return self._pairs[key]
+        while len(self._pairs) >= _MAX_BUFFERS:
+            self._pairs.popitem(last=False)
         real, modes = (np.float32, np.complex64) if single else (np.float64, np.complex128)
-        self._kept[key] = np.empty((mx, my // 2 + 1), modes), np.empty((nx, my), real)
-        return self._kept[key]
+        self._pairs[key] = np.empty((mx, my // 2 + 1), modes), np.empty((nx, my), real)
+        return self._pairs[key]
 
     def clear(self) -> None:
         """Free the buffers of the calling thread."""
-        self._kept.clear()
+        self._pairs.clear()
 
 
 _buffers = _Buffers()
 
 
 def forget_buffers() -> None:
-    """Free the arrays that the calling thread keeps for its next transforms."""
+    """Free the transform buffers cached by the calling thread."""
     _buffers.clear()

@@ -11,7 +11,7 @@ from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
 # Largest ratio of an element's sides; influences are summed over all scales between the two sides.
-_MOST_ELONGATED = 1e6
+_MAX_SIDE_RATIO = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class Grid:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must hold two values")
         require_integer(1, **dict(zip(("nx", "ny"), self.shape, strict=True)))
         require_positive(**dict(zip(("dx", "dy"), self.spacing, strict=True)))
-        if max(self.spacing) > _MOST_ELONGATED * min(self.spacing):
+        if max(self.spacing) > _MAX_SIDE_RATIO * min(self.spacing):
             raise InputError(
-                f"spacing is {self.spacing}; one side must be at most {_MOST_ELONGATED:g} times "
+                f"spacing is {self.spacing}; one side must be at most {_MAX_SIDE_RATIO:g} times "
                 "the other"
             )
         require_positive(element_area=self.element_area, area=self.area)

@@ -19,9 +19,9 @@ from tribo.numerics.convolution import Convolution, padded_shape
 from tribo.numerics.sizes import largest
 from tribo.types import Array, Nodes
 
-# Coupling within rows, in units of an element's influence on itself. Above this, it is better to
-# invert the influence within a row exactly than to include the influence between rows.
-_RIGID = 0.3
+# Coupling within rows, relative to an element's influence on itself. Above this value, the exact
+# inverse of the influence within a row preconditions better than one that includes other rows.
+_STRONG_COUPLING = 0.3
 
 
 class Neighbourhood:
@@ -50,21 +50,21 @@ class Neighbourhood:
 
     def __init__(self, convolution: Convolution, soft_axis: int = 0, coupling: float = 0.0) -> None:
         (nx, ny), self._periodic = convolution.grid.shape, convolution.grid.periodic
-        self._shape, self._even = (nx, ny), np.isrealobj(convolution.spectrum)
+        self._shape, self._is_even = (nx, ny), np.isrealobj(convolution.spectrum)
         rx, ry = min(1, (nx - 1) // 2), min(1, (ny - 1) // 2)
-        kernel = _near_kernel(convolution)
+        kernel = _central_kernel(convolution)
         self.influence = np.zeros((3, 2))
         self.influence[1 - rx : 2 + rx, : 1 + ry] = kernel[2 - rx : 3 + rx, : 1 + ry]
         row = kernel[2, :] if soft_axis else kernel[:, 0]
         row -= coupling
-        if coupling > _RIGID * kernel[2, 0]:
+        if coupling > _STRONG_COUPLING * kernel[2, 0]:
             rx, ry = (0, ry) if soft_axis else (rx, 0)
-        self.inverse = _inverse(kernel, rx, ry)
-        # Only a dominant middle makes sure that the stencil is positive definite on any nodes,
-        # which conjugate gradients need. A kernel that is not even along x is not symmetric anyway.
+        self.inverse = _inverse_stencil(kernel, rx, ry)
+        # Conjugate gradients need a stencil that is positive definite on any set of nodes, which a
+        # dominant middle ensures. A kernel that is not even along x is not symmetric anyway.
         middle, total = self.inverse[1, 0], self.inverse.sum() + self.inverse[:, 1].sum()
         dominant = np.count_nonzero(self.inverse > 0) == 1 and 0 < total < np.inf
-        if not (dominant if self._even else 0 < middle < np.inf):
+        if not (dominant if self._is_even else 0 < middle < np.inf):
             self.inverse = np.zeros((3, 2))
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
@@ -75,42 +75,49 @@ class Neighbourhood:
         computed in single precision. Threads must not share the function.
         """
         nx, ny = self._shape
-        (along_x, along_y), even = self._periodic, self._even
-        # Fields have a margin of one element, and are summed as one long row. Rows that hold no
-        # nodes are left out at both ends. Single precision takes half the time, and is enough where
-        # a result only guides the iteration.
-        low, high = (0, nx) if along_x else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
-        row = ny + 2
-        places = nodes + 2 * (nodes // ny) + (1 + (1 - low) * row)
-        flat, sides, ahead, total = np.empty((4, (high - low + 2) * row), dtype=np.float32)
-        field = flat.reshape(-1, row)
+        (periodic_x, periodic_y), is_even = self._periodic, self._is_even
+        # Fields are padded by one element and flattened. Rows before the first and after the last
+        # node are omitted. Single precision takes half the time, and suffices for a search
+        # direction.
+        low, high = (0, nx) if periodic_x else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
+        row_length = ny + 2
+        padded_nodes = nodes + 2 * (nodes // ny) + (1 + (1 - low) * row_length)
+        flat, y_neighbours, to_upper, total = np.empty(
+            (4, (high - low + 2) * row_length), dtype=np.float32
+        )
+        field = flat.reshape(-1, row_length)
         flat[...] = 0.0
-        sides[[0, -1]] = 0.0
+        y_neighbours[[0, -1]] = 0.0
 
         def weighted(factors: Array, out: NDArray[np.float32]) -> NDArray[np.float32]:
-            np.multiply(sides, factors[1], out=total)
+            np.multiply(y_neighbours, factors[1], out=total)
             np.multiply(flat, factors[0], out=out)
             return np.add(out, total, out=out)
 
         def apply(stencil: Array, values: Array) -> Array:
-            before, here, after = (stencil / stencil[1, 0]).astype(np.float32)
+            lower, centre, upper = (stencil / stencil[1, 0]).astype(np.float32)
             scale = largest(values)
             if scale == 0.0:
                 return np.zeros(values.size)
-            flat[places] = (values / scale).astype(np.float32)  # faster than to cast on the way
-            if along_y:
+            # Faster than casting on assignment.
+            flat[padded_nodes] = (values / scale).astype(np.float32)
+            if periodic_y:
                 field[:, 0], field[:, -1] = field[:, -2], field[:, 1]
-            if along_x:
+            if periodic_x:
                 field[0], field[-1] = field[-2], field[1]
-            np.add(flat[:-2], flat[2:], out=sides[1:-1])
-            behind = weighted(before, ahead)
-            if not even:
-                behind = weighted(before, np.empty_like(ahead))
-                weighted(after, ahead)
-            np.multiply(sides, here[1], out=sides)
-            np.add(ahead[: -2 * row], behind[2 * row :], out=total[row:-row])
-            np.add(total, sides, out=total)
-            result: Array = total.take(places) * np.float64(scale)
+            np.add(flat[:-2], flat[2:], out=y_neighbours[1:-1])
+            to_lower = weighted(lower, to_upper)
+            if not is_even:
+                to_lower = weighted(lower, np.empty_like(to_upper))
+                weighted(upper, to_upper)
+            np.multiply(y_neighbours, centre[1], out=y_neighbours)
+            np.add(
+                to_upper[: -2 * row_length],
+                to_lower[2 * row_length :],
+                out=total[row_length:-row_length],
+            )
+            np.add(total, y_neighbours, out=total)
+            result: Array = total.take(padded_nodes) * np.float64(scale)
             result += values
             result *= stencil[1, 0]
             return result
@@ -119,7 +126,7 @@ class Neighbourhood:
 
 
 class Preconditioner:
-    """Approximate inverse of a solid's map from pressure to displacement, on some of its nodes.
+    """Approximate inverse of a solid's map from pressure to displacement, on a subset of nodes.
 
     Called with a residual of the displacement at the nodes, it returns a search direction for their
     pressure.
@@ -130,7 +137,7 @@ class Preconditioner:
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
-    where the vector 1 is 1 at all nodes, and 1ᵢ is 1 at the nodes of row i alone. The direction is
+    where the vector 1 is 1 at all nodes, and 1ᵢ is 1 only at the nodes of row i. The direction is
     then shifted to sum to 0, so that the load stays constant. If the stencil stays
     within a row, yᵢ is S1ᵢ, and (1) is the exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil
     reaches into other rows, k must be small; then (1) is nearly symmetric, too.
@@ -149,27 +156,27 @@ class Preconditioner:
 
     def __init__(self, inverse: Callable[[Array], Array], rows: Nodes, coupling: float) -> None:
         self._inverse, self._rows = inverse, rows
-        self._ones = self._balance = inverse(np.ones(rows.size))
-        self._weight: Array | None = None
+        self._unit_response = self._load_shift = inverse(np.ones(rows.size))
+        self._row_weight: Array | None = None
         if coupling:
-            stiffness = 1 + coupling * np.bincount(rows, self._ones)
-            self._weight = np.asarray(coupling / stiffness)
-            self._balance = self._ones / stiffness[rows]
-        self._balance = self._balance / float(self._balance.sum())
+            stiffness = 1 + coupling * np.bincount(rows, self._unit_response)
+            self._row_weight = np.asarray(coupling / stiffness)
+            self._load_shift = self._unit_response / stiffness[rows]
+        self._load_shift = self._load_shift / float(self._load_shift.sum())
 
     def __call__(self, residual: Array) -> Array:
         """Return the search direction for a residual; the direction sums to 0."""
         direction = self._inverse(residual)
-        if self._weight is not None:
-            sums = self._weight * np.bincount(self._rows, direction)
-            direction -= self._ones * sums[self._rows]
-        direction -= self._balance * float(direction.sum())
+        if self._row_weight is not None:
+            row_sums = self._row_weight * np.bincount(self._rows, direction)
+            direction -= self._unit_response * row_sums[self._rows]
+        direction -= self._load_shift * float(direction.sum())
         return direction
 
 
-def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """Stencil (3, 2): sources that give 1 on the middle of a block (2 rx + 1, 2 ry + 1), else 0."""
-    i, j, middle = _block(rx, ry)
+def _inverse_stencil(kernel: Array, rx: int, ry: int) -> Array:
+    """Stencil (3, 2) whose response on a block (2 rx + 1, 2 ry + 1) is 1 in the middle, else 0."""
+    i, j, middle = _block_offsets(rx, ry)
     inverse = np.zeros((3, 2))
     try:
         column = np.linalg.solve(kernel[2 + i[:, None] - i, np.abs(j[:, None] - j)], middle)
@@ -180,21 +187,21 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 
 @functools.cache
-def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets of a block's elements along x and y, flat; and 1 at the middle element, else 0."""
+def _block_offsets(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
+    """Flat offsets along x and y of a block's elements, and its middle element as a unit vector."""
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
 
 
-def _near_kernel(convolution: Convolution) -> Array:
+def _central_kernel(convolution: Convolution) -> Array:
     """The kernel at the offsets -2 to 2 along x, and 0 to 2 along y, shape (5, 3)."""
     even, odd, wave_y = _waves(*padded_shape(convolution.grid))
     spectrum = convolution.spectrum
-    sums = (even @ spectrum.real)[[2, 1, 0, 1, 2]]
+    profiles = (even @ spectrum.real)[[2, 1, 0, 1, 2]]
     if np.iscomplexobj(spectrum):
-        beyond = odd @ spectrum.imag
-        sums += np.concatenate((beyond[::-1], np.zeros_like(beyond[:1]), -beyond))
-    kernel: Array = sums @ wave_y.T
+        odd_part = odd @ spectrum.imag
+        profiles += np.concatenate((odd_part[::-1], np.zeros_like(odd_part[:1]), -odd_part))
+    kernel: Array = profiles @ wave_y.T
     return kernel
 
 
@@ -203,5 +210,5 @@ def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
     """Cosines along x (3, mx), sines along x (2, mx), cosines along y (3, my // 2 + 1)."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
-    wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out
+    wave_y[:, 1 : (my + 1) // 2] *= 2  # modes omitted from the half spectrum
     return np.cos(phase_x) / mx, np.sin(phase_x[1:]) / mx, wave_y
