@@ -1,4 +1,4 @@
-"""Types of arrays, by what they hold."""
+"""Array types, named by their content."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ Indices = NDArray[np.intp]
 """Integer indices, for example the number of the row in which each node lies."""
 
 Nodes = Indices
-"""Indices of some nodes in the flattened field, in growing order."""
+"""Ascending indices of nodes in the flattened field."""
 
 Spectrum = NDArray[np.inexact]
 """Discrete Fourier transform of a kernel or of a field; real where the kernel is even."""

@@ -62,10 +62,10 @@ class Oil:
         log log(ν + 0.7) is linear in log T, with ν [mm²/s] and T [K] (ASTM D341; Walther 1931).
         """
         require_positive(temperature=temperature)
-        place = math.log(temperature / _COLD) / math.log(_WARM / _COLD)
+        fraction = math.log(temperature / _COLD) / math.log(_WARM / _COLD)
         cold, warm = (math.log(math.log(1e6 * nu + 0.7)) for nu in self.viscosities)
-        # The bound is above any oil, and keeps the double exponential from an overflow.
-        kinematic = math.exp(math.exp(min(cold + place * (warm - cold), 5.0))) - 0.7
+        # No oil reaches the bound, which prevents overflow of the double exponential.
+        kinematic = math.exp(math.exp(min(cold + fraction * (warm - cold), 5.0))) - 0.7
         return 1e-6 * kinematic * self.density
 
 
