@@ -4,12 +4,12 @@ One ramp serves many loads. The steps that they share, the trunk, have a fixed i
 load. Each load leaves the trunk at the last of these steps below it, and is reached with one
 shorter step. A load far below the reference load would then take few steps. So it has a trunk of
 smaller increments, halved until the load takes at least a quarter of the steps that the reference
-load takes. Which trunk a load has depends on the load alone: no point depends on which other loads
-are computed.
+load takes. The trunk of a load depends on this load only, so that the result of a point does not
+depend on which other loads are computed.
 
-A hold at constant load is computed for each point by itself. Its steps grow with the time since
+A hold at constant load is computed separately for each point. Its steps grow with the time since
 loading began. Wear, conduction and warming depend on ratios of times or of impulses, ∫F dt, so that
-each step changes them by about as much.
+every step changes them by a similar amount.
 """
 
 from __future__ import annotations
@@ -152,44 +152,49 @@ class Ramp:
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
-        for load_step in self._rise(normal_load, increments):
-            yield load_step  # `yield from` would not keep the last load step
-        ends = self._hold_ends(load_step.time / 2, hold_increments or increments)
-        for number, held in enumerate(ends, 1):
+        for load_step in self._ramp_steps(normal_load, increments):
+            yield load_step  # `yield from` would not bind `load_step`
+        hold_times = self._hold_times(load_step.time / 2, hold_increments or increments)
+        for number, hold_time in enumerate(hold_times, 1):
             yield LoadStep(
                 normal_load,
-                load_step.time + held,
+                load_step.time + hold_time,
                 on_trunk=False,
                 index=load_step.index + number,
-                impulse=load_step.impulse + normal_load * held,
+                impulse=load_step.impulse + normal_load * hold_time,
                 holding=True,
             )
 
-    def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
-        """Ends of the hold's steps [s], each multiplying ∫F dt by at most exp(10/`increments`)."""
+    def _hold_times(self, equivalent_time: float, increments: int) -> Iterator[float]:
+        """End times of the hold's steps [s], counted from the start of the hold.
+
+        Each step multiplies ∫F dt by at most exp(10/`increments`). `equivalent_time` [s] is the
+        time at the held load that has the impulse of the ramp.
+        """
         if not self.hold:
             return
-        before = max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
-        grown = math.log1p(self.hold / before)
-        steps = max(1, math.ceil(increments * grown / HOLD_GROWTH * (1 - 1e-12)))
+        # Above 0 even if the ramp takes no time.
+        equivalent_time = max(equivalent_time, 1e-15 * self.hold)
+        log_growth = math.log1p(self.hold / equivalent_time)
+        steps = max(1, math.ceil(increments * log_growth / HOLD_GROWTH * (1 - 1e-12)))
         for step in range(1, steps):
-            yield before * math.expm1(grown * step / steps)
+            yield equivalent_time * math.expm1(log_growth * step / steps)
         yield self.hold
 
-    def _rise(self, normal_load: float, increments: int) -> Iterator[LoadStep]:
-        """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one there."""
+    def _ramp_steps(self, normal_load: float, increments: int) -> Iterator[LoadStep]:
+        """Load steps at multiples of `Ramp.increment` below `normal_load` [N], and at this load."""
         increment = self.increment(normal_load, increments)
-        last = _whole_steps(normal_load, increment)
-        for index in range(1, last + 1):
+        count = _whole_steps(normal_load, increment)
+        for index in range(1, count + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
                 yield self._step_at_load(normal_load, load == normal_load, index)
                 return
             yield self._step_at_load(load, True, index)
-        yield self._step_at_load(normal_load, False, last + 1)
+        yield self._step_at_load(normal_load, False, count + 1)
 
     def _step_at_load(self, normal_load: float, on_trunk: bool, index: int) -> LoadStep:
-        """LoadStep at the time at which the growing load reaches `normal_load` [N]."""
+        """Load step at the time at which the ramp reaches `normal_load` [N]."""
         time = normal_load / self.rate
         return LoadStep(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 

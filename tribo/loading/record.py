@@ -14,7 +14,7 @@ from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import LoadStep, Ramp
 from tribo.types import Array
 
-_MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
+_MAX_COURSE_ROWS = 500  # rows that take about 20 kB in a store
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,8 +27,8 @@ class MeasuredLoad:
     Travel is the total change of load, up and down, without noise below 2 % of the reference load.
     So a jump gets half of the steps, however short it is.
 
-    A point at another load has the same times, and all loads scaled in proportion. So the points
-    have no load steps in common, and each is simulated from the start of the record. The load may
+    A point at another load has the same times, with all loads scaled in proportion. Points
+    therefore share no load steps, and each is simulated from the start of the record. The load may
     fall during the record. A negative load, which can only be noise, counts as 0.
 
     Parameters
@@ -75,9 +75,9 @@ class MeasuredLoad:
                 f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "
                 "it must have two columns of equal length, and at least two rows"
             )
-        if reason := fault(times, loads):
-            row, why = reason
-            raise InputError(f"load record, row {row} (counted from 0): {why}")
+        if defect := fault(times, loads):
+            row, reason = defect
+            raise InputError(f"load record, row {row} (counted from 0): {reason}")
         content = np.array([times, loads]).tobytes() + repr(self.reference_load).encode()
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "loads", loads)
@@ -125,7 +125,7 @@ class MeasuredLoad:
         loads[-1] = normal_load
         impulses = scale * self._impulses(begin + times)
         for index in range(increments):
-            load, time, impulse = (float(of[index]) for of in (loads, times, impulses))
+            load, time, impulse = (float(values[index]) for values in (loads, times, impulses))
             yield LoadStep(load, time, on_trunk=False, index=index + 1, impulse=impulse)
 
     @property
@@ -143,27 +143,27 @@ class MeasuredLoad:
         """
         return _course(self)
 
-    def _step_ends(self, number: int) -> Array:
-        """Times (number,) [s] since the first row at which steps end, the last at its peak."""
+    def _step_ends(self, count: int) -> Array:
+        """End times (count,) of the steps [s], from the first row to the peak."""
         begin, end = float(self.times[0]), self.time_at(1.0)
-        shares = np.arange(1, number + 1) / number
-        if (unequal := _step_times(self)) is None:
+        shares = np.arange(1, count + 1) / count
+        if (share_times := _step_times(self)) is None:
             return (end - begin) * shares
-        times: Array = np.interp(shares, *unequal) - begin
+        times: Array = np.interp(shares, *share_times) - begin
         times[-1] = end - begin
         return times
 
     def _impulses(self, ends: Array) -> Array:
         """Impulses ∫F dt [N s] from the first row to `ends` [s]; a negative load counts as 0."""
         t, F = self.times, self.loads
-        before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # F crosses 0 after these rows
-        zeros = t[before_zeros] - F[before_zeros] * (t[before_zeros + 1] - t[before_zeros]) / (
-            F[before_zeros + 1] - F[before_zeros]
+        crossings = np.flatnonzero(F[:-1] * F[1:] < 0)  # rows after which F changes sign
+        zero_times = t[crossings] - F[crossings] * (t[crossings + 1] - t[crossings]) / (
+            F[crossings + 1] - F[crossings]
         )
-        times = np.union1d(np.concatenate((t, zeros)), ends)
+        times = np.union1d(np.concatenate((t, zero_times)), ends)
         load = np.maximum(0.0, np.interp(times, t, F))
-        since = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(times))))
-        return np.asarray(since[np.searchsorted(times, ends)])
+        cumulative = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(times))))
+        return np.asarray(cumulative[np.searchsorted(times, ends)])
 
     def linear_fit(self) -> tuple[float, float]:
         """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).
@@ -190,38 +190,40 @@ class MeasuredLoad:
         return Ramp(self.linear_fit()[0], self.peak)
 
 
-@functools.lru_cache(maxsize=4)  # each scene of a sweep asks for it
+@functools.lru_cache(maxsize=4)  # called for each scene of a sweep
 def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
     """Compute and cache `MeasuredLoad.course`: pairs of time [s] and share of the load."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
-    if len(times) > _MOST_OF_COURSE:
-        edges = np.append(0.0, record._step_ends(_MOST_OF_COURSE))
+    if len(times) > _MAX_COURSE_ROWS:
+        edges = np.append(0.0, record._step_ends(_MAX_COURSE_ROWS))
         times = (edges[1:] + edges[:-1]) / 2
         loads = np.diff(record._impulses(begin + edges)) / np.diff(edges)
     shares = (loads / record.peak).tolist()
     return (*zip(times.tolist(), shares, strict=True), (end - begin, 1.0))
 
 
-@functools.lru_cache(maxsize=4)  # a sweep asks for the load steps of every point
+@functools.lru_cache(maxsize=4)  # called for every point of a sweep
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of all steps done at each reading, and its time [s]; None if steps are equal."""
+    """Completed share of the steps at each reading, and its time [s]; None for equal steps."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times = np.append(record.times[rows], end)
     loads = np.maximum(0.0, np.append(record.loads[rows], record.peak))
     backlash = LOAD_NOISE * record.peak
-    follower, travel = loads[0], [0.0]
+    filtered, travel = loads[0], [0.0]
     for load in loads[1:].tolist():
-        position = min(max(follower, load - backlash), load + backlash)
-        travel.append(travel[-1] + abs(position - follower))
-        follower = position
-    # Shares of the load's travel and of time; within the dead band noise adds no travel.
-    travelled, elapsed = np.array(travel) / travel[-1], (times - begin) / (end - begin)
-    if np.abs(travelled - elapsed).max() < EVEN_STEPS:  # equal steps need fewer kernels of heat
+        clamped = min(max(filtered, load - backlash), load + backlash)
+        travel.append(travel[-1] + abs(clamped - filtered))
+        filtered = clamped
+    # Shares of the load's travel and of time. Noise within the dead band adds no travel.
+    travel_share, time_share = np.array(travel) / travel[-1], (times - begin) / (end - begin)
+    if (
+        np.abs(travel_share - time_share).max() < EVEN_STEPS
+    ):  # steps of equal duration need fewer heat kernels
         return None
-    return (travelled + elapsed) / 2, times
+    return (travel_share + time_share) / 2, times
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
@@ -229,12 +231,12 @@ def fault(times: Array, loads: Array) -> tuple[int, str] | None:
 
     Returns its index and the reason, or None. `times` are in s, `loads` in N.
     """
-    broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
-    first = int(broken[0]) if broken.size else len(times)
-    backwards = np.flatnonzero(np.diff(times[:first]) <= 0)
-    if backwards.size:
-        row = int(backwards[0]) + 1
+    nonfinite = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
+    first = int(nonfinite[0]) if nonfinite.size else len(times)
+    not_increasing = np.flatnonzero(np.diff(times[:first]) <= 0)
+    if not_increasing.size:
+        row = int(not_increasing[0]) + 1
         return row, f"time {times[row]:g} s after {times[row - 1]:g} s; it must increase"
-    if broken.size:
+    if nonfinite.size:
         return first, f"{times[first]:g} s, {loads[first]:g} N; both must be finite"
     return None

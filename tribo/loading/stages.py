@@ -1,7 +1,7 @@
-"""A load, or a velocity, that rises in stages, each of which is held: one specimen, worn on.
+"""Stages of one specimen, between which the load or the velocity rises.
 
-The wear of earlier stages counts. A pin worn by three stages of 100 N and 60 s meets the fourth
-with a chord so wide that it is 41 K cooler than a fresh pin (PHYSICS.md, 21).
+Wear accumulates over the stages. After three stages of 100 N and 60 s the worn contact is so wide
+that the fourth stage is 41 K cooler than with a fresh pin (PHYSICS.md, 21).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tribo.constants import STEPS_OF_HOLD, STEPS_OF_LATER_RAMP
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.loading.ramp import MOST_STEPS, LoadStep
 
-_SAME = 1e-9  # relative rounding difference of one load
+_LEVEL_ROUNDING = 1e-9  # relative difference up to which levels are equal
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,16 +62,16 @@ class Stages:
             for value in getattr(self, name):
                 require_positive(**{name.removesuffix("s"): value})
         levels = self.velocities or self.loads
-        fewest = 1 if self.velocities else len(levels)
-        if not levels or len(self.holds) != len(levels) or len(self.loads) != fewest:
+        load_count = 1 if self.velocities else len(levels)
+        if not levels or len(self.holds) != len(levels) or len(self.loads) != load_count:
             raise InputError(
                 f"{len(self.loads)} loads, {len(self.velocities)} velocities and "
                 f"{len(self.holds)} holds are no stages; give each a load and a hold, or one load "
                 "and to each a velocity and a hold"
             )
-        for before, after in pairwise(levels):
-            if not before < after:
-                raise InputError(f"stages do not rise from {before:g} to {after:g}; let them rise")
+        for lower, higher in pairwise(levels):
+            if not lower < higher:
+                raise InputError(f"stages do not rise from {lower:g} to {higher:g}; let them rise")
 
     @property
     def text(self) -> str:
@@ -80,7 +80,7 @@ class Stages:
         return f"{', '.join(f'{level:g}' for level in levels)} {unit}"
 
     def shares_stages(self, other: Stages) -> bool:
-        """True if these stages are the first of the `other` ones, or the other way round.
+        """True if one of both sequences of stages is the beginning of the other.
 
         Examples
         --------
@@ -89,8 +89,8 @@ class Stages:
         True
         """
         count = min(len(self.holds), len(other.holds))
-        pasts = [(one.rate, one._levels(count)) for one in (self, other)]
-        return pasts[0] == pasts[1]
+        histories = [(stages.rate, stages._levels(count)) for stages in (self, other)]
+        return histories[0] == histories[1]
 
     def count(self, normal_load: float, velocity: float | None = None) -> int:
         """Number of stages up to the one at a load [N]; of stages of velocity at a velocity [m/s].
@@ -100,16 +100,20 @@ class Stages:
         require_positive(normal_load=normal_load)
         pairs = [("load", "N", normal_load, self.loads)]
         if self.velocities:
-            wanted = self.velocities[-1] if velocity is None else velocity
-            pairs.append(("velocity", "m/s", wanted, self.velocities))
+            target = self.velocities[-1] if velocity is None else velocity
+            pairs.append(("velocity", "m/s", target, self.velocities))
         number = 0
-        for name, unit, wanted, levels in pairs:
-            same = (n for n, x in enumerate(levels, 1) if math.isclose(x, wanted, rel_tol=_SAME))
-            number = next(same, 0)
+        for name, unit, target, levels in pairs:
+            matches = (
+                n
+                for n, x in enumerate(levels, 1)
+                if math.isclose(x, target, rel_tol=_LEVEL_ROUNDING)
+            )
+            number = next(matches, 0)
             if not number:
-                listed = ", ".join(f"{level:g}" for level in levels)
+                choices = ", ".join(f"{level:g}" for level in levels)
                 raise InputError(
-                    f"{name} is {wanted:g} {unit}, which is no stage; give one of {listed} {unit}"
+                    f"{name} is {target:g} {unit}, which is no stage; give one of {choices} {unit}"
                 )
         return number
 
@@ -122,27 +126,33 @@ class Stages:
         >>> Stages(loads=(100.0, 200.0), holds=(60.0, 30.0), rate=100.0).course
         ((0.0, 0.0), (1.0, 0.5), (61.0, 0.5), (62.0, 1.0), (92.0, 1.0))
         """
-        ends = self.load_steps(self.loads[-1], 1)
-        shown = [(one.time, one.normal_load / self.loads[-1]) for one in ends if one.is_shown]
-        return ((0.0, 0.0), *dict.fromkeys(shown))
+        load_steps = self.load_steps(self.loads[-1], 1)
+        corners = [
+            (load_step.time, load_step.normal_load / self.loads[-1])
+            for load_step in load_steps
+            if load_step.is_shown
+        ]
+        return ((0.0, 0.0), *dict.fromkeys(corners))
 
     def worn_impulse(self, velocity: float) -> float:
-        """Sum over all stages of velocity times impulse, Σ V ∫F dt [N m], by which a pin wears.
+        """Velocity times impulse, Σ V ∫F dt [N m], summed over all stages; it determines the wear.
 
-        `velocity` [m/s] is that of stages of load.
+        `velocity` [m/s] applies if the stages are of load, and so have no velocity.
         """
-        total = before = 0.0
-        for load, hold, own in self._levels(len(self.holds)):
-            ramp = (load**2 - before**2) / 2 / self.rate
-            total += (abs(velocity) if own is None else own) * (ramp + load * hold)
-            before = load
+        total = last_load = 0.0
+        for load, hold, stage_velocity in self._levels(len(self.holds)):
+            ramp_impulse = (load**2 - last_load**2) / 2 / self.rate
+            total += (abs(velocity) if stage_velocity is None else stage_velocity) * (
+                ramp_impulse + load * hold
+            )
+            last_load = load
         return total
 
     def _levels(self, count: int) -> list[tuple[float, float, float | None]]:
-        """Load [N], hold [s] and own velocity [m/s] of the first `count` stages."""
-        number = len(self.holds)
-        loads = self.loads * number if self.velocities else self.loads
-        velocities = self.velocities or (None,) * number
+        """Load [N], hold [s] and velocity [m/s], or None, of the first `count` stages."""
+        total = len(self.holds)
+        loads = self.loads * total if self.velocities else self.loads
+        velocities = self.velocities or (None,) * total
         return [*zip(loads, self.holds, velocities, strict=True)][:count]
 
     def load_steps(
@@ -159,25 +169,31 @@ class Stages:
         if increments + count * (STEPS_OF_LATER_RAMP + STEPS_OF_HOLD) > MOST_STEPS:
             raise InputError(f"{count} stages take over {MOST_STEPS} steps; give fewer")
         load_step = LoadStep(0.0, 0.0, True, 0, 0.0)
-        for number, (load, hold, own) in enumerate(self._levels(count)):
+        for number, (load, hold, stage_velocity) in enumerate(self._levels(count)):
             steps = STEPS_OF_LATER_RAMP if number else increments
             shares = [1.0] if load == load_step.normal_load else _shares(steps)
-            for loaded in self._ramp(load_step, load, shares, own):
-                load_step = loaded
+            for ramp_step in self._ramp_steps(load_step, load, shares, stage_velocity):
+                load_step = ramp_step
                 yield load_step
-            for held in _hold(load_step, hold):
-                load_step = held
+            for hold_step in _hold_steps(load_step, hold):
+                load_step = hold_step
                 yield load_step
 
-    def _ramp(
+    def _ramp_steps(
         self, begin: LoadStep, load: float, shares: list[float], velocity: float | None
     ) -> Iterator[LoadStep]:
-        """Steps from a load step to the onset of the next stage, at `load` [N]."""
+        """Load steps of the ramp from `begin` to the onset of the next stage, at `load` [N]."""
         change = load - begin.normal_load
         for number, share in enumerate(shares, 1):
-            now, duration = begin.normal_load + share * change, share * change / self.rate
-            yield _after(
-                begin, number, load if share == 1 else now, duration, velocity, share == 1, False
+            partial_load, duration = begin.normal_load + share * change, share * change / self.rate
+            yield _step_after(
+                begin,
+                number,
+                load if share == 1 else partial_load,
+                duration,
+                velocity,
+                share == 1,
+                False,
             )
 
 
@@ -185,18 +201,20 @@ def _shares(steps: int) -> list[float]:
     return [number / steps for number in range(1, steps + 1)]
 
 
-def _hold(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
-    """Steps of a hold from the onset of its stage."""
+def _hold_steps(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
+    """Load steps of a hold of `hold` [s] that starts at the load step `begin`."""
     speed = begin.velocity or 1.0
-    before = begin.impulse if begin.worn is None else begin.worn / speed
-    before /= begin.normal_load  # time at this load that would have worn the pin as much [s]
-    grown = math.log1p(hold / before)
+    equivalent_time = begin.impulse if begin.worn is None else begin.worn / speed
+    equivalent_time /= begin.normal_load  # time at this load for the same wear [s]
+    log_growth = math.log1p(hold / equivalent_time)
     for number, share in enumerate(_shares(STEPS_OF_HOLD), 1):
-        held = hold if share == 1 else before * math.expm1(grown * share)
-        yield _after(begin, number, begin.normal_load, held, begin.velocity, share == 1, True)
+        duration = hold if share == 1 else equivalent_time * math.expm1(log_growth * share)
+        yield _step_after(
+            begin, number, begin.normal_load, duration, begin.velocity, share == 1, True
+        )
 
 
-def _after(
+def _step_after(
     begin: LoadStep,
     number: int,
     load: float,
@@ -205,13 +223,13 @@ def _after(
     is_shown: bool,
     holding: bool,
 ) -> LoadStep:
-    """LoadStep `number` steps after another one, `duration` [s] later, at `load` [N]."""
+    """Load step `number` steps and `duration` [s] after `begin`, at `load` [N]."""
     impulse = (begin.normal_load + load) / 2 * duration
-    own: dict[str, float] = {}
+    velocity_fields: dict[str, float] = {}
     if velocity is not None:
-        own["velocity"] = velocity
-        own["slid"] = (begin.slid or 0.0) + velocity * duration
-        own["worn"] = (begin.worn or 0.0) + velocity * impulse
+        velocity_fields["velocity"] = velocity
+        velocity_fields["slid"] = (begin.slid or 0.0) + velocity * duration
+        velocity_fields["worn"] = (begin.worn or 0.0) + velocity * impulse
     return LoadStep(
         load,
         begin.time + duration,
@@ -220,5 +238,5 @@ def _after(
         begin.impulse + impulse,
         holding,
         is_shown,
-        **own,
+        **velocity_fields,
     )
