@@ -22,7 +22,7 @@ from tribo.surface import (
     UnknownHeights,
     block_average,
     block_sample,
-    heights_of,
+    surface_heights,
 )
 from tribo.thermal import HeatedLength
 from tribo.types import Array
@@ -252,7 +252,7 @@ class Scene:
             return None
         if isinstance(self.roughness, SelfAffineRoughness | MeasuredRoughness):
             return self.roughness.heights(self.pixels)
-        return heights_of(self.roughness, self.pixels)
+        return surface_heights(self.roughness, self.pixels)
 
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.

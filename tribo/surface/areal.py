@@ -10,13 +10,13 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
-_HAS_LAY = 0.5  # Str, below which a surface has a lay
-_MOST_ALONG = 1500  # heights along a side, from the middle, that the autocorrelation takes
-_ROUNDING = 1e-9  # share of the heights; a smaller deviation from their plane is rounding
-_DIRECTIONS = 90  # directions over half a turn in which lengths are found
-_FALLEN = 0.2  # value of the autocorrelation at the end of a length, as in ISO 25178-3
-_MOST_LAGS = 16  # lags for each height along a side, at most, if pixels are much longer than wide
-_FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
+_LAY_ASPECT = 0.5  # Str, below which a surface has a lay
+_MAX_SIDE = 1500  # side of the central part used for the autocorrelation, in heights
+_ROUNDING = 1e-9  # smaller deviations from the plane, relative to the heights, are rounding
+_DIRECTIONS = 90  # number of directions over half a turn
+_DECAY_LEVEL = 0.2  # value of the autocorrelation at the end of a length, as in ISO 25178-3
+_MAX_LAGS_PER_HEIGHT = 16  # lags per height along a side, for pixels much longer than wide
+_MAX_LAG_SHARE = 0.5  # longest lag over the side; longer lags have too few pairs of heights
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class ArealRoughness:
         Slopes of the form along x and y in the middle.
     radii : tuple of float
         Radii of curvature along x and y [m], positive for a hill; infinite where the curvature is
-        small beside the roughness.
+        small compared with the roughness.
     """
 
     sa: float
@@ -79,15 +79,16 @@ def areal_roughness(
     Raises
     ------
     InputError
-        If all heights are missing, or there is no roughness beside the form.
+        If all heights are missing, or there is no roughness in addition to the form.
 
     Examples
     --------
     >>> from tribo import Grid
     >>> from tribo.surface import self_affine
     >>> grid = Grid((192, 192), (1e-6, 1e-6))
-    >>> found = areal_roughness(self_affine(grid, 2e-7, 0.8, (3e-6, 12e-6), seed=1), grid.spacing)
-    >>> f"Sa {1e6 * found.sa:.3f} µm, Str {found.aspect:.2f}, lay at {found.lay:.0f}°"
+    >>> heights = self_affine(grid, 2e-7, 0.8, (3e-6, 12e-6), seed=1)
+    >>> areal = areal_roughness(heights, grid.spacing)
+    >>> f"Sa {1e6 * areal.sa:.3f} µm, Str {areal.aspect:.2f}, lay at {areal.lay:.0f}°"
     'Sa 0.199 µm, Str 0.22, lay at 90°'
     """
     level, slopes, radii = remove_form(heights, spacing)
@@ -95,12 +96,14 @@ def areal_roughness(
     values = values - values.mean()
     sq = float(np.sqrt(np.mean(values**2)))
     gradients = (np.diff(level, axis=axis) / step for axis, step in enumerate(spacing))
-    squares = [float(np.nanmean(one**2)) for one in gradients if np.isfinite(one).any()]
+    mean_squares = [
+        float(np.nanmean(gradient**2)) for gradient in gradients if np.isfinite(gradient).any()
+    ]
     shortest = aspect = direction = math.nan
     if with_lay:
-        begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
-        part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
-        shortest, longest, direction = autocorrelation_lengths(part, spacing)
+        starts = [max(0, (n - _MAX_SIDE) // 2) for n in level.shape]
+        centre = level[tuple(slice(start, start + _MAX_SIDE) for start in starts)]
+        shortest, longest, direction = autocorrelation_lengths(centre, spacing)
         aspect = shortest / longest if math.isfinite(shortest) else math.nan
     return ArealRoughness(
         sa=float(np.abs(values).mean()),
@@ -108,10 +111,10 @@ def areal_roughness(
         sz=float(np.ptp(values)),
         ssk=float(np.mean((values / sq) ** 3)),
         sku=float(np.mean((values / sq) ** 4)),
-        sdq=math.sqrt(sum(squares)),
+        sdq=math.sqrt(sum(mean_squares)),
         sal=shortest,
         aspect=aspect,
-        lay=direction if aspect < _HAS_LAY else None,
+        lay=direction if aspect < _LAY_ASPECT else None,
         mean=float(np.nanmean(heights)),
         slopes=slopes,
         radii=radii,
@@ -222,36 +225,39 @@ def autocorrelation_lengths(
     level = np.where(measured, heights - heights[measured].mean(), 0.0)
     correlation, origin = _autocorrelation(level, measured)
     angles = np.pi * np.arange(1 - _DIRECTIONS // 2, _DIRECTIONS // 2 + 1) / _DIRECTIONS
-    steps = np.stack([np.cos(angles) / spacing[0], np.sin(angles) / spacing[1]])  # pixels a metre
-    ends = (_FARTHEST * np.array(heights.shape)[:, None]) / np.maximum(np.abs(steps), 1e-30)
-    lengths, most = np.full(_DIRECTIONS, np.inf), _MOST_LAGS * max(heights.shape)
-    for number, (step, end) in enumerate(zip(steps.T, ends.min(axis=0), strict=True)):
-        lags = np.arange(0.0, end, max(min(spacing) / 2, end / most))
-        values = map_coordinates(correlation, origin[:, None] + np.outer(step, lags), order=1)
-        below = np.flatnonzero(values < _FALLEN)
+    directions = np.stack([np.cos(angles) / spacing[0], np.sin(angles) / spacing[1]])  # [pixels/m]
+    limits = (_MAX_LAG_SHARE * np.array(heights.shape)[:, None]) / np.maximum(
+        np.abs(directions), 1e-30
+    )
+    lengths, max_count = np.full(_DIRECTIONS, np.inf), _MAX_LAGS_PER_HEIGHT * max(heights.shape)
+    for index, (direction, limit) in enumerate(zip(directions.T, limits.min(axis=0), strict=True)):
+        lags = np.arange(0.0, limit, max(min(spacing) / 2, limit / max_count))
+        values = map_coordinates(correlation, origin[:, None] + np.outer(direction, lags), order=1)
+        below = np.flatnonzero(values < _DECAY_LEVEL)
         if len(below):
             k = below[0]
-            part = (values[k - 1] - _FALLEN) / (values[k - 1] - values[k])
-            lengths[number] = lags[k - 1] + part * (lags[k] - lags[k - 1])
-    # The mean direction, as an infinite length may lie along several directions.
-    slowest = np.exp(2j * angles[lengths == lengths.max()]).mean()
-    return float(lengths.min()), float(lengths.max()), float(np.degrees(np.angle(slowest) / 2))
+            fraction = (values[k - 1] - _DECAY_LEVEL) / (values[k - 1] - values[k])
+            lengths[index] = lags[k - 1] + fraction * (lags[k] - lags[k - 1])
+    # The mean direction, since several directions may have an infinite length.
+    mean_phasor = np.exp(2j * angles[lengths == lengths.max()]).mean()
+    return float(lengths.min()), float(lengths.max()), float(np.degrees(np.angle(mean_phasor) / 2))
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
     """Autocorrelation, 1 at lag 0, over lags up to half a side; and the index of lag 0."""
-    reach = [n // 2 + 1 for n in heights.shape]
-    kept = [np.arange(-far, far + 1) for far in reach]
-    pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, kept, strict=True)))
-    if not measured.all():  # heights that are missing are 0 here, and left out of the means
-        pairs = _lag_sums(measured.astype(float))[np.ix_(*kept)]
-    correlation: Array = _lag_sums(heights)[np.ix_(*kept)] / np.maximum(pairs, 1.0)
-    origin = np.array(reach)
+    max_lags = [n // 2 + 1 for n in heights.shape]
+    lags = [np.arange(-max_lag, max_lag + 1) for max_lag in max_lags]
+    pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, lags, strict=True)))
+    if not measured.all():  # missing heights are 0 here, and excluded from the means
+        pairs = _lag_sums(measured.astype(float))[np.ix_(*lags)]
+    correlation: Array = _lag_sums(heights)[np.ix_(*lags)] / np.maximum(pairs, 1.0)
+    origin = np.array(max_lags)
     return correlation / correlation[tuple(origin)], origin
 
 
 def _lag_sums(values: Array) -> Array:
     """Sum over all (i, j) of values[i, j] · values[i + k, j + l] at index [k, l] of the result."""
-    shape, axes = [2 * n for n in values.shape], (0, 1)  # with zeros around, as not periodic
+    # Zero-padded, since the surface is not periodic.
+    shape, axes = [2 * n for n in values.shape], (0, 1)
     result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
     return result

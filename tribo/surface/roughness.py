@@ -77,7 +77,7 @@ class MeasuredRoughness:
     ----------
     array : ndarray, shape (nx, ny)
         Heights [m], positive towards the pin. Axis 0 is x, the sliding direction. An array of
-        float64 may be kept without a copy, so it must not be changed later.
+        float64 may be stored without a copy, so it must not be changed later.
 
     Examples
     --------
@@ -117,13 +117,13 @@ class MeasuredRoughness:
 
 
 class UnknownHeights:
-    """Stands for a surface of unknown heights; a scene with it can be read, but not simulated."""
+    """Placeholder for a surface of unknown heights: its scene can be read, but not simulated."""
 
     digest: str
     shape: tuple[int, ...]
 
 
-def heights_of(surface: Any, pixels: Grid) -> Array:
+def surface_heights(surface: Any, pixels: Grid) -> Array:
     """Heights of a surface [m]; `InvariantError` unless finite and of shape ``pixels.shape``."""
     with law_errors(f"surface {surface!r}"):
         heights = np.asarray(surface.heights(pixels), dtype=float)
@@ -132,10 +132,10 @@ def heights_of(surface: Any, pixels: Grid) -> Array:
             f"surface: its heights have the shape {heights.shape}, the window's pixels "
             f"{pixels.shape}; they must be the same"
         )
-    bad = np.argwhere(~np.isfinite(heights))
-    if bad.size:
+    nonfinite = np.argwhere(~np.isfinite(heights))
+    if nonfinite.size:
         raise InvariantError(
-            f"surface: its height is {heights[tuple(bad[0])]} at pixel {tuple(bad[0].tolist())}, "
-            "counted from 0; each must be finite"
+            f"surface: its height is {heights[tuple(nonfinite[0])]} at pixel "
+            f"{tuple(nonfinite[0].tolist())}, counted from 0; each must be finite"
         )
     return heights

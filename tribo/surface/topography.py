@@ -53,7 +53,7 @@ def self_affine(
     if grid.shape == (1, 1):
         raise InputError("a single element has no roughness; use more pixels or a smooth surface")
     (nx, ny), (dx, dy) = grid.shape, grid.spacing
-    # Computed in place: allocating memory costs more time than the arithmetic.
+    # Computed in place, since allocating memory costs more time than the arithmetic.
     heights = np.random.default_rng(seed).standard_normal(grid.shape)
     modes = np.fft.rfft2(heights, out=np.empty((nx, ny // 2 + 1), complex))
     q_x = 2 * np.pi * np.fft.rfftfreq(nx, dx)[:, None]
