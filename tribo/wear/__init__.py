@@ -1,4 +1,4 @@
-"""Wear of the pin: Archard's law in steps, and laws of a user, with a rate for each step."""
+"""Wear of the pin: Archard's law in steps, and user-defined laws with a rate for each step."""
 
 from tribo.wear.archard import EXPLICIT_LIMIT as EXPLICIT_LIMIT
 from tribo.wear.archard import WEAR_PATTERNS as WEAR_PATTERNS

@@ -58,7 +58,7 @@ class RungeKutta:
 
     fractions: tuple[float, ...]  # c
     weights: tuple[float, ...]  # b
-    implicitness: float  # γ; 0 for the pressure before the wear that it causes
+    implicitness: float  # γ; 0 if the pressure is that before the wear
 
     def stages(
         self, loads: tuple[float, float], mean_load: float, distance: float
@@ -77,17 +77,18 @@ class RungeKutta:
         [Stage(normal_load=80.0, distance=0.5, implicit_distance=0.5)]
         """
         begin, end = loads
-        carried = [(1 - c) * begin + c * end for c in self.fractions]
-        past = sum(b * F for b, F in zip(self.weights, carried, strict=True))
-        # Stages that carry hardly any load, as where it falls to zero, do not show where the pin
-        # wears. So one stage at the mean load wears it, and one without wear ends the step.
-        if mean_load > LONGEST_STRETCH * past:
+        stage_loads = [(1 - c) * begin + c * end for c in self.fractions]
+        weighted_load = sum(b * F for b, F in zip(self.weights, stage_loads, strict=True))
+        # Stages under almost no load, as when the load falls to zero, do not show where the pin
+        # wears. Instead, one stage wears the pin at the mean load, and a stage without wear ends
+        # the step.
+        if mean_load > LONGEST_STRETCH * weighted_load:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
             return
-        stretched = distance * mean_load / past if past else 0.0
-        for b, F in zip(self.weights, carried, strict=True):
-            yield Stage(F, b * stretched, self.implicitness * stretched)
+        stage_distance = distance * mean_load / weighted_load if weighted_load else 0.0
+        for b, F in zip(self.weights, stage_loads, strict=True):
+            yield Stage(F, b * stage_distance, self.implicitness * stage_distance)
 
 
 _GAMMA = 1 - 1 / math.sqrt(2)
@@ -237,9 +238,9 @@ class RollingWear(Wear):
         """Stiffness (dimensionless) of the wear equation over a sliding distance [m].
 
         It is the depth worn per mean pressure along x, divided by the smallest compliance of
-        `solid` [m/Pa]. Only the compliances for shapes that vary along y alone count, since a
-        rolling pin wears evenly along x. The stiffness is 0 for the pattern "swept", since the pin
-        then wears evenly along y, too. It is also 0 if the grid has a single element along y.
+        `solid` [m/Pa]. Only compliances for shapes that vary along y but not along x matter, since
+        a rolling pin wears evenly along x. The stiffness is 0 for the pattern "swept", since the
+        pin then wears evenly along y, too. It is also 0 if the grid has a single element along y.
         """
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():

@@ -1,4 +1,4 @@
-"""Wear laws of a user, whose rate depends on distance, pressure and velocity: their protocol.
+"""Protocol of user-defined wear laws, whose rate depends on distance, pressure and velocity.
 
 A law is any object with the attributes of `WearLaw`. If its method `over` returns anything but a
 `tribo.Wear`, `wear_over` raises an `InvariantError`.
@@ -52,7 +52,7 @@ class WearLaw(Protocol):
 
         `pressure` is the nominal pressure at the step's begin [Pa]: the load over the area that
         the contact spans, width × length under a line contact, else the ellipse of its two widths.
-        It is 0 before the first contact. So a rate by pressure is of first order in the steps.
+        It is 0 before the first contact. A rate that depends on it is of first order in the steps.
         `velocity` is the sliding velocity, not negative [m/s].
         """
 
@@ -75,17 +75,18 @@ def wear_over(
     if not end > begin:
         return Wear(0.0, wear.pattern)
     with law_errors(f"wear law {wear!r}"):
-        found: object = wear.over(begin, end, pressure, velocity)
-    if not isinstance(found, Wear):
+        step_wear: object = wear.over(begin, end, pressure, velocity)
+    if not isinstance(step_wear, Wear):
         raise InvariantError(
-            f"wear law: its wear over {begin:g} to {end:g} m is {found!r}; it must be a tribo.Wear"
+            f"wear law: its wear over {begin:g} to {end:g} m is {step_wear!r}; it must be a "
+            "tribo.Wear"
         )
-    return found
+    return step_wear
 
 
 def require_wear(wear: object) -> None:
     """Raise `InputError` unless `wear` is None, a `Wear` or has the attributes of a `WearLaw`."""
     if wear is None or isinstance(wear, Wear):
         return
-    if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
-        raise InputError(f"the wear law {wear!r} has no {lacks}; see tribo.WearLaw")
+    if missing := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
+        raise InputError(f"the wear law {wear!r} has no {missing}; see tribo.WearLaw")
