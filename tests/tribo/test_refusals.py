@@ -266,7 +266,7 @@ ELSEWHERE = {
     "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "invariants.guard_range RangeError": "simulation/test_invariants.py and test_extremes.py",
     "invariants._require_finite InvariantError": "simulation/test_invariants.py, by wrong solvers",
-    "solver._check InputError": "simulation/test_extremes.py, as steps that are too long",
+    "solver._check_arguments InputError": "simulation/test_extremes.py, as steps that are too long",
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",

@@ -21,8 +21,8 @@ from tribo.types import Array, Nodes
 Stencil = Callable[[Array, Array], Array]
 
 # Conjugate gradient iterations in the first active-set step. Each further step may take twice as
-# many as the step before. A step ends once the residual has fallen to the first fraction; if no
-# node has entered or left the free nodes, to the second.
+# many as the step before. A step ends once the residual has fallen to the first fraction or, if the
+# set of free nodes has not changed, to the second.
 _INNER_ITERATIONS = 2
 _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
@@ -34,7 +34,7 @@ class ActiveSet(NamedTuple):
     step.
     """
 
-    iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
+    iterations: int = _INNER_ITERATIONS  # largest number of conjugate gradient iterations
     nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
@@ -49,52 +49,54 @@ class ActiveSet(NamedTuple):
 def active_set_step(
     problem: Problem,
     iterate: Iterate,
-    judged: Judgement,
-    active: ActiveSet,
+    judgement: Judgement,
+    active_set: ActiveSet,
     gap_goal: float,
-    most: float,
+    max_convolutions: float,
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
-    `judged` has the free nodes and the gap of the iterate. `active` is the state that the last
-    active-set step returned. Conjugate gradients stop once the gap at the free nodes is at most
-    `gap_goal` [m] or a fraction of its first value, and after `most` convolutions at the latest.
+    `judgement` has the free nodes and the gap of the iterate. `active_set` is the state that the
+    last active-set step returned. Conjugate gradients stop once the gap at the free nodes is at
+    most `gap_goal` [m] or a fraction of its first value, or after `max_convolutions` convolutions.
     Returns the next iterate, and the state for the next active-set step.
     """
-    nodes = judged.nodes
-    stencil = problem.near.on(nodes)
-    pressure, spent = _conjugate_gradients(
+    nodes = judgement.nodes
+    stencil = problem.neighbourhood.on(nodes)
+    pressure, iterations = _conjugate_gradients(
         problem,
         iterate.pressure.take(nodes),
-        judged,
+        judgement,
         _preconditioner(problem, nodes, stencil),
-        (active.reduction(nodes), gap_goal),
-        int(min(active.iterations, most)),
+        (active_set.reduction(nodes), gap_goal),
+        int(min(active_set.iterations, max_convolutions)),
     )
     if pressure.min() < 0 or pressure.max() > problem.hardness:
         metric = problem.metric_on(nodes)
         if not metric:
             pressure = _clip(problem, pressure, stencil)
         pressure = problem.bounded_pressure(pressure, nodes, iterate.pressure, metric)
-    whole = iterate.pressure.copy()
-    whole.reshape(-1)[nodes] = pressure
-    return iterate.pressed(problem, whole, spent), ActiveSet(2 * active.iterations, nodes)
+    full_pressure = iterate.pressure.copy()
+    full_pressure.reshape(-1)[nodes] = pressure
+    return iterate.pressed(problem, full_pressure, iterations), ActiveSet(
+        2 * active_set.iterations, nodes
+    )
 
 
 def _conjugate_gradients(
     problem: Problem,
     pressure: Array,
-    judged: Judgement,
+    judgement: Judgement,
     precondition: Preconditioner,
     goals: tuple[float, float],
-    most: int,
+    max_iterations: int,
 ) -> tuple[Array, int]:
-    """Pressure [Pa], unbounded, that makes the gap at the free nodes equal; and iterations."""
-    nodes, (reduction, gap_goal) = judged.nodes, goals
-    residual = judged.gap.take(nodes)
+    """Unbounded pressure [Pa] that equalizes the gap at the free nodes, and iterations."""
+    nodes, (reduction, gap_goal) = judgement.nodes, goals
+    residual = judgement.gap.take(nodes)
     residual -= residual.mean()
-    # Residuals in units of the first residual, and directions in units of the stencil's middle,
-    # are near 1, which single precision can hold.
+    # Scaled by the first residual and by the stencil's middle, residuals and directions are of
+    # order 1, which single precision can represent.
     scale = largest(residual) or 1.0
     residual /= scale
     goal = max(reduction, gap_goal / scale)
@@ -104,7 +106,7 @@ def _conjugate_gradients(
     ny = problem.heights.shape[1]
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
     iterations = 0
-    while iterations < most:
+    while iterations < max_iterations:
         steepest = precondition(residual)
         previous, square = square, float((residual * steepest).sum())
         if not square > 0:
@@ -117,11 +119,11 @@ def _conjugate_gradients(
         response = response_field.take(nodes)
         response -= float(response.sum()) / response.size
         curvature = float((response * direction).sum())
-        if not curvature > 0:  # only rounding is left
+        if not curvature > 0:  # the residual consists of rounding errors
             break
-        length = square / curvature
-        pressure -= scale * length * direction
-        response *= length
+        step_length = square / curvature
+        pressure -= scale * step_length * direction
+        response *= step_length
         residual -= response
         if largest(residual) <= goal:
             break
@@ -129,17 +131,17 @@ def _conjugate_gradients(
 
 
 def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Preconditioner:
-    middle = problem.near.inverse[1, 0]
-    inverse = functools.partial(stencil, problem.near.inverse / middle)
-    rows = problem.rows_of(nodes) if problem.coupling else nodes
+    middle = problem.neighbourhood.inverse[1, 0]
+    inverse = functools.partial(stencil, problem.neighbourhood.inverse / middle)
+    rows = problem.row_indices(nodes) if problem.coupling else nodes
     return Preconditioner(inverse, rows, problem.coupling * middle)
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip the pressure [Pa], and move others so that the displacement stays about the same."""
+    """Clip the pressure [Pa], and correct free nodes to keep the displacement about the same."""
     clipped = pressure.clip(0.0, problem.hardness)
-    between = (clipped > 0) & (clipped < problem.hardness)
-    change = between * stencil(problem.near.influence, clipped - pressure)
-    # These may leave the bounds a little.
-    clipped -= between * stencil(problem.near.inverse, change)
+    is_free = (clipped > 0) & (clipped < problem.hardness)
+    change = is_free * stencil(problem.neighbourhood.influence, clipped - pressure)
+    # The corrected values may leave the bounds slightly.
+    clipped -= is_free * stencil(problem.neighbourhood.inverse, change)
     return clipped

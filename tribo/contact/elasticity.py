@@ -56,15 +56,15 @@ class ElasticHalfSpace(Convolution):
         Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
         ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
-        periodic axis, say y of length L. It adds the nearest image alone to the influence D of an
-        element, ``D(x, |y|) + D(x, L − |y|)``, as Bosman & de Rooij do (Fig. 3). Each point then
-        feels a line contact of length 2L instead of an endless one. That is too stiff: the peak
-        pressure of the cylinder in their Fig. 4 is 1.1 % above Hertz's at L = 456 µm.
+        periodic axis, say y of length L. It adds only the nearest image to the influence D of an
+        element, ``D(x, |y|) + D(x, L − |y|)``, as Bosman & de Rooij do (Fig. 3). The line contact
+        then has the length 2L instead of being endless, which is too stiff: the peak pressure of
+        the cylinder in their Fig. 4 is 1.1 % above Hertz's at L = 456 µm.
 
     Attributes
     ----------
     self_influence : float
-        Displacement of an element due to unit pressure on itself alone, without images [m/Pa]. The
+        Displacement of an element due to unit pressure on this element, without images [m/Pa]. The
         contact solver measures gaps in this unit.
 
     Examples
@@ -101,7 +101,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
     along_x, along_y = (_factor_transform(grid, axis, kernel, s) for axis in (0, 1))
     quarter = (along_x * weights[:, None]).T @ along_y
     if kernel == "periodic":
-        # The mean along a periodic axis has an infinite constant, which is left out.
+        # The mean along a periodic axis has an infinite constant, which is omitted.
         match grid.periodic:
             case (True, True):
                 quarter[0, 0] = 0.0
@@ -120,7 +120,7 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
     longest = max(grid.size) * (_REACH / math.pi if endless else _FAR)
     s = shortest * np.exp(np.arange(0.0, math.log(longest / shortest) + _STEP, _STEP))
     weights = math.sqrt(math.pi) / 2 * _STEP * s
-    # What is left out at either end is a geometric series. At shorter s, E_a E_b is 4 on the
+    # The omitted terms at either end form a geometric series. At shorter s, E_a E_b is 4 on the
     # element and 0 off it; at longer s it falls like 1/s², or all waves have faded.
     weights[0] /= -math.expm1(-_STEP)
     if not endless:

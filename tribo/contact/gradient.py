@@ -15,13 +15,13 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State of the gradient steps: length of the next step, and number of failures in a row.
+    """State of the gradient steps: length of the next step, and number of consecutive failures.
 
-    A step fails if it finds no way to a lower energy.
+    A step fails if it finds no lower energy.
     """
 
-    length: float  # of the next step [Pa/m]; without unit where rows are soft
-    idle: int = 0  # steps in a row that found no way down
+    length: float  # of the next step [Pa/m]; dimensionless if rows are soft
+    failed_steps: int = 0  # consecutive steps that found no lower energy
 
 
 def first_length(problem: Problem) -> float:
@@ -34,32 +34,34 @@ def first_length(problem: Problem) -> float:
 
 
 def gradient_step(
-    problem: Problem, iterate: Iterate, judged: Judgement, gradient: Gradient
+    problem: Problem, iterate: Iterate, judgement: Judgement, gradient: Gradient
 ) -> tuple[Iterate, Gradient]:
     """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    `judged` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
-    steps. The displacement is updated along with the pressure, not computed from the pressure. That
-    saves a convolution, but loses digits. If no lower energy is found, neither changes.
+    `judgement` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
+    steps. The displacement is updated along with the pressure instead of computed from it, which
+    saves a convolution but loses digits. If no lower energy is found, neither changes.
     """
-    pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
+    pressure, nodes, gap = iterate.pressure, judgement.nodes, judgement.gap
     metric = problem.metric_on(nodes)
     if metric:
-        old = pressure.take(nodes)
-        goal = old - gradient.length * metric.steepest_direction(gap.take(nodes))
+        old_pressure = pressure.take(nodes)
+        target = old_pressure - gradient.length * metric.steepest_direction(gap.take(nodes))
         step = np.zeros(pressure.shape)
-        step.reshape(-1)[nodes] = problem.bounded_pressure(goal, nodes, pressure, metric) - old
+        step.reshape(-1)[nodes] = (
+            problem.bounded_pressure(target, nodes, pressure, metric) - old_pressure
+        )
     else:
         step = nearest(pressure - gradient.length * gap, problem.total, problem.hardness)
         step -= pressure
     response = problem.solid(step)
-    spent = iterate._replace(convolutions=iterate.convolutions + 1, updates=iterate.updates + 1)
+    counted = iterate._replace(convolutions=iterate.convolutions + 1, updates=iterate.updates + 1)
     curvature, slope = float((step * response).sum()), float((step * gap).sum())
     if not (curvature > 0 and slope < 0):
-        return spent, Gradient(first_length(problem), gradient.idle + 1)
+        return counted, Gradient(first_length(problem), gradient.failed_steps + 1)
     if metric:
         length = metric.square(step.take(nodes)) / curvature
-    elif spent.convolutions % 2 < 1:  # the two lengths of Barzilai and Borwein take turns
+    elif counted.convolutions % 2 < 1:  # alternate the two lengths of Barzilai and Borwein
         length = float((step * step).sum()) / curvature
     else:
         length = curvature / float((response * response).sum())
@@ -68,6 +70,6 @@ def gradient_step(
     step += pressure
     response *= fraction
     response += iterate.displacement
-    return spent._replace(
+    return counted._replace(
         pressure=step.clip(0.0, problem.hardness, out=step), displacement=response
     ), Gradient(length)

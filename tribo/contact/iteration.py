@@ -3,10 +3,9 @@
 Two kinds of steps take turns. An *active-set step* (`active_set`) is fast near the solution, but
 may cycle. A *projected gradient step* (`gradient`) is slower, but always lowers the energy. It
 starts the iteration where much of the contact is still to change, and takes over for longer each
-time that the active-set steps stop making progress. So the iteration converges from any start.
-Where the elements of a row displace each other much, both kinds of steps use the metric of `rows`.
-`problem` judges how far an iterate is from the solution, and `rounding` how many digits it has
-lost.
+time that the active-set steps stop making progress. The iteration therefore converges from any
+start. If the elements of a row displace each other much, both kinds of steps use the metric of
+`rows`. `problem` computes the error of an iterate, and `rounding` the digits that it has lost.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ from tribo.contact.simplex import scaled_to_load
 from tribo.numerics import largest
 from tribo.types import Array
 
-_SETTLED = 0.3  # active-set steps start once at most this share of the nodes is at a wrong bound
+_SETTLED_SHARE = 0.3  # largest share of nodes at a wrong bound at which active-set steps start
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
-_FIRST_GRADIENT_STEPS = 8  # at the first such change; twice as many at each further one
-_GOAL = 0.5  # share of the tolerance that active-set steps aim at
+_FIRST_GRADIENT_STEPS = 8  # at the first such change, doubled at each further change
+_GOAL_SHARE = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
@@ -63,7 +62,7 @@ class StepCounters(NamedTuple):
     """Counters that decide whether the next step is a gradient step or an active-set step."""
 
     gradient_steps: float = math.inf  # to be taken before the next active-set step
-    next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # when active-set steps next fail
+    next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # after the next failure of active-set steps
     best: float = math.inf  # lowest residual since the kind of steps last changed
     without_progress: int = 0  # steps since the residual was lowest
 
@@ -75,13 +74,13 @@ class StepCounters(NamedTuple):
         although the bodies are apart. Later, gradient steps take over again whenever the residual
         has not fallen by a tenth for three steps, each time twice as many.
         """
-        steps, next_steps, best, waited = self
+        steps, next_steps, best, waiting_time = self
         if steps == math.inf and has_settled:
             steps = 0
-        best, waited = (residual, 0) if residual < 0.9 * best else (best, waited + 1)
-        if steps <= 0 and waited >= _PATIENCE:
+        best, waiting_time = (residual, 0) if residual < 0.9 * best else (best, waiting_time + 1)
+        if steps <= 0 and waiting_time >= _PATIENCE:
             return StepCounters(next_steps, 2 * next_steps, residual, 0)
-        return StepCounters(steps, next_steps, best, waited)
+        return StepCounters(steps, next_steps, best, waiting_time)
 
 
 def iterate(
@@ -89,75 +88,83 @@ def iterate(
     guess: Array,
     limits: Limits,
     displacement: Array | None = None,
-    spent: float = 0.0,
+    guess_cost: float = 0.0,
 ) -> IterationResult:
     """Iterate from a guess of the pressure [Pa] until the error is small, or no longer falls.
 
-    `limits` has the tolerance of the error and the most convolutions. The last iterate is returned,
-    whether it has converged or not. `displacement` is caused by the guess [m]. If it is given, the
-    guess has to carry the load, but may exceed the bounds. `spent` is the number of convolutions
-    that the guess took.
+    `limits` has the tolerance of the error and the maximal number of convolutions. The last iterate
+    is returned, whether it has converged or not. `displacement` is caused by the guess [m]. If it
+    is given, the guess has to carry the load, but may exceed the bounds. `guess_cost` is the number
+    of convolutions that the guess took.
     """
-    state = _first_iterate(problem, guess, displacement, spent)
-    counters, progress, change = StepCounters(), LowestResidual(), math.inf
-    active, gradient = ActiveSet(), Gradient(first_length(problem))
+    state = _first_iterate(problem, guess, displacement, guess_cost)
+    counters, progress, pressure_change = StepCounters(), LowestResidual(), math.inf
+    active_set, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
-        judged = judge(problem, state)
-        progress = progress.updated(judged.residual, state.convolutions)
-        is_saturated = not judged.nodes.size  # all nodes in contact rightly carry the hardness
-        stalled = is_saturated or progress.has_stalled(problem, state, judged, gradient.idle)
-        exhausted = state.convolutions >= limits.convolutions or not math.isfinite(judged.residual)
-        error, slack = judged.residual, limits.tolerance - judged.residual
+        judgement = judge(problem, state)
+        progress = progress.updated(judgement.residual, state.convolutions)
+        is_saturated = not judgement.nodes.size  # all nodes in contact rightly carry the hardness
+        stalled = is_saturated or progress.has_stalled(
+            problem, state, judgement, gradient.failed_steps
+        )
+        exhausted = state.convolutions >= limits.convolutions or not math.isfinite(
+            judgement.residual
+        )
+        error, slack = judgement.residual, limits.tolerance - judgement.residual
         if limits.by_change:
-            error, slack = change if judged.residual else 0.0, math.inf
+            error, slack = pressure_change if judgement.residual else 0.0, math.inf
         if error <= limits.tolerance or stalled or exhausted:
-            better = restore_digits(problem, state, judged, slack, exhausted)
-            if better is not None:
-                if better.shifts > state.shifts:  # residuals from another datum do not compare
+            restored = restore_digits(problem, state, judgement, slack, exhausted)
+            if restored is not None:
+                if restored.shifts > state.shifts:  # residuals for another datum are not comparable
                     progress = progress._replace(lowest=math.inf)
-                state = better
+                state = restored
                 continue
-            judged = _add_rounding(problem, state, judged)
-            error = error if limits.by_change else judged.residual
+            judgement = _add_rounding(problem, state, judgement)
+            error = error if limits.by_change else judgement.residual
             converged = error <= limits.tolerance
             if converged or stalled or exhausted:
-                return _outcome(problem, state, judged, error, converged, stalled)
-        counters = counters.updated(judged.residual, judged.wrong <= _SETTLED * judged.touching)
-        before = state.pressure
+                return _iteration_result(problem, state, judgement, error, converged, stalled)
+        counters = counters.updated(
+            judgement.residual, judgement.at_wrong_bound <= _SETTLED_SHARE * judgement.in_contact
+        )
+        old_pressure = state.pressure
         if counters.gradient_steps > 0:
-            state, gradient = gradient_step(problem, state, judged, gradient)
+            state, gradient = gradient_step(problem, state, judgement, gradient)
             counters = counters._replace(gradient_steps=counters.gradient_steps - 1)
         else:
             remaining = limits.convolutions - state.convolutions
-            gap_goal = _GOAL * limits.tolerance * judged.unit
-            state, active = active_set_step(problem, state, judged, active, gap_goal, remaining)
+            gap_goal = _GOAL_SHARE * limits.tolerance * judgement.unit
+            state, active_set = active_set_step(
+                problem, state, judgement, active_set, gap_goal, remaining
+            )
         if limits.by_change:
-            change = float(np.abs(state.pressure - before).sum()) / problem.total
+            pressure_change = float(np.abs(state.pressure - old_pressure).sum()) / problem.total
 
 
 def _first_iterate(
-    problem: Problem, guess: Array, displacement: Array | None, spent: float
+    problem: Problem, guess: Array, displacement: Array | None, guess_cost: float
 ) -> Iterate:
     """Scale a guess of the pressure [Pa] to the load, and move it into the bounds."""
-    # Heights count from a datum near the contact: far from 0 they would have few digits.
+    # Heights are relative to a datum near the contact, since large values would lose digits.
     datum = float(problem.heights.min())
     separation = problem.heights - datum
     if displacement is not None:
         guess = correct_guess(problem, separation, guess, displacement)
     pressure = scaled_to_load(guess, problem.total, problem.hardness)
-    return Iterate(pressure, problem.solid(pressure), datum, separation, spent + 1)
+    return Iterate(pressure, problem.solid(pressure), datum, separation, guess_cost + 1)
 
 
-def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """Copy of `judged` whose residual includes a bound on the rounding error of `state`."""
-    hidden = transform_error(problem.solid.rounding, largest(state.displacement))
-    return judged._replace(residual=judged.residual + hidden / judged.unit)
+def _add_rounding(problem: Problem, state: Iterate, judgement: Judgement) -> Judgement:
+    """Copy of `judgement` whose residual includes a bound on the rounding error of `state`."""
+    rounding_error = transform_error(problem.solid.rounding, largest(state.displacement))
+    return judgement._replace(residual=judgement.residual + rounding_error / judgement.unit)
 
 
-def _outcome(
+def _iteration_result(
     problem: Problem,
     state: Iterate,
-    judged: Judgement,
+    judgement: Judgement,
     error: float,
     converged: bool,
     stalled: bool,
@@ -165,9 +172,9 @@ def _outcome(
     return IterationResult(
         pressure=state.pressure,
         displacement=state.displacement,
-        gap=judged.gap,
-        approach=state.datum + judged.level,
-        residual=judged.residual,
+        gap=judgement.gap,
+        approach=state.datum + judgement.level,
+        residual=judgement.residual,
         error=error,
         load_error=state.load_error(problem.total),
         convolutions=state.convolutions,

@@ -1,4 +1,4 @@
-"""A contact problem, an iterate on the way to its solution, and a judgement of how far it has come.
+"""A contact problem, an iterate of its solution, and the error of the iterate.
 
 Find the pressure p with 0 ≤ p ≤ H and Σp = F/dA whose gap g = Dp + z − α is 0 where 0 < p < H,
 ≥ 0 where p = 0 and ≤ 0 where p = H. D maps pressure to displacement, z is the separation of the
@@ -21,8 +21,9 @@ from tribo.numerics import Neighbourhood, largest
 from tribo.types import Array, Mask, Nodes
 
 # Conjugate gradients run in single precision, in two thirds of the time: they only propose a
-# pressure, whose displacement is then computed in full. Above this coupling within rows, in units
-# of an element's compliance, they run in double precision, since it would magnify their rounding.
+# pressure, whose displacement is then computed in double precision. Above this coupling within
+# rows, relative to an element's compliance, they run in double precision, since the coupling
+# amplifies rounding errors.
 _MOST_COUPLING = 1.0
 
 
@@ -30,8 +31,9 @@ _MOST_COUPLING = 1.0
 class Problem:
     """A contact problem: the solid, the separation of the surfaces, the load and the hardness.
 
-    Derived from the solid are `soft` (how much elements of a row displace each other), `near`
-    (influence of neighbouring elements) and `fast` (the solid in single precision where possible).
+    Derived from the solid are `soft` (how much elements of a row displace each other),
+    `neighbourhood` (influence of neighbouring elements) and `fast` (the solid in single precision
+    where possible).
     """
 
     solid: ElasticHalfSpace  # the map D
@@ -39,11 +41,13 @@ class Problem:
     total: float  # sum of the pressure, F/dA [Pa]
     hardness: float  # [Pa]
     soft: SoftRows  # rows along x or y: those whose elements displace each other more
-    near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
+    neighbourhood: Neighbourhood  # influence of elements on their next neighbours, and its inverse
     fast: ElasticHalfSpace  # D in the precision of conjugate gradients, single where possible
 
     @classmethod
-    def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
+    def from_solid(
+        cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float
+    ) -> Problem:
         """Set up the problem of pressing a surface into a solid.
 
         `heights` is the separation of the undeformed surfaces [m], `total` the sum of the pressure
@@ -60,12 +64,12 @@ class Problem:
         """
         return self.soft.coupling if self.soft.is_needed else 0.0
 
-    def rows_of(self, nodes: Nodes) -> Nodes:
+    def row_indices(self, nodes: Nodes) -> Nodes:
         """Number of the row of each node: its x index if rows lie along y, its y index if along x.
 
         `nodes` are flat indices. The attribute `soft` says along which axis the rows lie.
         """
-        return self.soft.numbers(nodes, self.heights.shape)
+        return self.soft.row_indices(nodes, self.heights.shape)
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:
         """Metric for pressures at some nodes, which lie in soft rows; None without soft rows.
@@ -74,23 +78,24 @@ class Problem:
         """
         if not self.soft.is_needed:
             return None
-        return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
+        return RowMetric(self.solid.self_influence, self.soft.coupling, self.row_indices(nodes))
 
     def bounded_pressure(
-        self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
+        self, new_pressure: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
         """Correct a new pressure on `nodes` so that it keeps within bounds and carries the load.
 
-        `changed` is the new pressure on the nodes. `pressure` is the old pressure on all elements;
-        elements off the nodes keep it. The bounds are 0 and the hardness. Returns the corrected
-        pressure on the nodes [Pa]. With a `metric` from `metric_on`, it is the pressure nearest to
-        `changed` in this metric. If `metric` is None, the load's error is spread evenly.
+        `new_pressure` is the new pressure on the nodes. `pressure` is the old pressure on all
+        elements; elements off the nodes keep it. The bounds are 0 and the hardness. Returns the
+        corrected pressure on the nodes [Pa]. With a `metric` from `metric_on`, it is the pressure
+        nearest to `new_pressure` in this metric. If `metric` is None, the load's error is spread
+        evenly.
         """
-        carried = float(pressure.take(nodes).sum())
-        load = self.total - (float(pressure.sum()) - carried)
+        node_sum = float(pressure.take(nodes).sum())
+        load = self.total - (float(pressure.sum()) - node_sum)
         if metric:
-            changed = metric.nearest(changed, load, self.hardness)
-        return shifted_to_load(changed, load, self.hardness)
+            new_pressure = metric.nearest(new_pressure, load, self.hardness)
+        return shifted_to_load(new_pressure, load, self.hardness)
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
@@ -102,10 +107,10 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
     return _prepare_solid(solid)[0]
 
 
-@functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
+@functools.lru_cache(maxsize=4)  # contacts at all positions of the disk share a solid
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Compute the fields `soft`, `near` and `fast` of a `Problem` from its solid; cached."""
-    soft, unit = SoftRows.of(solid), solid.self_influence
+    """Fields `soft`, `neighbourhood` and `fast` of a `Problem`, computed from its solid; cached."""
+    soft, unit = SoftRows.from_solid(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
     return soft, Neighbourhood(solid, soft.axis, coupling), fast
@@ -116,7 +121,7 @@ class Iterate(NamedTuple):
 
     pressure: Array  # [Pa]
     displacement: Array  # computed, or updated along with the pressure [m]
-    datum: float  # height from which the separation counts [m]
+    datum: float  # height relative to which the separation is measured [m]
     separation: Array  # between the undeformed surfaces [m]
     convolutions: float
     updates: int = 0  # times the displacement was updated since it was computed
@@ -152,11 +157,11 @@ class Judgement(NamedTuple):
 
     gap: Array  # between the bodies, negative where they overlap [m]
     level: float  # approach of the bodies from the datum of the iterate [m]
-    unit: float  # D_self·max(p), the displacement of an element by the highest pressure alone [m]
+    unit: float  # D_self·max(p), displacement of an element by the highest pressure on it [m]
     residual: float  # largest violation of the conditions on the gap, in that unit
     nodes: Nodes  # free to move, or at a bound that the gap drives them off
-    touching: int  # nodes in contact
-    wrong: int  # nodes at a bound that the gap drives them off
+    in_contact: int  # number of nodes in contact
+    at_wrong_bound: int  # number of nodes at a bound that the gap drives them off
 
 
 def judge(problem: Problem, iterate: Iterate) -> Judgement:
@@ -167,19 +172,19 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
     elastic = pressure < problem.hardness if highest >= problem.hardness else None
     free = loaded if elastic is None else loaded & elastic
     free_nodes = np.flatnonzero(free)
-    level = approach_of(gap, loaded, free_nodes)
+    level = mean_approach(gap, loaded, free_nodes)
     gap -= level
     moving = loaded | (gap < 0)
     if elastic is not None:
         moving &= elastic | (gap > 0)
     nodes = np.flatnonzero(moving)
     residual = largest(gap.take(nodes)) / unit
-    touching = free_nodes.size if elastic is None else int(np.count_nonzero(loaded))
-    wrong = nodes.size - free_nodes.size
-    return Judgement(gap, level, unit, residual, nodes, touching, wrong)
+    in_contact = free_nodes.size if elastic is None else int(np.count_nonzero(loaded))
+    at_wrong_bound = nodes.size - free_nodes.size
+    return Judgement(gap, level, unit, residual, nodes, in_contact, at_wrong_bound)
 
 
-def approach_of(gap: Array, loaded: Mask, free: Nodes) -> float:
+def mean_approach(gap: Array, loaded: Mask, free: Nodes) -> float:
     """Approach of the bodies [m]: the mean of `gap` [m] over nodes between the bounds.
 
     Subtracted from `gap`, it makes the gap 0 on average at these nodes, whose flat indices are

@@ -14,8 +14,8 @@ LOAD_ERROR = 1e-12
 SMALLEST, LARGEST = 1e-280, 1e280
 """Range of the squares and products in the solver that double precision can hold."""
 
-# If the sum of a guess is within this factor of the load, nodes that yield in the guess stay so.
-_NEAR = 2.0
+# Nodes that yield in a guess stay at the hardness if the guess is within this factor of the load.
+_NEAR_RATIO = 2.0
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
@@ -30,8 +30,8 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     array([0., 3., 5.])
     """
     largest, smallest = float(guess.max()), float(guess.min())
-    within = smallest >= 0 and largest <= hardness
-    if within and abs(float(guess.sum()) - total) <= 0.1 * LOAD_ERROR * total:
+    is_bounded = smallest >= 0 and largest <= hardness
+    if is_bounded and abs(float(guess.sum()) - total) <= 0.1 * LOAD_ERROR * total:
         return guess.copy()
     # Squares and products of such a guess would over- or underflow.
     if not SMALLEST**0.5 < largest < LARGEST**0.5:
@@ -41,13 +41,13 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     if total >= hardness * np.count_nonzero(loaded):
         return nearest(pressure, total, hardness)
     # If the guess is near the load, nodes that yield in it are kept at the hardness.
-    between = loaded & (pressure < hardness)
-    carried = float(pressure[between].sum())
-    rest = total - (float(pressure.sum()) - carried)
-    near = carried > 0 and 1 / _NEAR < rest / carried < _NEAR
-    if not (near and rest < hardness * np.count_nonzero(between)):
-        between, carried, rest = loaded, float(pressure.sum()), total
-    pressure[between] = nearest(rest / carried * pressure[between], rest, hardness)
+    free = loaded & (pressure < hardness)
+    free_sum = float(pressure[free].sum())
+    free_load = total - (float(pressure.sum()) - free_sum)
+    is_near = free_sum > 0 and 1 / _NEAR_RATIO < free_load / free_sum < _NEAR_RATIO
+    if not (is_near and free_load < hardness * np.count_nonzero(free)):
+        free, free_sum, free_load = loaded, float(pressure.sum()), total
+    pressure[free] = nearest(free_load / free_sum * pressure[free], free_load, hardness)
     return pressure
 
 
@@ -63,14 +63,14 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
     array([0. , 1.5, 2.5])
     """
     clipped = pressure.clip(0.0, hardness)
-    carried = float(clipped.sum())
-    if abs(carried - total) <= 0.1 * LOAD_ERROR * total:
+    clipped_sum = float(clipped.sum())
+    if abs(clipped_sum - total) <= 0.1 * LOAD_ERROR * total:
         return clipped
-    between = np.flatnonzero((clipped > 0) & (clipped < hardness))
-    moving = clipped.take(between)
-    rest = total - carried + float(moving.sum())
-    if 0 < rest < hardness * moving.size:
-        clipped.reshape(-1)[between] = nearest(moving, rest, hardness)
+    free_nodes = np.flatnonzero((clipped > 0) & (clipped < hardness))
+    free_values = clipped.take(free_nodes)
+    free_load = total - clipped_sum + float(free_values.sum())
+    if 0 < free_load < hardness * free_values.size:
+        clipped.reshape(-1)[free_nodes] = nearest(free_values, free_load, hardness)
         return clipped
     return nearest(pressure, total, hardness)
 
@@ -89,7 +89,7 @@ def nearest(pressure: Array, total: float, hardness: float) -> Array:
         field, shift = _shift_and_clip(pressure, total, hardness)
         if abs(float(field.sum()) - total) <= 0.1 * LOAD_ERROR * total:
             break
-        pressure = pressure + shift  # going on from the shifted field gains digits
+        pressure = pressure + shift  # continuing from the shifted field gains digits
     return field
 
 
@@ -100,8 +100,8 @@ def _shift_and_clip(pressure: Array, total: float, hardness: float) -> tuple[Arr
     high = bound - float(pressure.min())
     shift = 0.0 if low <= 0 <= high else (low + high) / 2
     field = np.empty(pressure.shape)
-    # The sum is a continuous, piecewise linear, growing function of s: Newton's method finds its
-    # root in a few steps, kept inside a bracket that bisection shrinks where Newton leaves it.
+    # The sum is a continuous, piecewise linear, growing function of s. Newton's method finds its
+    # root in a few steps, with bisection wherever a step would leave the bracket.
     for _ in range(200):
         np.add(pressure, shift, out=field)
         field.clip(0.0, hardness, out=field)
@@ -112,11 +112,11 @@ def _shift_and_clip(pressure: Array, total: float, hardness: float) -> tuple[Arr
             high = shift
         else:
             low = shift
-        moving = np.count_nonzero((field > 0) & (field < hardness))
-        following = shift - excess / moving if moving else (low + high) / 2
-        if not low < following < high:
-            following = (low + high) / 2
-        if following == shift:
+        free_count = np.count_nonzero((field > 0) & (field < hardness))
+        next_shift = shift - excess / free_count if free_count else (low + high) / 2
+        if not low < next_shift < high:
+            next_shift = (low + high) / 2
+        if next_shift == shift:
             break
-        shift = following
+        shift = next_shift
     return field, shift

@@ -24,11 +24,11 @@ from tribo.types import Array
 
 ContactCriterion = Literal["gap", "pressure-change"]
 
-_VERY_SOFT = 1e6  # ratio of compliances, row to element, that no sensible shape of elements has
-_FULL = 1e-14  # relative distance from the highest load, within which every element yields
-_WINDOW_SHARE = 0.9  # share of the tolerance to which a part of the grid is solved on its own
-_LOOSE = 1e-2  # tolerance from which on single precision is used where it is faster
-_SMALLEST_SINGLE = 1e-27  # stress or depth whose transform single precision can hold
+_MAX_ROW_SOFTNESS = 1e6  # compliance of a row over an element's, beyond any sensible shape
+_FULL_LOAD_ROUNDING = 1e-14  # relative distance to the highest load at which every element yields
+_WINDOW_SHARE = 0.9  # share of the tolerance for the contact on a window of the grid
+_SINGLE_TOLERANCE = 1e-2  # smallest tolerance for single precision
+_MIN_SINGLE = 1e-27  # smallest stress or depth that single precision can transform
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,7 +146,7 @@ def solve_contact(
     """
     grid = solid.grid
     z = finite_field("separation", separation, grid.shape)
-    _check(solid, normal_load, hardness, tolerance, max_iterations)
+    _check_arguments(solid, normal_load, hardness, tolerance, max_iterations)
     if criterion not in get_args(ContactCriterion):
         raise InputError(
             f"criterion is {criterion!r}; allowed are {', '.join(get_args(ContactCriterion))}"
@@ -154,35 +154,35 @@ def solve_contact(
     if normal_load == 0:
         gap = z - z.min()
         return ContactSolution(np.zeros(z.shape), gap, float(z.min()), 0, 0.0)
-    if normal_load >= hardness * grid.area * (1 - _FULL):
+    if normal_load >= hardness * grid.area * (1 - _FULL_LOAD_ROUNDING):
         pressure = np.full(z.shape, hardness)
         gap = solid(pressure) + z
         load_error = abs(hardness * grid.area / normal_load - 1)
         return ContactSolution(
             pressure, gap - gap.max(), float(gap.max()), 1, 0.0, load_error, 0.0, 1.0
         )
-    problem = Problem.of(solid, z, normal_load / grid.element_area, hardness)
-    if tolerance >= _LOOSE and _fits_single_precision(solid, normal_load):
+    problem = Problem.from_solid(solid, z, normal_load / grid.element_area, hardness)
+    if tolerance >= _SINGLE_TOLERANCE and _fits_single_precision(solid, normal_load):
         problem = replace(problem, solid=problem.fast)
     if initial_pressure is None:
-        guess, spent = coarser_guess(problem)
+        guess, guess_cost = coarser_guess(problem)
     else:
-        guess, spent = finite_field("initial_pressure", initial_pressure, grid.shape), 0.0
+        guess, guess_cost = finite_field("initial_pressure", initial_pressure, grid.shape), 0.0
     if initial_displacement is not None:
         finite_field("initial_displacement", initial_displacement, grid.shape)
     elif criterion == "gap":
-        loose = Limits(_WINDOW_SHARE * tolerance, max_iterations - spent)
-        guess, more = window_guess(problem, guess, loose)
-        spent += more
+        window_limits = Limits(_WINDOW_SHARE * tolerance, max_iterations - guess_cost)
+        guess, window_cost = window_guess(problem, guess, window_limits)
+        guess_cost += window_cost
     limits = Limits(tolerance, max_iterations, by_change=criterion == "pressure-change")
-    outcome = iterate(problem, guess, limits, initial_displacement, spent)
-    solution = _solution(outcome, hardness)
-    if not outcome.converged:
-        raise ConvergenceError(_failure(outcome, limits), solution)
+    result = iterate(problem, guess, limits, initial_displacement, guess_cost)
+    solution = _solution(result, hardness)
+    if not result.converged:
+        raise ConvergenceError(_failure_message(result, limits), solution)
     return solution
 
 
-def _check(
+def _check_arguments(
     solid: ElasticHalfSpace,
     normal_load: float,
     hardness: float,
@@ -201,10 +201,10 @@ def _check(
             f"between 0 and {capacity:g} N, the most at a hardness of {hardness:g} Pa"
         )
     softness = soft_rows(solid).coupling / solid.self_influence
-    lost = solid.rounding * softness
-    if softness > _VERY_SOFT and lost > 10 * tolerance:
+    rounding_error = solid.rounding * softness
+    if softness > _MAX_ROW_SOFTNESS and rounding_error > 10 * tolerance:
         raise InputError(
-            f"tolerance is {tolerance:.1e}; rounding allows no less than {lost:.1e} "
+            f"tolerance is {tolerance:.1e}; rounding allows no less than {rounding_error:.1e} "
             f"where rows of elements yield {softness:.1e} times as much as one element does. If "
             "wear makes them yield, take shorter steps"
         )
@@ -227,37 +227,37 @@ def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
 def _fits_single_precision(solid: ElasticHalfSpace, normal_load: float) -> bool:
     """True if the pressures and displacements of a contact are in the range of single precision."""
     scales = _scales(solid, normal_load)
-    return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
+    return all(_MIN_SINGLE < scale < 1 / _MIN_SINGLE for scale in scales)
 
 
-def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
+def _solution(result: IterationResult, hardness: float) -> ContactSolution:
     """Convert the result of an iteration to a `ContactSolution` with its measures of error."""
-    pressure, gap = outcome.pressure, outcome.gap
+    pressure, gap = result.pressure, result.gap
     saturated = pressure >= hardness
     yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
     elastic = gap[~saturated] if yielding else gap
     return ContactSolution(
         pressure,
         gap,
-        outcome.approach,
-        math.ceil(outcome.convolutions),
-        outcome.residual,
-        load_error=outcome.load_error,
+        result.approach,
+        math.ceil(result.convolutions),
+        result.residual,
+        load_error=result.load_error,
         penetration=max(0.0, -float(elastic.min(initial=0.0))),
         plastic_fraction=yielding / touching if touching else 0.0,
     )
 
 
-def _failure(outcome: IterationResult, limits: Limits) -> str:
+def _failure_message(result: IterationResult, limits: Limits) -> str:
     """Error message for an iteration that has not converged, with advice to the user."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
-    if outcome.stalled:
-        largest = float(np.abs(outcome.displacement).max())
+    if result.stalled:
+        largest = float(np.abs(result.displacement).max())
         advice = (
             f"with displacements of {largest:.1e} m it falls no further, so ask for at "
-            f"least {2 * outcome.residual:.0e}"
+            f"least {2 * result.residual:.0e}"
         )
     return (
-        f"the contact did not converge: residual {outcome.error:.2e} after "
-        f"{math.ceil(outcome.convolutions)} iterations, above {limits.tolerance:.2e}; {advice}"
+        f"the contact did not converge: residual {result.error:.2e} after "
+        f"{math.ceil(result.convolutions)} iterations, above {limits.tolerance:.2e}; {advice}"
     )
