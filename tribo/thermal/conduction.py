@@ -17,9 +17,9 @@ The panels of the quadrature are in `quadrature`, and the factors f and g in `fa
 
 **Length of the pin.** Along a periodic y the window repeats as far as the pin reaches, which may be
 much less than heat spreads. Variations of the flux along y have then long evened out, and only its
-mean along y feels the ends. In the middle of an evenly heated length ℓ the factor E_y of that mean
-is erf(ℓ/(2s)) times its value without ends (in the middle of b = ℓ/2, E_y = 2 erf(ℓ/(2s))). So the
-mode k_y = 0 has this factor at each node of the quadrature.
+mean along y is affected by the ends. In the middle of an evenly heated length ℓ the factor E_y of
+that mean is erf(ℓ/(2s)) times its value without ends (in the middle of b = ℓ/2, E_y = 2
+erf(ℓ/(2s))). So the mode k_y = 0 has this factor at each node of the quadrature.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class ConductingHalfSpace(Convolution):
 def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     """Time after which the kernel of a `ConductingHalfSpace` no longer changes [s].
 
-    By then the surface heated first has left the window, and its heat does not diffuse back.
+    By then the surface that was heated first has left the window, and heat no longer diffuses back.
     Infinite at rest, and if the window repeats along x.
     """
     kappa = material.thermal_diffusivity
@@ -141,32 +141,32 @@ def flux_history_spectrum(
     >>> print(f"{(ramp[0, 0] / constant.spectrum[0, 0]).real:.12f}")
     0.666666666667
     """
-    _check(velocity, ages, quadrature_nodes)
+    _check_arguments(velocity, ages, quadrature_nodes)
     (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
     x = Axis(grid.shape[0], dx, mx, grid.periodic[0])
     y = Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
     heated = _heated_length(grid, length)
     K, kappa = material.thermal_conductivity, material.thermal_diffusivity
     v = abs(velocity) / (4 * kappa)
-    # Below this diffusion length no heat has crossed half an element: the kernel's factors along x
-    # and along y are both 2 on the element, and 0 off it.
-    confined = diffusion_length(REACH, v, min(dx, dy) / 2)
-    leaving = _leaving_length(grid, v)
+    # Up to this diffusion length heat has crossed less than half an element: the kernel's factors
+    # along x and y are 2 on the element, and 0 off it.
+    confined_length = diffusion_length(REACH, v, min(dx, dy) / 2)
+    leaving_length = _leaving_length(grid, v)
 
     rule = _gauss(quadrature_nodes)
-    # Modes along y come first, so that the products below run along long rows.
+    # Modes along y are on the first axis, so that the products below run along long rows.
     half = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
     columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
-    for stretch in _stretches(kappa, ages, strengths):
-        end = min(stretch.end, leaving)
-        middle = max(stretch.begin, min(confined, end))
-        if middle > stretch.begin:
-            half += 4 * stretch.integral(middle)
+    for interval in _intervals(kappa, ages, strengths):
+        end = min(interval.end, leaving_length)
+        start = max(interval.begin, min(confined_length, end))
+        if start > interval.begin:
+            half += 4 * interval.integral(start)
             columns = my // 2 + 1
-        for panel in panels(v, middle, end, filon_start, dx):
+        for panel in panels(v, start, end, filon_start, dx):
             s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
-            f *= stretch.strength(s)[:, None]
+            f *= interval.strength(s)[:, None]
             g = factor(y, s, panel[0], 0.0)
             g[:, 0] *= scipy.special.erf(heated / (2 * s))
             _add_products(half, f, g)
@@ -180,7 +180,7 @@ def flux_history_spectrum(
     return spectrum
 
 
-class _Stretch(NamedTuple):
+class _Interval(NamedTuple):
     """A range of diffusion lengths over which the strength of a flux is linear in its age.
 
     The diffusion length is s = 2√(κ·age).
@@ -188,37 +188,37 @@ class _Stretch(NamedTuple):
 
     begin: float  # [m]
     end: float  # [m]
-    first: float  # strength at the beginning
+    start_strength: float  # strength at the beginning
     slope: float  # growth of the strength with s² [1/m²]
 
     def strength(self, s: Array) -> Array:
         """Strength of the flux, dimensionless, at the ages at which heat has diffused by s [m]."""
-        return self.first + self.slope * (s**2 - self.begin**2)
+        return self.start_strength + self.slope * (s**2 - self.begin**2)
 
     def integral(self, s: float) -> float:
         """Integral [m] of the strength over the diffusion length, from `begin` to `s` [m]."""
-        constant = (self.first - self.slope * self.begin**2) * (s - self.begin)
+        constant = (self.start_strength - self.slope * self.begin**2) * (s - self.begin)
         return constant + self.slope * (s**3 - self.begin**3) / 3
 
 
-def _stretches(
+def _intervals(
     kappa: float, ages: Sequence[float], strengths: Sequence[float]
-) -> Iterator[_Stretch]:
+) -> Iterator[_Interval]:
     lengths = [2 * math.sqrt(kappa * age) for age in ages]
     for (begin, end), (first, last) in zip(
         itertools.pairwise(lengths), itertools.pairwise(strengths), strict=True
     ):
         slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
-        yield _Stretch(begin, end, first, slope)
+        yield _Interval(begin, end, first, slope)
 
 
-def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
+def _check_arguments(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
     """Raise `InputError` for an argument from which no kernel can be computed."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
-    for earlier, time in itertools.pairwise((0.0, *ages)):
-        if not (math.isfinite(time) and time >= earlier):
-            raise InputError(f"time is {time!r}; it must be finite and at least {earlier:g}")
+    for lower_bound, time in itertools.pairwise((0.0, *ages)):
+        if not (math.isfinite(time) and time >= lower_bound):
+            raise InputError(f"time is {time!r}; it must be finite and at least {lower_bound:g}")
     if quadrature_nodes < 1:
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
 

@@ -1,4 +1,4 @@
-"""A turning disc that is heated around its rim and conducts heat throughout."""
+"""A turning disc that is heated around its rim and conducts the heat inwards."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import scipy
 from tribo.errors import require_positive
 from tribo.types import Array
 
-_MOST_ROOTS = 120
-# Value of κt/a² below which the rim counts as a curved half-space: there the series needs
-# more roots than are kept, and the half-space is wrong by less than 1e-4.
-_EARLY = 4e-4
+_ROOT_COUNT = 120
+# Value of κt/a² below which the rim is computed as a curved half-space. Its error there is below
+# 1e-4, while the series would need more than `_ROOT_COUNT` roots.
+_EARLY_FOURIER = 4e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,13 +71,13 @@ class Disc:
         """
         radius = self.diameter / 2
         fourier = diffusivity * age / radius**2
-        early = fourier < _EARLY
-        late = np.where(early, 1.0, fourier)[..., None]
-        series = 2 * np.exp(-(_roots() ** 2) * late).sum(axis=-1)
-        root = np.sqrt(np.where(early, fourier, 1.0))
-        short = 1 / (math.sqrt(math.pi) * root) + 0.5 * scipy.special.erfcx(-0.5 * root)
-        left: Array = np.where(early, short, series) / radius
-        return left
+        is_early = fourier < _EARLY_FOURIER
+        late_fourier = np.where(is_early, 1.0, fourier)[..., None]
+        late_response = 2 * np.exp(-(_roots() ** 2) * late_fourier).sum(axis=-1)
+        root = np.sqrt(np.where(is_early, fourier, 1.0))
+        early_response = 1 / (math.sqrt(math.pi) * root) + 0.5 * scipy.special.erfcx(-0.5 * root)
+        response: Array = np.where(is_early, early_response, late_response) / radius
+        return response
 
     def as_dict(self) -> dict[str, float]:
         """Return the sizes by name."""
@@ -86,5 +86,5 @@ class Disc:
 
 @functools.cache
 def _roots() -> Array:
-    """Roots βₙ of J₁, 0 the first."""
-    return np.append(0.0, scipy.special.jn_zeros(1, _MOST_ROOTS))
+    """Roots βₙ of J₁, beginning with 0."""
+    return np.append(0.0, scipy.special.jn_zeros(1, _ROOT_COUNT))

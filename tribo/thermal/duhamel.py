@@ -1,4 +1,4 @@
-"""Heat partition that remembers all heat that has flowed before (Duhamel's principle).
+"""Heat partition with the full history of the heat flow (Duhamel's principle).
 
 Between the ends t⁰, t¹, … of time steps the flux qᵢ into body i is linear in time. So at tⁿ its
 surface is warmer by
@@ -11,10 +11,10 @@ contact then replaces Eq. (1) of `partition` by
 
     (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁.                                                    (2)
 
-Bᵢᵐ depends only on how long ago each step was. So for steps of equal length it is computed once
-for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
-a few steps only the longest waves of a flux along a periodic axis still matter, and nothing of a
-flux that moves. Other modes are dropped.
+Bᵢᵐ depends only on the age of a step. For steps of equal length it is thus computed once for each
+number of steps passed, and Hᵢ is summed in Fourier space with one inverse transform. After a few
+steps only the longest waves of a flux along a periodic axis still matter, and no modes of a moving
+flux. Other modes are dropped.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from tribo.thermal.conduction import HeatedLength, flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.types import Array, Mask, Spectrum
 
-_AGE_DIGITS = 9  # digits to which ages are rounded, so that equal steps make equal ages
+_AGE_DIGITS = 9  # significant digits of ages, so that equal steps have equal ages
 
 
 class Conductor(NamedTuple):
@@ -74,7 +74,7 @@ def conducted_spectrum(
     """Spectrum of the map from a past heat flux into a body to its present rise [K m²/W].
 
     The flux varied as `strengths`, dimensionless, at the `ages` before now [s], and linearly in
-    between. The shape is (mx, c): columns after the first c are 0, and left out.
+    between. The shape is (mx, c): columns after the first c are 0, and omitted.
     """
     return flux_history_spectrum(
         grid, body.material, body.velocity, ages, strengths, length=body.length
@@ -141,7 +141,7 @@ def partition_with_history(
     Returns
     -------
     HeatPartition
-        Present partition; its rise includes what remains of the rise due to earlier heat.
+        Present partition; its rise includes the remaining rise due to earlier heat.
     HeatHistory
         Heat that has flowed up to now.
 
@@ -161,11 +161,11 @@ def partition_with_history(
     >>> print(f"{split.rise[0, 0] / uniform_flux_rise(1e6, 2.0, steel.thermal_effusivity):.9f}")
     0.666666667
     """
-    (pin_past, pin_kept), (disk_past, disk_kept) = (
+    (pin_past, pin_fluxes), (disk_past, disk_fluxes) = (
         _past_rise(grid, body, history.times, time, fluxes, spectrum_of)
         for body, fluxes in ((pin, history.pin_flux), (disk, history.disk_flux))
     )
-    step = _age(time - history.times[-1])
+    step = _rounded_age(time - history.times[-1])
     present_pin, present_disk = (
         Convolution(grid, spectrum_of(grid, body, (0.0, step), (1.0, 0.0))) for body in (pin, disk)
     )
@@ -184,7 +184,7 @@ def partition_with_history(
     )
     return (
         replace(split, rise=split.rise + pin_past),
-        HeatHistory((*history.times, time), (*pin_kept, pin_flux), (*disk_kept, disk_flux)),
+        HeatHistory((*history.times, time), (*pin_fluxes, pin_flux), (*disk_fluxes, disk_flux)),
     )
 
 
@@ -192,25 +192,25 @@ def _past_rise(
     grid: Grid,
     body: Conductor,
     times: tuple[float, ...],
-    now: float,
+    present: float,
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes."""
+    """Present rise due to earlier fluxes [K], and the spectra of these without faded modes."""
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
-    kept = []
-    ages = [_age(now - time) for time in times] + [0.0]
+    cropped_fluxes = []
+    ages = [_rounded_age(present - time) for time in times] + [0.0]
     for old, middle, young, flux in zip(ages, ages[1:], ages[2:], fluxes, strict=False):
         if flux.shape[1]:
             influence = spectrum_of(grid, body, (young, middle, old), (0.0, 1.0, 0.0))
-            left = min(flux.shape[1], influence.shape[1])
-            total[:, :left] += influence[:, :left] * flux[:, :left]
-            flux = flux[:, :left].copy() if left < flux.shape[1] else flux
-        kept.append(flux)
+            mode_count = min(flux.shape[1], influence.shape[1])
+            total[:, :mode_count] += influence[:, :mode_count] * flux[:, :mode_count]
+            flux = flux[:, :mode_count].copy() if mode_count < flux.shape[1] else flux
+        cropped_fluxes.append(flux)
     rise = np.fft.irfft2(total, s=(mx, my))[: grid.shape[0], : grid.shape[1]]
-    return rise, kept
+    return rise, cropped_fluxes
 
 
-def _age(time: float) -> float:
+def _rounded_age(time: float) -> float:
     return float(f"{time:.{_AGE_DIGITS}g}")

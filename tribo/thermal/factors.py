@@ -75,12 +75,12 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
         first, last = max(first, -axis.n), min(last, axis.n)
     at_rest = not shift.any()
     edges = (np.arange(0 if at_rest else first, last + 2) - 0.5) * axis.step
-    reached = scipy.special.erf((edges - shift[:, None]) / s[:, None])
-    values: Array = reached[:, 1:] - reached[:, :-1]
+    edge_values = scipy.special.erf((edges - shift[:, None]) / s[:, None])
+    values: Array = edge_values[:, 1:] - edge_values[:, :-1]
     if at_rest:  # the same on both sides
         values = np.concatenate((values[:, :0:-1], values), axis=1)
     if axis.nearest_image:
-        # The images on either side are equally near, so each counts half.
+        # The images on both sides are equally near, so that each has half the weight.
         values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2
     offset = first % axis.length
     periods = -(-(offset + values.shape[1]) // axis.length)

@@ -1,13 +1,13 @@
 """Partition of frictional heat between two sliding bodies.
 
 On the contact C both surfaces have one temperature. With T₁ and T₂ the maps from heat flux to
-surface temperature rise of pin and disk, q the frictional heat, q₁ what flows into the pin and
-q − q₁ what flows into the disk, T_b,1 + T₁q₁ = T_b,2 + T₂(q − q₁) on C, that is
+surface temperature rise of pin and disk, q the frictional heat, q₁ the flux into the pin and q − q₁
+the flux into the disk, T_b,1 + T₁q₁ = T_b,2 + T₂(q − q₁) on C, that is
 
     (T₁ + T₂) q₁ = T₂ q + ΔT_b  on C,   q₁ = 0 off C,   ΔT_b = T_b,2 − T_b,1.           (1)
 
-The unknown is the flux and not the fraction q₁/q, which is unbounded where q → 0: a hot pin may
-well warm the cold leading edge of a contact (q₁ < 0).
+The unknown is the flux instead of the fraction q₁/q, which is unbounded where q → 0: a hot pin may
+warm the cold leading edge of a contact (q₁ < 0).
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from tribo.errors import ConvergenceError, InputError
 from tribo.numerics import Convolution, Neighbourhood
 from tribo.types import Array, Mask, Nodes
 
-# Directions that the iteration keeps orthogonal. It rarely needs as many.
-_KEPT_DIRECTIONS = 60
-_RESERVE = 0.9  # share of the tolerance for the iteration; the rest is for rounding
+# Number of directions that the iteration keeps orthogonal; it rarely needs as many.
+_MAX_DIRECTIONS = 60
+_ITERATION_SHARE = 0.9  # share of the tolerance for the iteration; the rest is for rounding
 # Down to this tolerance the iteration runs in single precision, in two thirds of the time. Its
-# result is judged in double precision.
+# result is checked in double precision.
 _SINGLE_TOLERANCE = 1e-4
 
 
@@ -145,19 +145,21 @@ def partition_heat(
     if method == "uniform":
         return _divide_uniformly(pin(heat_flux), target, delta, heat_flux, contact)
 
-    both, near = _join_maps(pin, disk)
-    if not near.influence[1, 0] > 0:
+    total_map, neighbourhood = _join_maps(pin, disk)
+    if not neighbourhood.influence[1, 0] > 0:
         raise InputError(
             "bulk_difference is not 0; it must be, since the bodies have had no time to conduct"
         )
-    solution, iterations = _iterate_flux(both, near, nodes, target, tolerance, max_iterations)
+    solution, iterations = _iterate_flux(
+        total_map, neighbourhood, nodes, target, tolerance, max_iterations
+    )
     pin_flux = np.zeros(grid.shape)
     pin_flux.reshape(-1)[nodes] = solution
     total = float(np.sum(q))
     share = float(np.sum(solution)) / total if total else math.nan
     rise = pin(pin_flux)
-    # Computed anew from both temperatures: by rounding, the residual that the iteration updates
-    # drifts away from the true one.
+    # Computed from both temperatures, since the residual that the iteration updates drifts from
+    # the true residual by rounding.
     mismatch = (disk(heat_flux - pin_flux) - rise).take(nodes) + delta
     residual = _norm(mismatch) / _norm(target)
     partition = HeatPartition(rise, pin_flux, share, iterations, residual)
@@ -175,16 +177,16 @@ def partition_heat(
     return partition
 
 
-@functools.lru_cache(maxsize=2)  # many contacts use the same maps
+@functools.lru_cache(maxsize=2)  # successive contacts use the same maps
 def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
     """The sum of both bodies' maps from heat flux to rise, and its stencils among neighbours."""
-    both = pin + disk
-    return both, Neighbourhood(both)
+    total_map = pin + disk
+    return total_map, Neighbourhood(total_map)
 
 
 @functools.lru_cache(maxsize=2)
-def _faster(both: Convolution, influence: float) -> Convolution:
-    return both.faster_precision(influence)
+def _faster_map(total_map: Convolution, influence: float) -> Convolution:
+    return total_map.faster_precision(influence)
 
 
 def _check_choices(method: str, tolerance: float) -> None:
@@ -216,8 +218,8 @@ def _check_fields(
 
 
 def _iterate_flux(
-    both: Convolution,
-    near: Neighbourhood,
+    total_map: Convolution,
+    neighbourhood: Neighbourhood,
     nodes: Nodes,
     target: Array,
     tolerance: float,
@@ -225,10 +227,14 @@ def _iterate_flux(
 ) -> tuple[Array, int]:
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
     if tolerance >= _SINGLE_TOLERANCE:
-        both = _faster(both, float(near.influence[1, 0]))
-    precondition = functools.partial(near.on(nodes), near.inverse)
+        total_map = _faster_map(total_map, float(neighbourhood.influence[1, 0]))
+    precondition = functools.partial(neighbourhood.on(nodes), neighbourhood.inverse)
     return _conjugate_residuals(
-        _node_map(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations
+        _node_map(total_map, nodes),
+        precondition,
+        target,
+        _ITERATION_SHARE * tolerance,
+        max_iterations,
     )
 
 
@@ -239,10 +245,10 @@ def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
 
     def apply(flux: Array) -> Array:
-        largest = float(np.abs(flux).max()) or 1.0  # a scale at which single precision can hold it
-        field.reshape(-1)[nodes] = flux / largest
+        scale = float(np.abs(flux).max()) or 1.0  # scaled to the range of single precision
+        field.reshape(-1)[nodes] = flux / scale
         body(field, out=rise, rows=rows)
-        return rise.take(nodes) * largest
+        return rise.take(nodes) * scale
 
     return apply
 
@@ -255,11 +261,11 @@ def _divide_uniformly(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
     """Divide heat by one share φ for the pin: ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩ over the contact."""
-    both = rise[contact] + target - delta
-    if not np.mean(both) > 0:
+    total_rise = rise[contact] + target - delta
+    if not np.mean(total_rise) > 0:
         raise InputError('method "uniform" divides frictional heat, and there is none')
-    share = float(np.mean(target) / np.mean(both))
-    residual = _norm(share * both - target) / _norm(target)
+    share = float(np.mean(target) / np.mean(total_rise))
+    residual = _norm(share * total_rise - target) / _norm(target)
     return HeatPartition(share * rise, share * heat_flux, share, 0, residual)
 
 
@@ -272,26 +278,26 @@ def _conjugate_residuals(
 ) -> tuple[Array, int]:
     """Solve operator(x) = target by generalised conjugate residuals; and count iterations."""
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
-    # In one piece: if two arrays are freed together, the allocator returns their memory, and to get
-    # it again page by page costs more than much of the iteration.
-    directions, images = np.empty((2, _KEPT_DIRECTIONS, target.size))
+    # One array for both: if two large arrays are freed, the allocator returns their memory, and
+    # page faults on the next call cost more than much of the iteration.
+    directions, images = np.empty((2, _MAX_DIRECTIONS, target.size))
     iteration, error = 0, 1.0
     while error > tolerance and iteration < max_iterations:
         direction = precondition(residual)
         image = operator(direction)
-        kept = min(iteration, _KEPT_DIRECTIONS)
+        count = min(iteration, _MAX_DIRECTIONS)
         # Images are made orthogonal, as by GMRES (Eisenstat, Elman & Schultz 1983, SIAM J. Numer.
         # Anal. 20). It cannot break down: the operator's symmetric part is positive definite.
-        overlap = images[:kept] @ image
-        direction -= overlap @ directions[:kept]
-        image -= overlap @ images[:kept]
+        overlap = images[:count] @ image
+        direction -= overlap @ directions[:count]
+        image -= overlap @ images[:count]
         length = _norm(image)
-        if not length > 0:  # only rounding is left, or no number at all
+        if not length > 0:  # a residual of rounding errors, or NaN
             break
-        place = iteration % _KEPT_DIRECTIONS
-        directions[place], images[place] = direction / length, image / length
-        step = float(images[place] @ residual)
-        solution += step * directions[place]
-        residual -= step * images[place]
+        slot = iteration % _MAX_DIRECTIONS
+        directions[slot], images[slot] = direction / length, image / length
+        step = float(images[slot] @ residual)
+        solution += step * directions[slot]
+        residual -= step * images[slot]
         iteration, error = iteration + 1, _norm(residual) / scale
     return solution, iteration

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from tribo.types import Array
 
-# erfc(6) = 2e-17 and exp(-6²) = 2e-16: at this many diffusion lengths nothing is felt.
+# erfc(6) = 2e-17 and exp(-6²) = 2e-16: heat has no effect beyond this many diffusion lengths.
 REACH = 6.0
-_NOTHING = 1e-12  # share of a length below which no part of the integral is worth a panel
+_MIN_PANEL_RATIO = 1e-12  # smallest panel over its diffusion length
 
 
 def diffusion_length(reach: float, drift: float, distance: float) -> float:
@@ -50,10 +50,10 @@ def panels(
         if low >= filon_start:
             step = low / 2
         else:
-            step = max(REACH / (REACH / low + 2 * drift), _NOTHING * low)
+            step = max(REACH / (REACH / low + 2 * drift), _MIN_PANEL_RATIO * low)
             if drift:
-                # Seen from the centre of an element, a source that passes quickly is either over
-                # it or not, while its edges stay away from all centres.
+                # A fast source is either over the centre of an element or not, except while one of
+                # its edges is near a centre.
                 step = max(step, min(low, _growth_until_edge(drift, low, side)))
         high = min(low + step, end)
         yield low, high
@@ -61,14 +61,14 @@ def panels(
 
 
 def _growth_until_edge(drift: float, low: float, side: float) -> float:
-    """Growth of the diffusion length from `low` until an element feels the source's edge [m]."""
-    # An edge passes a centre where drift·s² is an odd multiple of half a side; it is felt within
+    """Growth of the diffusion length from `low` until the source's edge is near a centre [m]."""
+    # An edge passes a centre where drift·s² is an odd multiple of half a side, and acts within
     # REACH/(2 drift) of this s.
-    passed = math.floor(drift * low**2 / side + 0.5)
+    centre_count = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)
-    if passed and low < math.sqrt((passed - 0.5) * side / drift) + reach:
+    if centre_count and low < math.sqrt((centre_count - 0.5) * side / drift) + reach:
         return 0.0
-    return math.sqrt((passed + 0.5) * side / drift) - reach - low
+    return math.sqrt((centre_count + 0.5) * side / drift) - reach - low
 
 
 def filon_weights(

@@ -46,9 +46,9 @@ def sorted_quantiles(ordered: Array) -> Array:
     """Quantiles of ascending values, one for each of `QUANTILES`; NaN without values."""
     if not ordered.size:
         return np.full(len(QUANTILES), np.nan)
-    places = np.asarray(QUANTILES) * (ordered.size - 1)
-    # The same as np.quantile, which takes several times as long for this many quantiles.
-    quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
+    positions = np.asarray(QUANTILES) * (ordered.size - 1)
+    # Equal to np.quantile, which takes several times as long for this many quantiles.
+    quantiles: Array = np.interp(positions, np.arange(ordered.size), ordered)
     return quantiles
 
 
@@ -81,13 +81,13 @@ def rise_exceeded(
             f"critical area fraction is {share!r}; the stored quantiles allow from "
             f"{1 - quantiles[-1]:g} to {1 - quantiles[0]:g}"
         )
-    above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
-    low, high = quantiles[above - 1], quantiles[above]
-    weight = (1 - share - low) / (high - low) if high > low else 1.0  # there is one quantile alone
-    exceeded: Array = (1 - weight) * rise_quantiles[..., above - 1] + (
-        weight * rise_quantiles[..., above]
+    upper = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
+    low, high = quantiles[upper - 1], quantiles[upper]
+    weight = (1 - share - low) / (high - low) if high > low else 1.0  # of a single quantile
+    rise: Array = (1 - weight) * rise_quantiles[..., upper - 1] + (
+        weight * rise_quantiles[..., upper]
     )
-    return exceeded
+    return rise
 
 
 def failed_share(rise_quantiles: Array, limit: float) -> float:

@@ -1,4 +1,4 @@
-"""Heat that earlier passes under the pin have left in the track of the disk."""
+"""Warming of the disk's track by earlier passes under the pin."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import scipy
 from tribo.thermal.disc import Disc
 from tribo.types import Array
 
-_SINGLE = 400  # latest passes, which are summed one by one; earlier passes are integrated
-_IMAGES, _MODES = 3, 4  # for an error of 1e-11; modes once heat has spread over a quarter of a body
-_PANEL, _NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
+_SUMMED_PASSES = 400  # number of latest passes summed one by one; earlier passes are integrated
+# For an error of 1e-11; modes are used once heat has spread over a quarter of a body.
+_IMAGE_COUNT, _MODE_COUNT = 3, 4
+_PANEL_RATIO, _PANEL_NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
 
 
 def track_warming(
@@ -68,8 +69,8 @@ def track_warming(
     A steel disk of 100 × 10 mm takes 100 W for a minute, at 1 m/s. The disk warms by 21 K on
     average, and its track by more:
 
-    >>> held, disc = (np.array([1e-3, 60.0]), np.full(2, 100.0)), Disc(diameter=0.1, width=0.01)
-    >>> warming = track_warming(60.0, 0.1 * np.pi, held, 0.01, 1.2275e-5, 3.666e6, disc)
+    >>> hold, disc = (np.array([1e-3, 60.0]), np.full(2, 100.0)), Disc(diameter=0.1, width=0.01)
+    >>> warming = track_warming(60.0, 0.1 * np.pi, hold, 0.01, 1.2275e-5, 3.666e6, disc)
     >>> f"{warming:.1f} K"
     '28.4 K'
     """
@@ -95,14 +96,18 @@ def track_warming(
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
         return warming
 
-    warming = float(remaining_rise(np.arange(1.0, min(count, _SINGLE) + 1)).sum())
-    if count > _SINGLE:
-        first, last = _SINGLE + 0.5, count + 0.5
-        # Panels end where the load kinks, and the age of the passes hardly changes within one.
+    warming = float(remaining_rise(np.arange(1.0, min(count, _SUMMED_PASSES) + 1)).sum())
+    if count > _SUMMED_PASSES:
+        first_round, last_round = _SUMMED_PASSES + 0.5, count + 0.5
+        # Panels end at kinks of the load, and are short compared with the age of their passes.
         kinks = (time - loads[0]) / round_trip
-        even = np.geomspace(first, last, 2 + math.ceil(math.log(last / first) / math.log(_PANEL)))
-        ends = np.union1d(even, kinks[(kinks > first) & (kinks < last)])
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        panel_ends = np.geomspace(
+            first_round,
+            last_round,
+            2 + math.ceil(math.log(last_round / first_round) / math.log(_PANEL_RATIO)),
+        )
+        ends = np.union1d(panel_ends, kinks[(kinks > first_round) & (kinks < last_round)])
+        nodes, weights = np.polynomial.legendre.leggauss(_PANEL_NODES)
         halves = np.diff(ends)[:, None] / 2
         rounds = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
         warming += float((halves * weights * remaining_rise(rounds)).sum())
@@ -129,12 +134,17 @@ def strip_response(width: float, body_width: float, spread: Array) -> Array:
     [1.0, 0.5]
     """
     if math.isinf(body_width):
-        alone: Array = scipy.special.erf(width / (4 * spread))
-        return alone
-    share, images = width / body_width, body_width * np.arange(-_IMAGES, _IMAGES + 1)[:, None]
-    near = scipy.special.erf((width / 2 + images) / (2 * spread.ravel())).sum(axis=0)
-    modes = np.arange(1, _MODES + 1)[:, None]
+        half_space: Array = scipy.special.erf(width / (4 * spread))
+        return half_space
+    share, images = (
+        width / body_width,
+        body_width * np.arange(-_IMAGE_COUNT, _IMAGE_COUNT + 1)[:, None],
+    )
+    image_sum = scipy.special.erf((width / 2 + images) / (2 * spread.ravel())).sum(axis=0)
+    modes = np.arange(1, _MODE_COUNT + 1)[:, None]
     decay = np.exp(-((2 * math.pi * modes * spread.ravel() / body_width) ** 2))
-    far = share * (1 + 2 * (np.sinc(modes * share) * decay).sum(axis=0))
-    left: Array = np.where(4 * spread.ravel() < body_width, near, far).reshape(spread.shape)
-    return left
+    mode_sum = share * (1 + 2 * (np.sinc(modes * share) * decay).sum(axis=0))
+    response: Array = np.where(4 * spread.ravel() < body_width, image_sum, mode_sum).reshape(
+        spread.shape
+    )
+    return response
