@@ -157,20 +157,20 @@ def hertz_ellipse(
     """
     require_positive(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
     F, E = normal_load, contact_modulus
-    long, short = max(radius_x, radius_y), min(radius_x, radius_y)
+    larger_radius, smaller_radius = max(radius_x, radius_y), min(radius_x, radius_y)
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
         """Computed minus given ln(R_a/R_b), for a trial value `log_ratio` of ln(b/a)."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
-        return float(np.log(ratio)) - math.log(long / short)
+        return float(np.log(ratio)) - math.log(larger_radius / smaller_radius)
 
     # b/a lies between the inverse of the ratio of the radii and 1.
-    flattest = -math.log(long / short)
+    flattest = -math.log(larger_radius / smaller_radius)
     log_ratio = scipy.optimize.brentq(excess, flattest, 0.0, xtol=1e-15) if flattest else 0.0
     k = math.exp(log_ratio)
-    a = float(np.cbrt(F * elliprd(0.0, k**2, 1.0) * long / (math.pi * E)))
+    a = float(np.cbrt(F * elliprd(0.0, k**2, 1.0) * larger_radius / (math.pi * E)))
     p0 = 3 * F / (2 * math.pi * k * a**2)
     approach = p0 * k * a * float(scipy.special.ellipkm1(k**2)) / E
     half_x, half_y = (a, k * a) if radius_x >= radius_y else (k * a, a)

@@ -195,10 +195,10 @@ def moving_ellipse_rise(
     a, b = half_x, half_y
     if velocity == 0:
         return resting_ellipse_rise(peak_flux, a, b, thermal_conductivity)
-    places, weights = np.polynomial.legendre.leggauss(_RAYS)
-    places, weights = (places + 1) / 2, weights / 2
-    angle = (math.pi * places**3)[:, None]  # close together where the heat comes from
-    angle_weights = (3 * math.pi * places**2 * weights)[:, None]
+    nodes, weights = np.polynomial.legendre.leggauss(_RAYS)
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    angle = (math.pi * nodes**3)[:, None]  # dense upstream, where the heat comes from
+    angle_weights = (3 * math.pi * nodes**2 * weights)[:, None]
     along, across = np.cos(angle) / a, np.sin(angle) / b
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
@@ -208,13 +208,13 @@ def moving_ellipse_rise(
         The point lies `x` [m] behind the centre of the elliptical source. K is the thermal
         conductivity, and q₀ the peak flux.
         """
-        # On a ray, 1 − x²/a² − y²/b² = `left` + 2 `product` r − `square` r². Its positive root in
-        # r is the edge.
-        square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
-        edge = (product + np.sqrt(product**2 + square * left)) / square
-        r = edge * np.sin(math.pi / 2 * places) ** 2
-        flux = np.sqrt(np.maximum(left + 2 * product * r - square * r**2, 0.0))
-        r_weights = edge * math.pi / 2 * np.sin(math.pi * places) * weights
+        # On a ray, 1 − x²/a² − y²/b² = `constant` + 2 `product` r − `square` r², whose positive
+        # root in r is the edge of the ellipse.
+        square, product, constant = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
+        edge = (product + np.sqrt(product**2 + square * constant)) / square
+        r = edge * np.sin(math.pi / 2 * nodes) ** 2
+        flux = np.sqrt(np.maximum(constant + 2 * product * r - square * r**2, 0.0))
+        r_weights = edge * math.pi / 2 * np.sin(math.pi * nodes) * weights
         return -2 * float(np.sum(angle_weights * r_weights * flux * np.exp(-decay * r)))
 
     minimum = scipy.optimize.minimize_scalar(

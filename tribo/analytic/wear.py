@@ -1,4 +1,4 @@
-"""Depth that wears off, and width of the flat that it leaves on a rigid pin."""
+"""Worn depth, and width of the worn flat of a rigid pin."""
 
 from __future__ import annotations
 
