@@ -105,7 +105,7 @@ def test_the_first_screen_has_the_commands_of_a_fresh_machine():
 
 def test_the_agreement_is_that_of_the_page_on_the_paper():
     page = text_of("workflows/REPRODUCING.md")
-    ((low, high),) = re.findall(r"velocities are ([−+]\d+) to ([−+]\d+) % off", page)
+    ((low, high),) = re.findall(r"critical velocities are ([−+]\d+) to ([−+]\d+) % off", page)
     assert f" {low} to {high} % off" in README
     lists = re.findall(r"((?:[−+]\d+, )+[−+]\d+) % off, each from the other three", page)
     held_out = [int(number.replace("−", "-")) for text in lists for number in text.split(", ")]

@@ -75,7 +75,7 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
     Examples
     --------
     >>> print(reproduce("fig4").title)
-    pressure under a cylinder of radius 8 mm, on a window of 0.456 mm
+    pressure of a cylinder of radius 8 mm, in a window of 0.456 mm
     """
     if name in NOT_REPRODUCED:
         raise InputError(f"{name} is not recomputed: {NOT_REPRODUCED[name]}")

@@ -20,7 +20,7 @@ from .study import Study
 
 _ELEMENTS, _WINDOW = 128, 456e-6  # along x, in the plane of the cylinder [m]
 _LOOPS = {  # by name: sign of the gap, whether the load's factor is inverse, iterations, look
-    "put right": (1.0, False, 8, BLACK, "-"),
+    "corrected": (1.0, False, 8, BLACK, "-"),
     "Eq. (9) as printed": (-1.0, False, 8, VERMILION, "--"),
     "Eq. (23) as printed": (1.0, True, 2, BLUE, ":"),  # three more overflow
 }
@@ -30,7 +30,7 @@ def errata(study: Study) -> Report:
     """Report on printed equations that cannot be right, tried on the paper's smooth cylinder."""
     sweep = study.scene("table4")
     load = sweep.loads[-1]
-    study.tell("the loop of Eqs. (9) to (23), as printed and put right")
+    study.tell("the loop of Eqs. (9) to (23), as printed and corrected")
     x, half_width, pressures = _pressures(sweep.scene, load)
     element = x[1] - x[0]
     carried = {name: float(p.sum() * element / load) for name, p in pressures.items()}
@@ -39,13 +39,13 @@ def errata(study: Study) -> Report:
     }
     values = {
         "within": within["Eq. (9) as printed"],
-        "within_right": within["put right"],
-        "iterations": _LOOPS["put right"][2],
+        "within_right": within["corrected"],
+        "iterations": _LOOPS["corrected"][2],
         "carried": carried["Eq. (23) as printed"],
         "few": _LOOPS["Eq. (23) as printed"][2],
         "heat": _heat_ratio(sweep.scene.disk),
     }
-    columns = "iterations", "load, of that asked for", "of it within Hertz's width"
+    columns = "iterations", "load / prescribed", "within Hertz's width"
     return Report.of(
         "errata",
         values,

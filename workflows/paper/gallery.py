@@ -1,4 +1,4 @@
-"""Pages of Markdown with the results: the gallery, and what of the paper comes again.
+"""Pages of Markdown with the results: the gallery, and the comparison with the paper.
 
 A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
 ``figure``, a result with its figure, command and verdicts; and ``findings``, statements named as

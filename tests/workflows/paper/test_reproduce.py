@@ -241,9 +241,9 @@ def test_printed_equations_find_no_contact_or_half_the_heat(small):
     data = small("errata").data
     assert data["heat_ratio"] == pytest.approx(0.5, rel=1e-9)
     within, carried = data["load_within_hertz"], data["load_carried"]
-    assert within["put right"] > 0.999
+    assert within["corrected"] > 0.999
     assert within["Eq. (9) as printed"] < 0.001
-    assert carried["put right"] == pytest.approx(1.0)
+    assert carried["corrected"] == pytest.approx(1.0)
     assert carried["Eq. (23) as printed"] > 100
     assert not any(finding.agrees for finding in small("errata").findings)
 
