@@ -58,7 +58,7 @@ class ConvergenceError(TriboError, RuntimeError):
     Attributes
     ----------
     solution
-        The best solution found, of the solver's own result type, with its residual.
+        The best solution, of the solver's result type, with its residual.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class ConvergenceError(TriboError, RuntimeError):
 class InvariantError(TriboError):
     """A result that breaks a law it must obey, for example a law of physics.
 
-    It shows a defect of the program, or of a user's own wear law or surface.
+    It shows a defect of the program, or of a user-defined wear law or surface.
 
     Examples
     --------
@@ -102,7 +102,7 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def law_errors(name: str) -> Iterator[None]:
-    """Context manager: turn an error in a user's own law into an `InputError`.
+    """Context manager: turn an error in a user-defined law into an `InputError`.
 
     `name` names the law in the message. A `TriboError` is raised unchanged.
     """
@@ -140,9 +140,9 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
         raise InputError(f"{name} has shape {array.shape}; it must be {shape}, like the grid")
     finite = np.isfinite(array)
     if not finite.all():
-        bad = np.argwhere(~finite)
+        nonfinite = np.argwhere(~finite)
         raise InputError(
-            f"{name} holds NaN or inf at {len(bad)} of {array.size} places, the first at "
-            f"{tuple(bad[0].tolist())}, counted from 0; every value must be finite"
+            f"{name} holds NaN or inf at {len(nonfinite)} of {array.size} places, the first at "
+            f"{tuple(nonfinite[0].tolist())}, counted from 0; every value must be finite"
         )
     return array.astype(np.float64, copy=False)

@@ -1,4 +1,4 @@
-"""Wear rate of a system, found from the width of a contact that was measured."""
+"""Specific wear rate of a system from the measured width of its contact."""
 
 from __future__ import annotations
 
@@ -77,27 +77,28 @@ def specific_wear_rate(
             "the scene's motion makes the pin roll: it wears all around its track, which makes its "
             "contact no wider, so that a width cannot show a wear rate"
         )
-    half = grid.spacing[0] * (0.5 if scene.roughness else 1.0)  # a smooth contact is symmetric
+    # Contacts of smooth bodies are symmetric, and grow by two elements at a time.
+    margin = grid.spacing[0] * (0.5 if scene.roughness else 1.0)
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
     fidelity = replace(scene.fidelity, heat_model="elapsed")
 
     @functools.cache
     def width(rate: float) -> float:
         wear = Wear(rate, scene.wear.pattern if scene.wear else pattern)
-        worn = replace(scene, wear=wear, fidelity=fidelity)
-        state = start(worn)
-        for load_step in worn.load_steps(normal_load):
-            state = advance(worn, state, load_step, velocity)
-        return measures(worn, state)["contact_width"]
+        worn_scene = replace(scene, wear=wear, fidelity=fidelity)
+        state = start(worn_scene)
+        for load_step in worn_scene.load_steps(normal_load):
+            state = advance(worn_scene, state, load_step, velocity)
+        return measures(worn_scene, state)["contact_width"]
 
-    if not width(0.0) + half < contact_width <= grid.size[0] - half:
+    if not width(0.0) + margin < contact_width <= grid.size[0] - margin:
         raise InputError(
             f"contact_width is {contact_width:.4g} m; it must lie between {width(0.0):.4g} m, "
             f"which the contact has without wear, and the {grid.size[0]:.4g} m of the window: "
             "compare the unit, load and velocity with what was measured, or take a wider window"
         )
-    lowest, _ = _crossing(lambda rate: width(rate) >= contact_width - half)
-    _, highest = _crossing(lambda rate: width(rate) >= contact_width + half)
+    lowest, _ = _crossing(lambda rate: width(rate) >= contact_width - margin)
+    _, highest = _crossing(lambda rate: width(rate) >= contact_width + margin)
     return WearRate(math.sqrt(lowest * highest), lowest, highest)
 
 
