@@ -1,6 +1,6 @@
 """Simulation of one point of the transition diagram: contact, wear and heat of rough bodies.
 
-Needs NumPy and SciPy alone. Quantities are in SI::
+Requires only NumPy and SciPy. Quantities are in SI::
 
     import tribo
     steel = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0, hardness=6.6e9)

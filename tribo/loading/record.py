@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tribo.constants import EVEN_STEPS, FITTED_SHARES, LOAD_NOISE
+from tribo.constants import EQUAL_TIME_LIMIT, FITTED_SHARES, LOAD_NOISE
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import LoadStep, Ramp
 from tribo.types import Array
@@ -220,7 +220,7 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     # Shares of the load's travel and of time. Noise within the dead band adds no travel.
     travel_share, time_share = np.array(travel) / travel[-1], (times - begin) / (end - begin)
     if (
-        np.abs(travel_share - time_share).max() < EVEN_STEPS
+        np.abs(travel_share - time_share).max() < EQUAL_TIME_LIMIT
     ):  # steps of equal duration need fewer heat kernels
         return None
     return (travel_share + time_share) / 2, times

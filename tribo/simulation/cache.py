@@ -1,8 +1,8 @@
-"""Caches of simulations: maps, surfaces, kernels and contacts, kept for later points.
+"""Caches of maps, surfaces, kernels and contacts that several points of a diagram use.
 
 Points of a diagram share nothing but these values and the ramps of `tribo.simulation.ramp_cache`. A
-cached value does not change once it is made, and threads may use it at the same time. A thread
-waits while another thread computes a value of the same cache.
+cached value does not change, so that threads may use it at the same time. A thread waits while
+another thread computes a value of the same cache.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from tribo.simulation.state import State
 from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
-_MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_MAPS = 4  # thermal maps: of both bodies, for a contact and the next contact
-_MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
+_MAX_BODIES = 8  # a scene needs up to three of them, one for each of its grids
+_MAX_MAPS = 4  # thermal maps of both bodies, for two contacts in succession
+_MAX_BYTES = 2**28  # each for thermal kernels and for contacts
 
 Value = TypeVar("Value")
 
@@ -47,7 +47,8 @@ class Cache(Generic[Value]):
     def __init__(self, size_of: Callable[[Value], int], limit: int) -> None:
         self._size_of, self._limit, self._size = size_of, limit, 0
         self._values: OrderedDict[Hashable, Value] = OrderedDict()
-        self._lock = threading.RLock()  # a contact may need a contact on smaller elements
+        # Reentrant, since a contact may need a contact on smaller elements.
+        self._lock = threading.RLock()
 
     def get(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the value of a key; compute it if it is not cached."""
@@ -73,25 +74,25 @@ class ElasticBodies(NamedTuple):
 
     `solid` maps pressure to elastic displacement. `heights` are the disk's heights on the elements,
     above their mean; None if neither shifts of the disk nor imprints are computed. An imprint is
-    what the disk's roughness wears into the pin. Its depth is estimated from `heights` and
-    `elastic_sum`, the sum of z·u over all elements. Here z is an element's height, and u its
-    displacement under a pressure of z times 1 Pa/m on each element.
+    the negative of the roughness that the disk wears into the pin. Its depth is estimated from
+    `heights` and `elastic_sum`, the sum of z·u over all elements. Here z is an element's height,
+    and u its displacement under a pressure of z times 1 Pa/m on each element.
     """
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
-    heights: Array | None = None  # of the disk above their mean, where they are needed [m]
+    heights: Array | None = None  # of the disk above their mean [m]; None if not used
     elastic_sum: float = 0.0  # Σ z·u of these heights z and displacements u [m²]
 
 
-_bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
-_solids = Cache[ElasticHalfSpace](size_of=lambda _: 1, limit=_MOST_BODIES)  # for any surface
+_bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MAX_BODIES)
+_solids = Cache[ElasticHalfSpace](size_of=lambda _: 1, limit=_MAX_BODIES)  # for any surface
 _heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # one surface, for all its grids
-_summits = Cache[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
-_spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
-_maps = Cache[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
+_summits = Cache[Any](size_of=lambda _: 1, limit=_MAX_BODIES)
+_spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MAX_BYTES)
+_maps = Cache[Convolution](size_of=lambda _: 1, limit=_MAX_MAPS)
 _contacts = Cache[State](
-    size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES
+    size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MAX_BYTES
 )
 
 
@@ -105,8 +106,8 @@ def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
 
     `compute` is called if they are not cached yet.
     """
-    found: Value = _summits.get((scene.roughness, scene.pixels), compute)
-    return found
+    summits: Value = _summits.get((scene.roughness, scene.pixels), compute)
+    return summits
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
@@ -117,7 +118,7 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the map from a flux into a body to the temperature rise now [K m²/W]; cached.
+    """Spectrum of the map from a past flux into a body to its present rise [K m²/W]; cached.
 
     The flux had these relative `strengths` at these `ages` before now [s], and was linear between
     them.
@@ -170,10 +171,10 @@ def _elastic_bodies(scene: Scene) -> ElasticBodies:
     kernel: ElasticKernel = "nearest-image" if scene.fidelity.as_published else "periodic"
     key = scene.grid, modulus, kernel
     solid = _solids.get(key, lambda: ElasticHalfSpace(*key))
-    heights = cached_heights(scene)
-    separation = scene.separation(heights)
+    pixel_heights = cached_heights(scene)
+    separation = scene.separation(pixel_heights)
     if not (scene.sweeps_over or scene.fidelity.imprint):
         return ElasticBodies(solid, separation)
-    swept = scene.pin.profile(scene.grid) - separation
-    swept -= swept.mean()
-    return ElasticBodies(solid, separation, swept, float(np.sum(solid(swept) * swept)))
+    heights = scene.pin.profile(scene.grid) - separation
+    heights -= heights.mean()
+    return ElasticBodies(solid, separation, heights, float(np.sum(solid(heights) * heights)))

@@ -33,10 +33,10 @@ class Conditions:
     critical_temperature : float or None
         Temperature above which the lubricant fails [K]; None if it is not known.
     added_rise_fraction : float
-        Rise that acts beside the model, as a part of the rise by friction that is computed: 0.06
-        multiplies it by 1.06. It is above -1.
+        Rise due to effects outside the model, as a fraction of the computed rise by friction: 0.06
+        multiplies this by 1.06. It is above -1.
     corrections : Corrections or None
-        Tracks that earlier turns have warmed, and friction that depends on velocity; None without
+        Warming of the tracks by earlier turns, and friction that depends on velocity; None without
         corrections.
     critical_area_fraction : float
         Wear is severe if a larger share of the contact area than this one is above the critical
@@ -111,10 +111,10 @@ class Conditions:
         return self.friction * float(self.friction_factor(velocity))
 
     def governing_rise(self, columns: Mapping[str, Any]) -> Any:
-        """Rise that is compared with its limit [K], (...): the critical area fraction exceeds it.
+        """Rise exceeded on the critical area fraction of the contact [K], (...).
 
         `columns` has ``rise_quantile`` (..., n_quantile) [K], and ``quantile``, their
-        probabilities; `tribo.QUANTILES` if left out.
+        probabilities; `tribo.QUANTILES` if not given.
         """
         probabilities = columns.get("quantile", QUANTILES)
         return rise_exceeded(columns["rise_quantile"], self.critical_area_fraction, probabilities)

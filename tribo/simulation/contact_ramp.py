@@ -1,14 +1,14 @@
-"""Contact and wear along a loading: the first part of computing a point, before heat and verdict.
+"""Contact and wear along a loading: the first part of a point, before heat and verdict.
 
 Contact and wear depend on the load, the surface, the elastic constants, the hardness, and on how
-fast the sliding wears the pin, but on no thermal constant, unless heat is remembered. So scenes of
-equal `mechanics` share cached ramps, and the contact at the end of the last point. `heat` is
-computed from contacts, and verdicts from heat.
+fast the sliding wears the pin. They depend on thermal constants only if the heat of earlier steps
+is taken into account. Scenes of equal `mechanics` therefore share cached ramps, and the contact at
+the end of the last point. `heat` is computed from contacts, and verdicts from heat.
 
-Where nothing wears, the contact at a load is cached for all velocities.
+Without wear, the contact at a load is cached for all velocities.
 
 No choice here depends on a temperature: neither larger elements before the last step, nor the short
-implicit step that may end a step. The size of elements is chosen before, see `element_size`.
+implicit step that may end a step. `element_size` chooses the size of elements beforehand.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from tribo.simulation.element_size import fit_elements
 from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, start
-from tribo.simulation.parts_of_steps import parts_of
+from tribo.simulation.parts_of_steps import step_parts
 from tribo.simulation.passing import position_means
 from tribo.simulation.ramp_cache import Note, RampCache
 from tribo.simulation.scene import Scene
@@ -56,13 +56,17 @@ def mechanics(scene: Scene) -> Scene:
 
 
 def contact_key(scene: Scene, load: float, velocity: float, requested: Container[int]) -> Hashable:
-    """What the contacts of a point depend on, and the load steps at which they are asked for."""
-    asked = [one.index for one in scene.all_load_steps(load, velocity) if one.index in requested]
-    return mechanics(scene), velocity, load, *asked
+    """Key of the contacts of a point: mechanics, velocity, load and requested load steps."""
+    indices = [
+        load_step.index
+        for load_step in scene.all_load_steps(load, velocity)
+        if load_step.index in requested
+    ]
+    return mechanics(scene), velocity, load, *indices
 
 
 def ramp_key(scene: Scene, load: float, velocity: float) -> tuple[float, float]:
-    """What the ramp to a point depends on beside the mechanics of its scene: velocity, increment.
+    """Velocity and increment, on which the ramp depends in addition to its scene's mechanics.
 
     Stages of velocity share one ramp.
     """
@@ -80,7 +84,7 @@ def contacts(
     requested: Container[int] = (),
     note: Note | None = None,
 ) -> Iterator[State]:
-    """Contact states along the way to `normal_load` [N] and through its hold.
+    """Contact states during the loading to `normal_load` [N] and during its hold.
 
     The states have temperatures only if these depend on the heat of earlier steps. Otherwise `heat`
     computes the temperature of the states with `State.is_requested`.
@@ -111,7 +115,7 @@ def contacts(
     InputError, ConvergenceError
         If load or velocity is not allowed, or a contact does not reach its tolerance.
     """
-    _check(scene, normal_load, velocity)
+    _check_arguments(scene, normal_load, velocity)
     ramp_cache = RampCache() if ramp_cache is None else ramp_cache
     scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
@@ -122,38 +126,44 @@ def contacts(
         return
     has_stages = isinstance(scene.loading, Stages)
     on_finest = range(MOST_STEPS + 1) if note and not has_stages else requested
-    advanced = partial(_advance, levels, velocity, on_finest)
+    advance_step = partial(_advance_shared, levels, velocity, on_finest)
     key = mechanics(scene), *ramp_key(scene, normal_load, velocity), on_finest is requested
     if has_stages or (note and load_steps[-1].on_trunk):
-        last = yield from _to_shared_end(ramp_cache, key, start(scene), load_steps, advanced, note)
+        last = yield from _reach_shared_end(
+            ramp_cache, key, start(scene), load_steps, advance_step, note
+        )
         if last.is_requested or not last.pressure.any():
             yield last
             return
-    shared = list(
+    shared_steps = list(
         itertools.takewhile(
-            lambda one: (
-                one.on_trunk and one.normal_load < normal_load and one.index not in requested
+            lambda load_step: (
+                load_step.on_trunk
+                and load_step.normal_load < normal_load
+                and load_step.index not in requested
             ),
             load_steps,
         )
     )
     memo = ramp_cache.last(contact_key(scene, normal_load, velocity, requested))
-    new = ramp_cache.reach(key, start(scene), shared, advanced, note)
-    state, course = yield from new
+    new_states = ramp_cache.reach(key, start(scene), shared_steps, advance_step, note)
+    state, course = yield from new_states
     state = state.history or state
-    if "ends" in memo:  # solved for a scene that differs in heat alone
-        yield from (replace(one, course=course) for one in memo["ends"])
+    if "ends" in memo:  # solved for a scene that differs only in thermal constants
+        yield from (replace(end, course=course) for end in memo["ends"])
         return
-    ends = list[State]()
-    for one in _ends(levels, state, load_steps[len(shared) :], normal_load, velocity, requested):
-        if one.is_requested:
-            ends.append(one)
-        yield replace(one, course=course) if one.is_requested else one
-    if ramp_cache.has_room_for(ends):
-        memo["ends"] = ends
+    final_states = list[State]()
+    for end in _final_states(
+        levels, state, load_steps[len(shared_steps) :], normal_load, velocity, requested
+    ):
+        if end.is_requested:
+            final_states.append(end)
+        yield replace(end, course=course) if end.is_requested else end
+    if ramp_cache.has_room_for(final_states):
+        memo["ends"] = final_states
 
 
-def _to_shared_end(
+def _reach_shared_end(
     ramp_cache: RampCache,
     key: Hashable,
     begin: State,
@@ -161,45 +171,46 @@ def _to_shared_end(
     advance: Callable[[State, LoadStep], State],
     note: Note | None,
 ) -> Generator[State, None, State]:
-    """Yield the states that `ramp_cache` did not have yet; return the last one.
+    """Yield the states that are new to `ramp_cache`; return the last state.
 
-    Higher loads continue from the last one: that of a stage, or of a ramp where it ends a step.
+    Higher loads continue from the last state, which is that of a stage, or of a ramp at the end of
+    a step.
     """
     yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, note)
-    rest = ramp_cache.reach(key, begin, load_steps, advance, note)
+    last_step = ramp_cache.reach(key, begin, load_steps, advance, note)
     while True:
         try:
-            next(rest)
+            next(last_step)
         except StopIteration as end:
             last: State = end.value[0]
             return replace(last, course=end.value[1])
 
 
-def _advance(
+def _advance_shared(
     levels: tuple[Scene, ...],
     velocity: float,
     requested: Container[int],
     before: State,
     load_step: LoadStep,
 ) -> State:
-    """Compute a step that loads share: on the coarsest grid, and where asked for on the finest."""
+    """Compute a shared step on the coarsest grid and, if it is requested, on the finest."""
     velocity = velocity if load_step.velocity is None else load_step.velocity
     begin, after = _last_part(levels, velocity, before.history or before, load_step)
     if not (load_step.is_shown or load_step.index in requested):
         return after
     try:
-        shown = _solve_requested(levels, begin, after, load_step, velocity)
+        finest = _solve_requested(levels, begin, after, load_step, velocity)
     except TriboError:
         if load_step.is_shown:
             raise
-        return after  # the ramp goes on, and the ends of points do not need this contact
-    if shown.history is None:
-        return shown
-    # The ramp goes on from the history: arrays for a next step would take half of the memory.
-    return replace(shown, previous_pressure=after.previous_pressure, displacement=None)
+        return after  # the ramp continues, since the ends of points do not need this contact
+    if finest.history is None:
+        return finest
+    # The ramp continues from the history. Arrays for a next step would take half of the memory.
+    return replace(finest, previous_pressure=after.previous_pressure, displacement=None)
 
 
-def _ends(
+def _final_states(
     levels: tuple[Scene, ...],
     state: State,
     load_steps: Sequence[LoadStep],
@@ -207,7 +218,7 @@ def _ends(
     velocity: float,
     requested: Container[int],
 ) -> Iterator[State]:
-    """Yield the states at a point's last load steps, after `state`, which no other load shares."""
+    """Yield the states after `state` at the last load steps of a point, shared by no other."""
     scene, is_worn, reached = levels[0], velocity != 0, None
     for load_step in load_steps:
         if load_step.holding and reached and not (is_worn or scene.remembers_heat):
@@ -217,14 +228,14 @@ def _ends(
         before, state = _last_part(levels, velocity, state, load_step)
         is_reached = load_step.normal_load == normal_load and not load_step.holding
         if load_step is load_steps[-1] or is_reached or load_step.index in requested:
-            finished = _solve_requested(levels, before, state, load_step, velocity)
-            reached = finished if is_reached else reached
-            yield finished
+            requested_state = _solve_requested(levels, before, state, load_step, velocity)
+            reached = requested_state if is_reached else reached
+            yield requested_state
         else:
             yield state
 
 
-def _check(scene: Scene, normal_load: float, velocity: float) -> None:
+def _check_arguments(scene: Scene, normal_load: float, velocity: float) -> None:
     """Raise `InputError` for a load or a velocity that is not allowed."""
     if not np.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
@@ -241,10 +252,10 @@ def _last_part(
 ) -> tuple[State, State]:
     """States before and after the last part of a step to `load_step`, on the coarsest grid."""
     scene, after, iterations = levels[0], before, 0
-    for part in parts_of(scene, before, load_step, velocity):
+    for part in step_parts(scene, before, load_step, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
         if scene.remembers_heat:
-            # The heat of every step acts later, so that each step needs its pressure at its end.
+            # The heat of every step acts later, so that each step needs the pressure at its end.
             after = replace(end_implicitly(scene, begin, after, part, velocity), history=None)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)
@@ -271,14 +282,14 @@ def _independent_state(
     velocity: float,
     load_step: LoadStep,
 ) -> State:
-    """State at `load_step` on the way to `normal_load` [N], where no earlier step matters."""
+    """State at `load_step` in a loading to `normal_load` [N], independent of earlier steps."""
     scene = levels[-1]
 
     def compute() -> State:
-        # From the start at each load step: not even a first guess may depend on steps, or results
+        # Each load step starts from the unloaded state. With a guess from earlier steps, results
         # would depend on the load steps at which a temperature is requested.
-        ends = _last_part(levels, velocity, start(scene), load_step)
-        return _solve_requested(levels, *ends, load_step, velocity)
+        states = _last_part(levels, velocity, start(scene), load_step)
+        return _solve_requested(levels, *states, load_step, velocity)
 
     # The contact under a load does not depend on when the load is reached.
     contact = unworn_contact((mechanics(scene), load_step.normal_load, normal_load), compute)

@@ -1,12 +1,12 @@
-"""Physics beside the two half-spaces, which acts after the simulation.
+"""Effects that the two half-spaces lack, applied to the results of a simulation.
 
-Friction by velocity multiplies the rise per unit friction coefficient. The heat of earlier turns in
-the tracks of both bodies is in series with the half-spaces, in proportion to friction
-(`tribo.thermal.circuit_rise`). Both follow from what a simulation records, and need no new one.
+Friction that depends on velocity multiplies the rise per unit friction coefficient. Warming of the
+tracks by earlier turns is a thermal resistance in series with the half-spaces
+(`tribo.thermal.circuit_rise`). Both follow from the recorded values, without a new simulation.
 
-A track that has kept heat of earlier turns is warmer by w·s. Here w is its warming if all heat went
-into its body, and s is the body's share of the heat. That share is taken as constant in time, so
-that the track is one more thermal resistance: w divided by the heat flow of the contact.
+Earlier turns make a track warmer by w·s. Here w is its warming if all heat went into its body, and
+s is the body's share of the heat. That share is taken as constant in time, so that the track is a
+thermal resistance: w divided by the heat flow of the contact.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Corrections:
-    """Physical effects that two half-spaces lack; an effect that is not given is left out.
+    """Physical effects that two half-spaces lack; those not given are omitted.
 
     Attributes
     ----------
@@ -158,33 +158,36 @@ class Corrections:
     @property
     def text(self) -> str:
         """The corrections that are set, in words, with their sizes."""
-        parts = {
+        sizes = {
             "friction by velocity": _describe_curve(self.friction.by_velocity),
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))
             },
         }
-        return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
+        return "; ".join(f"{name}, {size}" for name, size in sizes.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Contact temperature [K] to add to that of two half-spaces, per unit friction coefficient.
 
-        It is due to tracks that earlier turns have warmed. Effects on friction are left out.
+        It is due to tracks that earlier turns have warmed. Effects on friction are not included.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
         time. The result has their shape. At a step whose ``mean_rise`` is 0 or NaN, it is 0 or NaN.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
-        heats = np.isfinite(rise) & (rise > 0)
-        plain = replace(_NOTHING, friction=self.friction, course=self.course, rate=self.rate)
-        if self == plain or not heats.any():
+        has_heat = np.isfinite(rise) & (rise > 0)
+        without_tracks = replace(
+            _NO_CORRECTIONS, friction=self.friction, course=self.course, rate=self.rate
+        )
+        if self == without_tracks or not has_heat.any():
             return np.zeros_like(rise)
-        theta, F, t = rise[heats], load[heats], time[heats]
-        share, V = columns["pin_heat_share"][heats], columns["sliding_distance"][heats] / t
+        theta, F, t = rise[has_heat], load[has_heat], time[has_heat]
+        share, V = columns["pin_heat_share"][has_heat], columns["sliding_distance"][has_heat] / t
         course = np.array(self.course).T
         histories = [
-            _History.of(columns, place, course, self.rate) for place in np.argwhere(heats).tolist()
+            _History.from_columns(columns, index, course, self.rate)
+            for index in np.argwhere(has_heat).tolist()
         ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
@@ -192,7 +195,7 @@ class Corrections:
             _turn_resistance(self.track, histories, speeds[:, 1]),
         )
         added: Array = rise * 0.0
-        added[heats] = circuit_rise(theta, share, F * V, *resistances) - theta
+        added[has_heat] = circuit_rise(theta, share, F * V, *resistances) - theta
         return added
 
     def _speeds(self, sliding: float) -> tuple[float, float]:
@@ -207,17 +210,17 @@ class Corrections:
         `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise`` and
         ``rise_quantile``. All columns but the rises are returned unchanged.
         """
-        added, slid = self.added_rise(columns), columns["sliding_distance"]
-        factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
+        added, distance = self.added_rise(columns), columns["sliding_distance"]
+        factor = self.friction.at(distance / np.where(distance > 0, columns["time"], 1.0))
         rises = {
-            name: (columns[name] + added[after]) * factor[after]
-            for name, after in _RISES.items()
+            name: (columns[name] + added[index]) * factor[index]
+            for name, index in _RISES.items()
             if name in columns
         }
         return {**columns, **rises}
 
 
-_NOTHING = Corrections()
+_NO_CORRECTIONS = Corrections()
 _RISES: dict[str, Any] = {
     "max_rise": ...,
     "mean_rise": ...,
@@ -230,7 +233,7 @@ def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> 
     """Temperature rises of a state per unit friction coefficient [K], by name of their variable.
 
     If `corrections` are given, the rises are corrected, and the result also has the values that
-    `measures` returns, such as time and load. Corrections for heat that a body has kept depend on
+    `measures` returns, such as time and load. Corrections for heat stored in a body depend on
     the loads before the state; these follow from the scene's loading. The state must have a
     temperature.
     """
@@ -239,70 +242,75 @@ def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> 
     columns = state.heat.columns
     if corrections is None:
         return columns
-    now = {name: np.array([x]) for name, x in (measures(scene, state) | dict(columns)).items()}
-    return {name: x[0] for name, x in corrections.under(scene.loading).applied(now).items()}
+    step_columns = {
+        name: np.array([value]) for name, value in (measures(scene, state) | dict(columns)).items()
+    }
+    return {
+        name: value[0]
+        for name, value in corrections.under(scene.loading).applied(step_columns).items()
+    }
 
 
 class _History(NamedTuple):
-    """Times and loads of a simulated point until one of its steps, and the contact width then."""
+    """Times and loads of a simulated point up to one of its steps, and its contact width."""
 
     times: Array  # s, ascending
     loads: Array  # N
     contact_width: float  # m
 
     @classmethod
-    def of(
-        cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
+    def from_columns(
+        cls, columns: Mapping[str, Any], index: Sequence[int], course: Array, rate: float | None
     ) -> Self:
         """Find the history of the load until one step, from the recorded columns of a sweep.
 
-        `columns` has the variables `NEEDED` by name; their last axis is the step. `place` is the
+        `columns` has the variables `NEEDED` by name; their last axis is the step. `index` is the
         index of the step along all axes. If a `rate` [N/s] is given, the load grew at this rate and
         was then held. Otherwise the load followed `course`, shape (2, n) with times [s] and loads
         as shares of the last load. If `course` is empty, the load was linear between the recorded
         steps.
         """
-        *before, now = place
-        times, loads = (columns[name][*before] for name in ("time", "normal_load"))
-        width = float(columns["contact_width"][*before][now])
+        *point, step = index
+        times, loads = (columns[name][*point] for name in ("time", "normal_load"))
+        width = float(columns["contact_width"][*point][step])
         if rate:
-            reached = min(loads[now] / rate, times[now])
-            return cls(np.array([reached, times[now]]), np.full(2, loads[now]), width)
+            ramp_time = min(loads[step] / rate, times[step])
+            return cls(np.array([ramp_time, times[step]]), np.full(2, loads[step]), width)
         if not course.size:
-            known = np.isfinite(times[: now + 1])
-            return cls(times[: now + 1][known], loads[: now + 1][known], width)
-        since, shares = course
-        peak = loads[-1] / np.interp(times[-1], since, shares)
-        earlier = since < times[now]
+            is_recorded = np.isfinite(times[: step + 1])
+            return cls(times[: step + 1][is_recorded], loads[: step + 1][is_recorded], width)
+        course_times, shares = course
+        peak = loads[-1] / np.interp(times[-1], course_times, shares)
+        is_earlier = course_times < times[step]
         return cls(
-            np.append(since[earlier], times[now]),
-            np.append(peak * shares[earlier], loads[now]),
+            np.append(course_times[is_earlier], times[step]),
+            np.append(peak * shares[is_earlier], loads[step]),
             width,
         )
 
 
 def _describe_curve(curve: Curve) -> str:
-    """Range of a friction curve's factors in words; an empty text if `curve` is empty."""
-    ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
-    factors = " to ".join(dict.fromkeys(ends))
+    """Range of a friction curve's factors in words; empty for an empty `curve`."""
+    extremes = (f"{extreme(factor for _, factor in curve):.3g}" for extreme in (min, max) if curve)
+    factors = " to ".join(dict.fromkeys(extremes))
     return factors and f"measured, {factors} times the coefficient"
 
 
 def _turn_resistance(
     track: Track | None, histories: Sequence[_History], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns over the contact's heat flow [K/W], at each last step."""
+    """Warming of a track by earlier turns, divided by the contact's heat flow [K/W]."""
     if track is None:
         return 0.0
     return np.array(
         [
-            _warming_of(track, history, speed) / (history.loads[-1] * speed) if speed else 0.0
+            _turn_warming(track, history, speed) / (history.loads[-1] * speed) if speed else 0.0
             for history, speed in zip(histories, speeds.tolist(), strict=True)
         ]
     )
 
 
-def _warming_of(track: Track, history: _History, speed: float) -> float:
+def _turn_warming(track: Track, history: _History, speed: float) -> float:
     """Warming of a track by earlier turns [K], if all heat at unit friction goes into its body."""
     width = track.width or track.aspect * history.contact_width
     return track_warming(

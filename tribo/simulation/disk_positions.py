@@ -1,9 +1,9 @@
 """Contacts that a step has to solve: by its wear scheme, and by the parts of the disk that pass.
 
-Along a periodic y swept wear averages over y, which is exact. Where y is free, as under a ball, the
-pin's shape varies along both axes, and the roughness that is swept past must be moved itself: the
-pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
-stage of each part the disk lies elsewhere. The window is taken to repeat itself along both axes.
+Along a periodic y swept wear averages over y, which is exact. If y is free, as under a ball, the
+pin's shape varies along both axes, and the roughness itself has to be moved: the pin wears by the
+pressure averaged over positions of the disk. A step is cut into parts, and in each stage of each
+part the disk lies elsewhere. The window is taken to repeat itself along both axes.
 
 Where few elements touch, the temperature at one position depends on a few summits. The
 temperature is then a mean over positions, too.
@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
-    DEEP_IMPRINT,
     FEW_POSITIONS,
+    FEW_POSITIONS_PART_FACTOR,
     FEWEST_POSITIONS,
-    MORE_PARTS,
+    MAX_PART_IMPRINT,
     MOST_PARTS_OF_WEAR,
     MOST_POSITIONS,
     PIXELS_OF_POSITIONS,
@@ -35,7 +35,7 @@ from tribo.simulation.state import State
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
-_PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
+_PLASTIC = 1.32471795724474602596  # root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 
 
@@ -55,12 +55,12 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     The deeper the imprint that the disk's roughness would wear into the pin over the `distance`
     [m] slid in the whole step, the more parts there are, up to a limit.
     """
-    imprint = imprint_of(scene, wear, distance)
+    imprint = imprint_ratio(scene, wear, distance)
     finer = _part_factor(scene)
-    return math.ceil(min(max(finer * imprint / DEEP_IMPRINT, 1.0), finer * MOST_PARTS_OF_WEAR))
+    return math.ceil(min(max(finer * imprint / MAX_PART_IMPRINT, 1.0), finer * MOST_PARTS_OF_WEAR))
 
 
-def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
+def imprint_ratio(scene: Scene, wear: Wear, distance: float) -> float:
     """Depth of the roughness's imprint in the worn pin, divided by the height of the roughness.
 
     For a wave of the roughness the ratio is kS/λ, with the specific wear rate k of `wear` [m²/N],
@@ -81,7 +81,7 @@ def _part_factor(scene: Scene) -> int:
         highest = loading.loads[-1]
     else:
         highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
-    return MORE_PARTS if position_count(scene, highest) >= FEW_POSITIONS else 1
+    return FEW_POSITIONS_PART_FACTOR if position_count(scene, highest) >= FEW_POSITIONS else 1
 
 
 def passes(
@@ -107,7 +107,7 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count, most = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS_OF_WEAR
+    count, max_parts = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS_OF_WEAR
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     length = float(ends.sum() - (ends[0] + ends[-1]) / 2)
@@ -115,10 +115,10 @@ def passes(
         begin, end = float(ends[part]), float(ends[part + 1])
         mean = count * mean_load * (begin + end) / 2 / length if length else mean_load
         stages = list(runge_kutta.stages((begin, end), mean, distance / count))
-        for place, stage in enumerate(stages, len(stages) * (most * load_step.index + part)):
-            yield Pass(stage, _position(scene, place))
-    # Pressure and temperature are evaluated where the disk has worn nothing yet: any other position
-    # has left the imprint of its waves, which would make the contact rougher and too hot.
+        for number, stage in enumerate(stages, len(stages) * (max_parts * load_step.index + part)):
+            yield Pass(stage, _position(scene, number))
+    # Pressure and temperature are evaluated with the unshifted disk, which has worn nothing yet.
+    # Any other position has left an imprint, which would make the contact rougher and too hot.
     if observed:
         yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
 
@@ -152,15 +152,15 @@ def position_count(scene: Scene, normal_load: float) -> int:
     """Number of positions of the disk over which the temperature at a load [N] is averaged."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5
-    touching = normal_load / scene.pin.windows(scene.grid) / mean_pressure
-    pixels = touching / scene.pixels.element_area
+    contact_area = normal_load / scene.pin.windows(scene.grid) / mean_pressure
+    pixels = contact_area / scene.pixels.element_area
     count = int(PIXELS_OF_POSITIONS / max(pixels, PIXELS_OF_POSITIONS / MOST_POSITIONS))
     return count if count >= FEWEST_POSITIONS else 1
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
     """Shift of the disk at its position `number`, in elements: multiples of `units`."""
-    # Roberts' sequence fills the window evenly, so that no position comes twice.
+    # Roberts' sequence fills the window evenly and repeats no position.
     x, y = (
         unit * int(n / unit * (number * step % 1))
         for n, unit, step in zip(scene.grid.shape, units, _STEPS, strict=True)

@@ -1,11 +1,11 @@
 """Error of the rise if the present friction heat is taken to have acted since the start.
 
-Old heat has spread so far that only its amount counts. Along a heated length L of a body that moves
-at U, a unit of heat per length and time still warms the middle by
-erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. K is the thermal conductivity of the body, κ its
-diffusivity. Where the load has grown, there was less heat than the model assumes; the difference is
-integrated over τ along the loading. As both bodies have one temperature, each counts with the
-square of its share of the heat. How wide the contact was at that time does not matter.
+Earlier heat has spread so far that only its amount matters. Along a heated length L of a body that
+moves at U, a unit of heat per length and time still warms the middle by erf(L/4√(κτ)) exp(−U²τ/4κ)
+/ 2πKτ after a time τ. K is the thermal conductivity of the body, κ its diffusivity. Where the load
+has grown, there was less heat than the model assumes; the difference is integrated over τ along the
+loading. As both bodies have one temperature, each counts with the square of its share of the heat.
+The contact's width at that time has no effect.
 
 The error depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
 0.1 m/s the rise is too high by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
@@ -28,10 +28,10 @@ from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
 _NODES = 128  # nodes of a midpoint rule, which is exact to 1e-4 here
-_HOTTEST = 0.1  # share of the contact that decides by default
+_HOTTEST_SHARE = 0.1  # default share of the contact that decides
 
 
-def excess_of_elapsed_heat(scene: Scene, state: State) -> float:
+def elapsed_heat_excess(scene: Scene, state: State) -> float:
     """Estimate the relative error of the rise if present heat is taken to act since time 0.
 
     The error is positive if the rise is too high. It is for the rise that a tenth of the contact
@@ -43,24 +43,24 @@ def excess_of_elapsed_heat(scene: Scene, state: State) -> float:
     --------
     >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> f"{100 * excess_of_elapsed_heat(scene, state):.3f} %"  # after a minute at full load
+    >>> f"{100 * elapsed_heat_excess(scene, state):.3f} %"  # after a minute at full load
     '0.000 %'
     """
     speed = state.speed
     if state.heat is None or not speed or not scene.friction_heat:
         return 0.0
-    ages, lacking = _missing_load(scene, state)
+    ages, missing = _missing_load(scene, state)
     length, heated = _loaded_and_heated_lengths(scene, state)
     velocities, share = scene.velocities_at(speed), state.heat.pin_heat_share
     warming = sum(
-        part**2 * _excess_warming(body, velocity, heated, ages, lacking)
-        for part, body, velocity in (
+        heat_share**2 * _excess_warming(body, velocity, heated, ages, missing)
+        for heat_share, body, velocity in (
             (share, scene.pin.material, velocities.pin),
             (1 - share, scene.disk, velocities.disk),
         )
     )
     excess = state.normal_load * speed / length * warming
-    return float(excess / rise_exceeded(state.heat.rise_quantile, _HOTTEST))
+    return float(excess / rise_exceeded(state.heat.rise_quantile, _HOTTEST_SHARE))
 
 
 def load_steps_so_far(scene: Scene, state: State) -> list[LoadStep]:
@@ -73,7 +73,7 @@ def load_steps_so_far(scene: Scene, state: State) -> list[LoadStep]:
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Times before a state [s], from 0, and the share of its load that was missing then."""
+    """Ages before a state [s], ascending from 0, and the missing share of its load at each."""
     load_steps = load_steps_so_far(scene, state)
     times = np.array([0.0, *(load_step.time for load_step in load_steps)])
     loads = np.array([0.0, *(load_step.normal_load for load_step in load_steps)])
@@ -83,8 +83,8 @@ def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
 def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float]:
     """Lengths along y [m]: of the part that carries the load, and of the part that is heated."""
     if scene.pin.length is None:
-        touched = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]
-        return touched * scene.grid.size[1], touched * scene.grid.size[1]
+        touching_share = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]
+        return touching_share * scene.grid.size[1], touching_share * scene.grid.size[1]
     heated = scene.heated_length
     if heated == "nearest-image":
         heated = 2 * scene.grid.size[1]
@@ -92,15 +92,17 @@ def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float
 
 
 def _excess_warming(
-    material: Material, velocity: float, length: float, ages: Array, lacking: Array
+    material: Material, velocity: float, length: float, ages: Array, missing: Array
 ) -> float:
-    """Excess of a rise by present heat since time 0, over the heat per length [m K/W]."""
+    """Excess of the rise by present heat since time 0, per unit heat per length [m K/W]."""
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)
     inside = (np.arange(nodes := 1 + _NODES // len(ages)) + 0.5) / nodes
     root = (ends[:-1, None] + np.diff(ends)[:, None] * inside).ravel()
     step = np.repeat(np.diff(ends) / nodes, nodes)
     reach = 2 * math.sqrt(kappa) * root
-    kept = scipy.special.erf(length / (2 * reach)) * np.exp(-((velocity * root**2 / reach) ** 2))
-    terms = np.interp(root**2, ages, lacking) * kept / root  # dτ/τ is 2 dω/ω
+    remaining = scipy.special.erf(length / (2 * reach)) * np.exp(
+        -((velocity * root**2 / reach) ** 2)
+    )
+    terms = np.interp(root**2, ages, missing) * remaining / root  # dτ/τ is 2 dω/ω
     return float(terms @ step / (math.pi * material.thermal_conductivity))

@@ -1,4 +1,4 @@
-"""Elements as large as the summits of a surface, and their number in a contact, allow.
+"""Largest elements that the summits of a surface and their number in a contact allow.
 
 Large elements falsify the temperature of summits that are one element wide, and of a contact of few
 summits. Width and number are known before a contact is solved. The width of summits follows from
@@ -10,14 +10,14 @@ follows from the load F in closed form, F/p with the mean pressure of a rough co
 with the hardness H, the contact modulus E* and the root mean square slope h′ (Bush, Gibson &
 Thomas, Wear 35, 1975, for light loads). The area is at most the nominal area after Hertz. If Eq.
 (1) gives twice the nominal area, the contact is treated as that of smooth bodies. Steps before the
-last act through the wear alone, and so have larger elements, as long as enough of them touch.
+last act only through the wear, and so have larger elements if enough of these touch.
 
 Where the contact is dense, wear moves pressure over the whole of it, and each step is cut into
 parts: under smooth bodies, where Eq. (1) gives twice the nominal area, and under flat tops, such as
 plateaus.
 
-The elements of a point depend on no other point: loads that share a ramp have the elements that
-the lowest of them needs.
+The elements of a point depend on no other point: loads that share a ramp use the elements for the
+lowest of these loads.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from tribo.constants import (
     FEWEST_ROWS,
     FLAT_TOP,
     FULL_SHARE,
+    FULL_TOLERANCE_ELEMENTS,
     HISTORY_COARSENING,
-    LARGER_ON_POSITIONS,
-    MANY_TOUCHING,
+    POSITION_SIZE_FACTOR,
     STEPS_TIMES_IMPRINT,
     SUMMIT_QUANTILE,
     SUMMITS_PER_ELEMENT,
@@ -100,36 +100,43 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     lowest, summits = _lowest_load(scene, normal_load), _cached_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
-    # Elements along a long summit are equally warm, and count once for each width of the summit.
-    alike, widths = expected.touching, summits.widths
-    widest, fewest = across, fidelity.fewest_elements
+    # Elements along a long summit are equally warm, and count once per width of the summit.
+    equivalent_count, widths = expected.touching, summits.widths
+    max_size, fewest = across, fidelity.fewest_elements
     if not expected.is_smooth:
-        alike *= min(widths) / max(widths)
-        count = expected.touching / math.prod(widths)
-        wide = summit_width(scene) / ELEMENTS_PER_SUMMIT
-        if scene.sweeps_over:  # the temperature is a mean over positions, or almost so
-            count, wide = count * position_count(scene, lowest), LARGER_ON_POSITIONS * wide
-        widest = min(across, wide) if count >= SUMMITS_PER_ELEMENT * fewest else 1.0
+        equivalent_count *= min(widths) / max(widths)
+        summit_count = expected.touching / math.prod(widths)
+        max_width = summit_width(scene) / ELEMENTS_PER_SUMMIT
+        if scene.sweeps_over:  # the temperature is (almost) a mean over positions
+            summit_count, max_width = (
+                summit_count * position_count(scene, lowest),
+                POSITION_SIZE_FACTOR * max_width,
+            )
+        max_size = min(across, max_width) if summit_count >= SUMMITS_PER_ELEMENT * fewest else 1.0
     block = fidelity.pixels_per_element
-    sizes = (n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= alike)
-    size = next((n for n in sizes if n <= widest), 1)
-    most = min(math.sqrt(alike / (ELEMENTS_OF_HISTORY * fewest)), across) / size
-    # Stages wear the pin by so much that a coarser grid of earlier steps errs by up to 3.5 %.
-    coarsest = 1 if isinstance(scene.loading, Stages) else HISTORY_COARSENING
+    sizes = (
+        n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= equivalent_count
+    )
+    size = next((n for n in sizes if n <= max_size), 1)
+    max_coarsening = (
+        min(math.sqrt(equivalent_count / (ELEMENTS_OF_HISTORY * fewest)), across) / size
+    )
+    # Stages wear the pin so much that a coarser grid of earlier steps errs by up to 3.5 %.
+    coarsening_limit = 1 if isinstance(scene.loading, Stages) else HISTORY_COARSENING
     parts = min(DENSE_PARTS, math.ceil(STEPS_TIMES_IMPRINT / fidelity.increments))
     parts = parts if expected.is_smooth or summits.are_flat else 1
-    # With few elements each one matters: a loose tolerance or a long step must not miss any.
-    share = min(1.0, expected.touching / size**2 / MANY_TOUCHING)
+    # With few elements, a loose tolerance or a long step must not miss any of them.
+    share = min(1.0, expected.touching / size**2 / FULL_TOLERANCE_ELEMENTS)
     tolerance = fidelity.contact_tolerance
-    changed = replace(
+    fitted = replace(
         fidelity,
         pixels_per_element=size,
-        history_coarsening=max(1, min(coarsest, int(most))),
+        history_coarsening=max(1, min(coarsening_limit, int(max_coarsening))),
         contact_tolerance=max(share * tolerance, min(tolerance, TIGHTEST_TOLERANCE)),
         imprint=share * STEPS_TIMES_IMPRINT / (fidelity.increments * parts),
         parts=parts,
     )
-    return scene if changed == fidelity else replace(scene, fidelity=changed)
+    return scene if fitted == fidelity else replace(scene, fidelity=fitted)
 
 
 def summit_width(scene: Scene) -> float:
@@ -145,7 +152,7 @@ def summit_width(scene: Scene) -> float:
 
 
 def _lowest_load(scene: Scene, normal_load: float) -> float:
-    """Lowest load [N] whose ramp has the steps of that to `normal_load` [N]: of stages the last."""
+    """Lowest load [N] that shares its ramp with `normal_load` [N]; of stages the last load."""
     loading = scene.loading
     if isinstance(loading, Stages):
         return loading.loads[-1]
@@ -155,14 +162,14 @@ def _lowest_load(scene: Scene, normal_load: float) -> float:
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
     """Size and shape of the contact at a load [N] by Eq. (1), on the disk's `summits`."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
-    on_window = normal_load / pin.windows(scene.grid)
+    window_load = normal_load / pin.windows(scene.grid)
     hertz = pin.hertz(normal_load, modulus)
-    nominal = on_window / (hertz.peak_pressure * (math.pi / 4 if pin.length else 2 / 3))
+    nominal_area = window_load / (hertz.peak_pressure * (math.pi / 4 if pin.length else 2 / 3))
     slope = summits.slope or math.inf
-    rough = on_window * max(1 / scene.hardness, math.sqrt(2 * math.pi) / (modulus * slope))
-    is_smooth = summits is SMOOTH or rough >= FULL_SHARE * nominal
-    rough = min(rough, nominal)
-    pixels = (nominal if is_smooth else rough) / scene.pixels.element_area
+    rough_area = window_load * max(1 / scene.hardness, math.sqrt(2 * math.pi) / (modulus * slope))
+    is_smooth = summits is SMOOTH or rough_area >= FULL_SHARE * nominal_area
+    rough_area = min(rough_area, nominal_area)
+    pixels = (nominal_area if is_smooth else rough_area) / scene.pixels.element_area
     across = 2 * hertz.half_width / scene.pixels.spacing[0]
     return _ExpectedContact(across, pixels**2 if scene.is_plane else pixels, is_smooth)
 
@@ -176,8 +183,8 @@ def _summits(scene: Scene) -> Summits:
     if heights is None:
         return SMOOTH
     widths = _run_length(heights, 0), _run_length(heights, 1)
-    above = heights.max() - np.quantile(heights, SUMMIT_QUANTILE)
-    are_flat = bool(above < FLAT_TOP * heights.std())
+    peak_height = heights.max() - np.quantile(heights, SUMMIT_QUANTILE)
+    are_flat = bool(peak_height < FLAT_TOP * heights.std())
     return Summits(widths, rms_slope(heights, scene.pixels.spacing), are_flat)
 
 

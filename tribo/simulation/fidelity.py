@@ -37,10 +37,10 @@ class Fidelity:
         each contact stays in the worn shape.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
-        Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
-        Every step then needs its temperature, on the scene's own grid. With ``"elapsed"`` the rise
-        of a growing contact is too high: in the system of Bosman & de Rooij at 600 N by 0.2, 0.8,
-        1.5 and 2.4 % at 1.25, 0.1, 0.01 and 0.001 m/s.
+        Rooij); ``"history"``: all heat acts from its release on; its flow is linear between the
+        steps. Every step then needs its temperature, on the scene's grid. With ``"elapsed"`` the
+        rise of a growing contact is too high: in the system of Bosman & de Rooij at 600 N by 0.2,
+        0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and 0.001 m/s.
     partition : {"local", "uniform"}
         Division of friction heat between the bodies: each element for itself, or one share for the
         whole contact. See `tribo.thermal.partition_heat`.
@@ -51,11 +51,11 @@ class Fidelity:
         is as long as the pin, the tolerance bounds the residual of the gaps, and the wear is
         integrated by an implicit Runge-Kutta scheme of second order.
     history_coarsening : int
-        Largest factor by which the sides of elements are lengthened in the steps of a point. Steps
-        that are asked for are then repeated on the scene's own grid. Earlier steps affect them only
-        by the worn depth. Coarse elements resolve that depth if the wear pattern is "swept" and
-        many of them touch. With the pattern "local", wear follows the roughness, and the grid is
-        not coarsened.
+        Largest factor by which the sides of elements are lengthened in the steps of a point.
+        Requested steps are then repeated on the scene's grid. Earlier steps affect them only by the
+        worn depth. Coarse elements resolve that depth if the wear pattern is "swept" and many of
+        them touch. With the pattern "local", wear follows the roughness, and the grid is not
+        coarsened.
     imprint : float
         Largest depth to which the roughness may wear itself into the pin within a part of a step,
         divided by the height of the roughness. Steps are cut into as many parts as this takes, at
@@ -109,8 +109,8 @@ class Fidelity:
         """An element's height: the height of one pixel in its middle, or the mean of its pixels.
 
         A sample keeps the distribution of heights and slopes that the mean smooths, and so comes
-        nearer to a computation on the pixels. Elements whose size is fixed have the mean, by which
-        Bosman & de Rooij coarsened measured surfaces.
+        nearer to a computation on the pixels. Elements of a fixed size use the mean, as Bosman & de
+        Rooij did to coarsen measured surfaces.
         """
         return "sample" if self.fewest_elements else "mean"
 
@@ -122,7 +122,7 @@ class Fidelity:
     @property
     def heat_tolerance(self) -> float:
         """Relative residual of the heat partition at which its solver stops."""
-        if self.as_published:  # who solve it by elimination
+        if self.as_published:  # there the system is solved by elimination
             return TIGHTEST_HEAT
         return max(self.contact_tolerance / CONTACT_OVER_HEAT, TIGHTEST_HEAT)
 

@@ -1,11 +1,11 @@
-"""The oil film that the inlet of a worn line contact builds up, and whether it carries load.
+"""Oil film at the inlet of a worn line contact, and its share of the load.
 
 Oil that is dragged into the inlet builds up the pressure p = −ln(1 − α q)/α at the edge of the
 contact, with q = 12 η U ∫ g/(h₀ + g)³ dx over the inlet (Grubin; Reynolds). There g is the gap of
 the smooth worn pin beyond the contact, and h₀ the mean gap of the rough surfaces within it. As in
 Johnson, Greenwood & Poon (Wear 19, 1972), the film carries a share of the load once this pressure
 reaches that share of the mean pressure. On a Hertzian inlet the film agrees with Dowson and Toyoda
-(1978) within 5 %. The integral knows no oil; `film_excess` compares it with one.
+(1978) within 5 %. The integral does not depend on the oil, for which `film_excess` evaluates it.
 """
 
 from __future__ import annotations
@@ -28,12 +28,13 @@ from tribo.types import Array, Mask
 
 SHARE = 0.2
 """Share of the load that a film carries at most, within the model."""
-_TOUCHES = 0.02  # of the highest pressure, from which on the smooth contact counts as touching
-_INSIDE = 0.9  # half-widths within which gaps count as those of the contact
-_FARTHEST, _NODES = 30.0, 1001  # end of the inlet over that of the window, and nodes of each part
-_NODES_OF_CONTACT = 200  # at most, of a smooth contact, whose cost grows with their third power
-_MOST_ROUNDS = 30  # of a smooth contact, which needs 4 to 8
-_TOLERANCE = 0.2  # of the rough contact where nearly all summits yield
+_CONTACT_SHARE = 0.02  # of the highest pressure, above which the smooth contact touches
+_INNER_SHARE = 0.9  # share of the half-width within which gaps are averaged
+_INLET_LENGTH = 30.0  # end of the inlet over that of the window
+_NODES = 1001  # of each part of the inlet
+_MAX_CONTACT_NODES = 200  # of a smooth contact, whose cost grows with their third power
+_MAX_ROUNDS = 30  # of a smooth contact, which needs 4 to 8
+_TOLERANCE = 0.2  # of the rough contact, used if nearly all summits yield
 _OIL_CONDUCTIVITY = 0.13  # [W/(m K)]
 
 
@@ -56,10 +57,10 @@ def film_inlet(scene: Scene, state: State) -> tuple[float, float]:
     if length is None or not state.pressure.any():
         return math.nan, math.nan
     x, touches = scene.grid.coordinates(0), state.pressure.max(axis=1) > 0
-    step = math.ceil(np.count_nonzero(touches) / _NODES_OF_CONTACT)
+    step = math.ceil(np.count_nonzero(touches) / _MAX_CONTACT_NODES)
     pin = scene.pin.profile(scene.grid)[:, 0] + state.wear_depth.mean(axis=1)
     displacement, gap, half_width = _smooth_contact(
-        _influence_of(
+        _influence_matrix(
             Grid((x[::step].size, 1), (scene.grid.spacing[0] * step, scene.grid.size[1])),
             contact_modulus(scene.pin.material, scene.disk),
         ),
@@ -67,13 +68,13 @@ def film_inlet(scene: Scene, state: State) -> tuple[float, float]:
         state.normal_load / length / (scene.grid.spacing[0] * step),
     )
     film = SHARE * np.interp(x, x[::step], displacement)
-    within = _mean_gap(scene, state, film, np.abs(x) <= _INSIDE * half_width)
-    inlet = _inlet_integral(np.abs(x[::step]), gap, half_width, within, scene.pin.radius)
+    mean_gap = _mean_gap(scene, state, film, np.abs(x) <= _INNER_SHARE * half_width)
+    inlet = _inlet_integral(np.abs(x[::step]), gap, half_width, mean_gap, scene.pin.radius)
     return inlet, state.normal_load / length / (2 * half_width)
 
 
 @functools.lru_cache(maxsize=8)
-def _influence_of(row: Grid, modulus: float) -> Array:
+def _influence_matrix(row: Grid, modulus: float) -> Array:
     """Displacement of each element of a row by unit pressure on each of them [m/Pa]."""
     unit = np.zeros(row.shape)
     unit[0] = 1.0
@@ -86,7 +87,7 @@ def _smooth_contact(
 ) -> tuple[Array, Array, float]:
     """Displacement and gap [m] of an elastic contact of a row, and its half-width [m]."""
     x, separation, touches = row
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         nodes = np.flatnonzero(touches)
         sides = np.stack((np.ones(nodes.size), -separation[nodes]), axis=1)
         factor = scipy.linalg.cho_factor(influence[np.ix_(nodes, nodes)], check_finite=False)
@@ -96,69 +97,72 @@ def _smooth_contact(
         pressure[nodes] = fitted + approach * unit
         displacement = influence @ pressure
         gap = displacement + separation - approach
-        before, touches = touches, np.where(touches, pressure > 0, gap < 0)
-        if np.array_equal(touches, before):
+        previous, touches = touches, np.where(touches, pressure > 0, gap < 0)
+        if np.array_equal(touches, previous):
             break
-    bears = pressure > _TOUCHES * pressure.max()
-    return displacement, gap, float(np.abs(x[bears]).max())
+    is_loaded = pressure > _CONTACT_SHARE * pressure.max()
+    return displacement, gap, float(np.abs(x[is_loaded]).max())
 
 
-def _mean_gap(scene: Scene, state: State, film: Array, within: Mask) -> float:
-    """Mean gap of the rough contact in the rows `within` [m], if a film carries its share."""
-    solid, before = elastic_bodies(scene).solid, state.pressure
+def _mean_gap(scene: Scene, state: State, film: Array, inner_rows: Mask) -> float:
+    """Mean gap of the rough contact in the rows `inner_rows` [m], if a film carries its share."""
+    solid, dry_pressure = elastic_bodies(scene).solid, state.pressure
     separation = separation_at(scene, None) + state.wear_depth + film[:, None]
-    yields = before >= scene.hardness
-    rest = float(before.sum(where=~yields))
-    left = rest - SHARE * float(before.sum())
-    # Summits that yield still do, and other pressures fall alike: within 1 % of the solution.
-    if left > 0:
-        pressure = np.where(yields, before, before * (left / rest))
-        rows = np.flatnonzero(pressure.any(axis=1) | within)
+    yields = dry_pressure >= scene.hardness
+    elastic_sum = float(dry_pressure.sum(where=~yields))
+    reduced_sum = elastic_sum - SHARE * float(dry_pressure.sum())
+    # Yielding summits keep their pressure, and other pressures fall in proportion. This is within
+    # 1 % of the solution.
+    if reduced_sum > 0:
+        pressure = np.where(yields, dry_pressure, dry_pressure * (reduced_sum / elastic_sum))
+        rows = np.flatnonzero(pressure.any(axis=1) | inner_rows)
         gap = solid(pressure, rows=(int(rows[0]), int(rows[-1]) + 1)) + separation
         gap -= gap.mean(where=(pressure > 0) & ~yields)
     else:
-        load = (1 - SHARE) * float(before.sum()) * scene.grid.element_area
+        load = (1 - SHARE) * float(dry_pressure.sum()) * scene.grid.element_area
         rough = solve_contact(
-            solid, separation, load, scene.hardness, _TOLERANCE, (1 - SHARE) * before
+            solid, separation, load, scene.hardness, _TOLERANCE, (1 - SHARE) * dry_pressure
         )
         pressure, gap = rough.pressure, rough.gap
-    return float(np.where(pressure > 0, 0.0, np.maximum(gap, 0.0))[within].mean())
+    return float(np.where(pressure > 0, 0.0, np.maximum(gap, 0.0))[inner_rows].mean())
 
 
-def _inlet_integral(x: Array, gap: Array, half_width: float, within: float, radius: float) -> float:
-    """Integral ∫ g/(h₀ + g)³ dx over |x| > `half_width` of one side [1/m]; h₀ is `within` [m]."""
-    if not within:  # between smooth bodies, where the integral diverges
+def _inlet_integral(
+    x: Array, gap: Array, half_width: float, mean_gap: float, radius: float
+) -> float:
+    """Integral ∫ g/(h₀ + g)³ dx over |x| > `half_width` of one side [1/m]; h₀ is `mean_gap` [m]."""
+    if not mean_gap:  # between smooth bodies, where the integral diverges
         return math.nan
     order = np.argsort(x)
     x, gap = x[order], np.maximum(gap[order], 0.0)
     beyond = x >= half_width
     x, gap = np.append(half_width, x[beyond]), np.append(0.0, gap[beyond])
     last = x[-1]
-    # Beyond the window the gap goes on as the parabola of the pin.
-    far = np.geomspace(last * 1.001, last * _FARTHEST, _NODES)
+    # Beyond the window the gap is that of the pin's parabola.
+    far = np.geomspace(last * 1.001, last * _INLET_LENGTH, _NODES)
     far_gap = gap[-1] + (far**2 - last**2) / (2 * radius)
     nodes = np.linspace(0, 1, _NODES) ** 2 * (last - half_width) + half_width
-    places = np.append(nodes, far)
-    g = np.interp(places, np.append(x, far), np.append(gap, far_gap))
-    return float(np.trapezoid(g / (within + g) ** 3, places))
+    positions = np.append(nodes, far)
+    g = np.interp(positions, np.append(x, far), np.append(gap, far_gap))
+    return float(np.trapezoid(g / (mean_gap + g) ** 3, positions))
 
 
 def film_excess(
     scene: Scene, oil: Oil, load: float, velocity: float, bulk: float, inlet: float, pressure: float
 ) -> float:
-    """Ln of the pressure that the inlet builds up, over that which carries a fifth of the load.
+    """Ln of the ratio of the inlet pressure to the pressure that carries a fifth of the load.
 
     Above 0 the film carries more than a fifth of the load, which is outside the model. Pressures
     are as at constant viscosity: 12 η U I over q₂₀ = (1 − exp(−0.2 α p))/α, finite for all films.
     The oil is at the `bulk` temperature [K], thinned by the heat of shear in the inlet (Hsu & Lee,
     ASME J. Tribol. 116, 1994). `inlet` [1/m] and `pressure` p [Pa] are those of `film_inlet`.
 
-    Their slip is taken as |u₁ − u₂|/|u₁ + u₂|, which is 1 under a pin at rest. The slide–roll ratio
-    over the mean velocity, twice that, would give 0.3 to 0.6 less there, and fewer places outside.
-    Which of the two the paper takes could not be looked up.
+    The slip in their formula is taken as |u₁ − u₂|/|u₁ + u₂|, which is 1 under a pin at rest. The
+    slide–roll ratio over the mean velocity, twice this value, would give 0.3 to 0.6 less there, and
+    fewer points outside the model. It was not possible to check which of the two the paper uses.
     """
-    first, second = scene.velocities_at(velocity)
-    speed = abs(first + second) / 2
+    pin, disk = scene.velocities_at(velocity)
+    speed = abs(pin + disk) / 2
     length = scene.pin.length
     eta, alpha = oil.viscosity(bulk), oil.pressure_coefficient
     if not (speed and length and alpha):
@@ -166,7 +170,7 @@ def film_excess(
     modulus = 2 * contact_modulus(scene.pin.material, scene.disk)
     slope = math.log(oil.viscosity(bulk - 5) / oil.viscosity(bulk + 5)) / 10
     heating = slope * eta * speed**2 / _OIL_CONDUCTIVITY
-    sliding = min(abs(first - second) / (2 * speed), 2.0)
+    sliding = min(abs(pin - disk) / (2 * speed), 2.0)
     thinning = 1 / (
         1
         + 0.0766
@@ -175,6 +179,6 @@ def film_excess(
         * heating**0.527
         * math.exp(0.875 * sliding)
     )
-    built = 12 * eta * thinning**1.4 * speed * inlet
-    needed = -math.expm1(-SHARE * alpha * pressure) / alpha
-    return math.log(built / needed) if built > 0 else -math.inf
+    inlet_pressure = 12 * eta * thinning**1.4 * speed * inlet
+    carrying_pressure = -math.expm1(-SHARE * alpha * pressure) / alpha
+    return math.log(inlet_pressure / carrying_pressure) if inlet_pressure > 0 else -math.inf

@@ -1,4 +1,4 @@
-"""The last step of a point on the scene's own grid, after earlier steps on a coarse one."""
+"""The last step of a point on the scene's grid, after earlier steps on a coarse grid."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step_wear import wear_of_step
+from tribo.simulation.step_wear import step_wear
 from tribo.types import Array
 from tribo.wear import Stage
 
@@ -25,11 +25,11 @@ def refine_step(
     `levels` has the scene on each grid, coarsest first, and `load_step` is the end of the step.
     Each grid starts from the result on the grid before, so that it solves the contact only once.
 
-    If heat of earlier steps counts, `after` is returned. If the wear is a mean over positions of
+    If the heat of earlier steps acts, `after` is returned. If the wear is a mean over positions of
     the disk, `after` keeps its wear, and only its contact is solved on the finest grid.
     """
     finest = levels[-1]
-    if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
+    if finest.remembers_heat:  # there is one grid, and the steps already have implicit ends
         return after
     if finest.sweeps_over and len(levels) > 1:
         return _solve_on_finest(finest, after)
@@ -38,13 +38,13 @@ def refine_step(
     for scene in levels[1:]:
         shape = scene.grid.shape
         pressure = _prolong(state.pressure, shape)
-        on_grid = replace(
+        start_state = replace(
             before,
-            pressure=_prolong(before.pressure, shape),  # by which a law wears
+            pressure=_prolong(before.pressure, shape),  # on which the rate of a wear law depends
             wear_depth=_interpolate(wear_depth, shape),
             displacement=None,
         )
-        finer = advance(scene, on_grid, load_step, velocity, pressure, scheme="implicit")
+        finer = advance(scene, start_state, load_step, velocity, pressure, scheme="implicit")
         state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
     return state
 
@@ -54,17 +54,17 @@ def _rewind(
 ) -> Array:
     """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`."""
     distance = abs(velocity) * (after.time - before.time)
-    wear = wear_of_step(scene, before, distance, velocity)
+    wear = step_wear(scene, before, distance, velocity)
     stage = next(passes(scene, before, load_step, wear, distance, True, "implicit")).stage
-    if wear is None or stage.normal_load != after.normal_load:  # a load that falls to zero
+    if wear is None or stage.normal_load != after.normal_load:  # the load falls to zero
         return before.wear_depth
     return after.wear_depth - wear.depth(after.pressure, stage.distance)
 
 
 def _solve_on_finest(scene: Scene, after: State) -> State:
-    """The state `after`, of a coarser grid, with its contact solved on that of `scene`."""
-    # The step itself is not repeated: its wear is a mean over many positions of the disk, which
-    # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
+    """The state `after`, from a coarser grid, with its contact solved on the grid of `scene`."""
+    # The step is not repeated. Its wear is a mean over many positions of the disk, which the coarse
+    # grid resolves, while each position would be one more contact to solve on the fine grid.
     wear_depth = _interpolate(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
     guess = _prolong(after.pressure, scene.grid.shape)
@@ -90,7 +90,7 @@ def _prolong(field: Array, shape: tuple[int, int]) -> Array:
 
 def _interpolate(wear_depth: Array, shape: tuple[int, int]) -> Array:
     """Interpolate wear depths linearly to a finer grid of `shape`; the mean stays equal."""
-    for n in shape[::-1]:  # along the last axis, then turned
+    for n in shape[::-1]:  # along the last axis, then transposed
         fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
         wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T
     return np.ascontiguousarray(wear_depth)

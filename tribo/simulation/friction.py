@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy  # parts of it are loaded where they are used
+import scipy  # subpackages are loaded on first use
 
 from tribo.errors import InputError
 
@@ -42,10 +42,14 @@ class Friction:
     def __post_init__(self) -> None:
         if not 0 <= self.coefficient < math.inf:
             raise InputError(f"friction is {self.coefficient!r}; it must be finite and ≥ 0")
-        nodes = [node for node, _ in self.by_velocity]
-        if not all(0 < node < math.inf for node in nodes) or sorted(set(nodes)) != nodes:
+        velocities = [velocity for velocity, _ in self.by_velocity]
+        if (
+            not all(0 < velocity < math.inf for velocity in velocities)
+            or sorted(set(velocities)) != velocities
+        ):
             raise InputError(
-                f"velocities of friction are {nodes}; they must be finite, above 0 and ascending"
+                f"velocities of friction are {velocities}; they must be finite, above 0 and "
+                "ascending"
             )
         if not all(0 <= factor < math.inf for _, factor in self.by_velocity):
             raise InputError(
@@ -56,12 +60,12 @@ class Friction:
         """Coefficient of friction at sliding velocities [m/s], taken elementwise."""
         if not self.by_velocity:
             return self.coefficient * np.ones(np.shape(velocity))
-        smooth = _smooth_curve(self.by_velocity)
+        curve = _smooth_curve(self.by_velocity)
         first, last = self.by_velocity[0][0] / 2, 2 * self.by_velocity[-1][0]
-        return self.coefficient * smooth(np.log(np.clip(velocity, first, last)))
+        return self.coefficient * curve(np.log(np.clip(velocity, first, last)))
 
 
-@functools.lru_cache(maxsize=64)  # answers ask for it at many places
+@functools.lru_cache(maxsize=64)  # evaluated at many points
 def _smooth_curve(curve: Curve) -> Any:
     """Factor as a function of ln(velocity)."""
     velocities, factors = np.array(curve).T

@@ -1,19 +1,19 @@
 """Laws that every result obeys, checked on every result.
 
-A solver may be wrong in ways that it does not notice. So its result is checked by laws that do not
-depend on how it was found:
+Errors of a solver may escape its own criteria. Its results are therefore checked by laws that do
+not depend on the method of solution:
 
 =====================  ===========================================================================
 load balance           Σp·dA is the load
 pressure bounds        0 ≤ p ≤ H
-complementarity        gap and pressure exclude each other as far as the tolerance asks
+complementarity        gap and pressure exclude each other within the tolerance
 wear balance           the worn volume is that of the law, and nowhere does the pin grow back
-heat balance           what flows into both bodies is the frictional heat, and none flows elsewhere
-common temperature     both surfaces are equally warm as far as the tolerance asks
+heat balance           the heat flow into both bodies is the frictional heat, and 0 elsewhere
+common temperature     both surfaces are equally warm within the tolerance
 finite                 no field holds NaN or inf
 =====================  ===========================================================================
 
-A law that is broken raises `InvariantError`. The checks take a hundredth of what a step costs.
+A violation raises `InvariantError`. The checks take a hundredth of the time of a step.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from tribo.types import Array, Mask
 
 # Sums over a million nodes lose less than 1e-13, and the contact solver allows itself 1e-12.
 _BALANCE = 1e-10
-_NO_HEAT = 1e-200  # W/m² in all, too little for a rise that double precision holds
-_QUIET = np.errstate(over="ignore", invalid="ignore")  # NaN and infinity are named by the check
+_NO_HEAT = 1e-200  # total flux [W/m²] whose rise is below the range of double precision
+_QUIET = np.errstate(over="ignore", invalid="ignore")  # the checks report NaN and infinity
 
 
 @_QUIET
@@ -94,7 +94,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     total = float(after.sum())
     _require_finite("wear depth", total, after)
     lost = total * area
-    smallest = after.size * float(np.finfo(np.float64).tiny) * area  # least that a field can hold
+    smallest = after.size * float(np.finfo(np.float64).tiny) * area  # smallest representable volume
     if not abs(lost - volume) <= _BALANCE * volume + smallest:
         raise InvariantError(
             f"wear balance: the pin has lost {lost:.12g} m³, its law says {volume:.12g} m³"
@@ -119,21 +119,21 @@ def check_heat(
     if a check fails.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
-    made = float(heat_flux.sum())
+    total_heat = float(heat_flux.sum())
     into_pin = float(split.pin_flux.sum())
     _require_finite("pin flux", into_pin, split.pin_flux)
     on_contact = split.pin_flux[contact]
-    size = float(np.abs(on_contact).sum())
-    astray = np.count_nonzero(split.pin_flux) - np.count_nonzero(on_contact)
-    if astray:
-        raise InvariantError(f"heat balance: heat flows at {astray} nodes outside the contact")
-    if not made > _NO_HEAT:
+    magnitude = float(np.abs(on_contact).sum())
+    stray_count = np.count_nonzero(split.pin_flux) - np.count_nonzero(on_contact)
+    if stray_count:
+        raise InvariantError(f"heat balance: heat flows at {stray_count} nodes outside the contact")
+    if not total_heat > _NO_HEAT:
         return
-    into_disk = (1 - split.pin_share) * made
-    if not abs(into_pin + into_disk - made) <= _BALANCE * (made + size):
+    into_disk = (1 - split.pin_share) * total_heat
+    if not abs(into_pin + into_disk - total_heat) <= _BALANCE * (total_heat + magnitude):
         raise InvariantError(
             f"heat balance: {into_pin:.12g} flows into the pin and {into_disk:.12g} into the "
-            f"disk, {made:.12g} is made by friction"
+            f"disk, {total_heat:.12g} is made by friction"
         )
     if not split.residual <= tolerance:
         raise InvariantError(
@@ -143,25 +143,27 @@ def check_heat(
 
 
 @contextmanager
-def guard_range(what: str) -> Iterator[None]:
+def guard_range(computation: str) -> Iterator[None]:
     """Context manager: turn numbers beyond double precision into a `RangeError`.
 
-    `what` names in the message what was computed.
+    `computation` names the computation in the message.
     """
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
             yield
     except (FloatingPointError, OverflowError, ZeroDivisionError) as error:
         raise RangeError(
-            f"{what}: {error.args[-1]}; a value of the scene is too large or too small for double "
-            "precision"
+            f"{computation}: {error.args[-1]}; a value of the scene is too large or too small for "
+            "double precision"
         ) from error
 
 
 def _require_finite(name: str, total: float, field: Array) -> None:
-    """Raise `InvariantError` for a field whose sum `total` is not finite, and say where."""
+    """Raise `InvariantError`, with the location, if the sum `total` of a field is not finite."""
     if math.isfinite(total):
         return
-    bad = np.argwhere(~np.isfinite(field))
-    where = f"at {tuple(bad[0].tolist())}, counted from 0" if bad.size else "in its sum"
-    raise InvariantError(f"finite: the {name} holds NaN or inf {where}")
+    nonfinite = np.argwhere(~np.isfinite(field))
+    location = (
+        f"at {tuple(nonfinite[0].tolist())}, counted from 0" if nonfinite.size else "in its sum"
+    )
+    raise InvariantError(f"finite: the {name} holds NaN or inf {location}")

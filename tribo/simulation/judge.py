@@ -41,9 +41,9 @@ def judge(
     Returns
     -------
     Verdict
-        Mild or severe at the worst time, when the rise is highest, once the load is reached. This
-        time is sought at the beginning and the end of a hold, or at all its steps if bodies keep
-        heat. Of a specimen in stages it is sought at onset and end of all stages up to this one.
+        Mild or severe at the worst time, when the rise is highest, once the load is reached. The
+        candidates are the beginning and the end of a hold, or all its steps if bodies keep heat.
+        For a specimen in stages they are onset and end of all stages up to this one.
 
     Raises
     ------
@@ -61,24 +61,24 @@ def judge(
     ...                     pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
     ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
     >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
-    >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
-    >>> found.is_severe, f"{found.governing_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
+    >>> point = judge(scene, load=600.0, velocity=1.25, conditions=oil)
+    >>> point.is_severe, f"{point.governing_temperature:.0f} K = 298 + {point.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
     conditions = conditions.under(scene.loading)
-    if parts := conditions.corrections:
-        conditions = replace(conditions, corrections=replace(parts, motion=scene.motion))
+    if corrections := conditions.corrections:
+        conditions = replace(conditions, corrections=replace(corrections, motion=scene.motion))
     if isinstance(scene.loading, Stages):
-        states, least = stages_of(scene, load, velocity, ramp_cache), 0.0
+        states, min_load = stages_of(scene, load, velocity, ramp_cache), 0.0
     else:
         requested: list[int] = []
-        if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
+        if corrections and corrections.keeps_heat and isinstance(scene.loading, Ramp):
             load_steps = scene.all_load_steps(load)
             requested = [load_step.index for load_step in load_steps if load_step.holding]
-        states, least = list(simulate(scene, load, velocity, ramp_cache, requested)), load
-    states = [one for one in states if one.heat is not None and one.normal_load >= least]
+        states, min_load = list(simulate(scene, load, velocity, ramp_cache, requested)), load
+    states = [state for state in states if state.heat is not None and state.normal_load >= min_load]
     if not states:
         raise InputError(f"load is {load:g} N, at which nothing is in contact")
     records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
-    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
-    return verdict(columns, least, conditions)
+    columns = {name: np.array([record[name] for record in records]) for name in records[0]}
+    return verdict(columns, min_load, conditions)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.constants import FARTHEST_STEP
+from tribo.constants import MAX_EXTRAPOLATION
 from tribo.contact import ContactSolution, solve_contact
 from tribo.loading import LoadStep
 from tribo.simulation.cache import elastic_bodies
@@ -12,7 +12,7 @@ from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step_wear import wear_of_step
+from tribo.simulation.step_wear import step_wear
 from tribo.simulation.temperature import add_temperature
 from tribo.thermal import HeatHistory
 from tribo.types import Array
@@ -64,7 +64,7 @@ def advance(
         System to simulate.
     state : State
         State at an earlier time.
-    load step : LoadStep
+    load_step : LoadStep
         Time and load at the end of the step.
     velocity : float
         Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
@@ -93,18 +93,18 @@ def advance(
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     velocity = velocity if load_step.velocity is None else load_step.velocity
     distance = abs(velocity) * (load_step.time - state.time)
-    wear = wear_of_step(scene, state, distance, velocity)
-    passed = state.pressure if guess is None else guess
+    wear = step_wear(scene, state, distance, velocity)
+    last_pressure = state.pressure if guess is None else guess
     for contact_pass in passes(scene, state, load_step, wear, distance, observed, scheme):
-        # At the disk's own position the last two states give the best guess; elsewhere, the contact
-        # that has just passed does.
-        extrapolated = (guess is None and contact_pass.shift is None) or not passed.any()
-        near = None if extrapolated else passed
-        contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, near)
+        # The best guess for the unshifted disk is extrapolated from the last two states. For
+        # shifted positions it is the pressure of the last contact.
+        extrapolated = (guess is None and contact_pass.shift is None) or not last_pressure.any()
+        initial = None if extrapolated else last_pressure
+        contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, initial)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
         if wear:
             wear_depth = wear_depth + wear.depth(contact.pressure, contact_pass.stage.distance)
-        passed = contact.pressure
+        last_pressure = contact.pressure
     if wear:
         area = _element_area(scene) * scene.windows_worn(velocity)
         volume = _worn_volume(scene, wear, state, load_step, velocity, area)
@@ -114,7 +114,7 @@ def advance(
         wear_depth=wear_depth,
         normal_load=load_step.normal_load,
         time=load_step.time,
-        # Not the sum of the steps, whose last bits would depend on which steps led here.
+        # Not summed over the steps, so that the last bits do not depend on the steps.
         sliding_distance=load_step.distance(velocity),
         velocity=load_step.velocity,
         impulse=load_step.impulse,
@@ -142,9 +142,9 @@ def _worn_volume(
 ) -> float:
     """Volume that the whole pin has lost from the start to `load_step`, the end of a step [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law or load_step.velocity is not None:  # the rate is that of this step alone
-        before = float(state.wear_depth.sum()) * element_area
-        return before + rate * (load_step.impulse - state.impulse)
+    if scene.wears_by_law or load_step.velocity is not None:  # the rate is that of this step only
+        volume_before = float(state.wear_depth.sum()) * element_area
+        return volume_before + rate * (load_step.impulse - state.impulse)
     return rate * load_step.impulse
 
 
@@ -165,10 +165,10 @@ def solve_pass(
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (
-        _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
+        _extrapolate(state, stage.normal_load) if guess is None else (guess, None)
     )
     if wear:
-        # The pressure sought also wears the shape: that wear is one more compliance.
+        # The unknown pressure also wears the shape, which acts as an additional compliance.
         solid = wear.yielding(solid, stage.implicit_distance)
         if displacement is not None and initial is not None:
             displacement += wear.depth(initial, stage.implicit_distance)
@@ -202,16 +202,16 @@ def _element_area(scene: Scene) -> float:
     return scene.grid.element_area * scene.pin.windows(scene.grid)
 
 
-def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
-    """Pressure [Pa] and displacement [m] at a load [N], linear through two states, or None."""
+def _extrapolate(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
+    """Pressure [Pa] and displacement [m] at a load [N], extrapolated from two states, or None."""
     if state.normal_load == 0.0:
         return None, None
-    change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
-    if state.previous_load == 0.0 or abs(change) >= FARTHEST_STEP * abs(before):
+    change, last_change = normal_load - state.normal_load, state.normal_load - state.previous_load
+    if state.previous_load == 0.0 or abs(change) >= MAX_EXTRAPOLATION * abs(last_change):
         return state.pressure, None
-    ratio = change / before
+    ratio = change / last_change
     pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)
     if state.displacement is None or state.previous_displacement is None:
         return pressure, None
-    rise = state.displacement - state.previous_displacement
-    return pressure, state.displacement + ratio * rise
+    displacement_change = state.displacement - state.previous_displacement
+    return pressure, state.displacement + ratio * displacement_change

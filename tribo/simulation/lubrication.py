@@ -1,4 +1,4 @@
-"""The disk's surface in a few numbers, before any simulation, and the film of an oil on it."""
+"""Summary of the disk's surface, and the oil film on it, before any simulation."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from tribo.surface import MeasuredRoughness, SelfAffineRoughness, UnknownHeights
 from tribo.surface.areal import areal_roughness
 from tribo.types import Array
 
-_MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
+_MAX_PIXELS = 1_000_000  # of a random surface whose heights are computed only for its summary
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
-_LAY = 2.0  # correlation length along grooves over the one across, from which there is a lay
+_LAY = 2.0  # ratio of correlation lengths from which a surface has a lay
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,54 +35,54 @@ class SurfaceSummary:
     rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
     radii: tuple[float, float] = (math.inf, math.inf)  # of a curvature along x and y [m]
     lay: float | None = None  # angle of grooves to sliding [°]; None without grooves
-    slope: float | None = None  # root mean square along x; None if no heights are made
+    slope: float | None = None  # root mean square along x; None if no heights are computed
 
 
 def summarize_surface(scene: Scene) -> SurfaceSummary | None:
     """Roughness of the disk's surface; None if the surface is smooth or its heights are unknown.
 
-    For a random surface of over 10⁶ pixels no heights are made: Rq is estimated from Ra.
+    For a random surface of over 10⁶ pixels no heights are computed: Rq is estimated from Ra.
     """
-    rough = scene.roughness
-    return None if isinstance(rough, UnknownHeights) else _facts(rough, scene.pixels)
+    surface = scene.roughness
+    return None if isinstance(surface, UnknownHeights) else _surface_summary(surface, scene.pixels)
 
 
-@functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
-def _facts(rough: Any, pixels: Grid) -> SurfaceSummary | None:
-    if rough is None:
+@functools.lru_cache(maxsize=1)  # called again whenever a store grows
+def _surface_summary(surface: Any, pixels: Grid) -> SurfaceSummary | None:
+    if surface is None:
         return None
-    lay, is_random = None, isinstance(rough, SelfAffineRoughness)
+    lay, is_random = None, isinstance(surface, SelfAffineRoughness)
     if is_random:
-        along_x, along_y = rough.correlation_length
+        along_x, along_y = surface.correlation_length
         lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
-        if math.prod(pixels.shape) > _MOST_PIXELS:
-            return SurfaceSummary(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-    is_scan = isinstance(rough, MeasuredRoughness)
-    heights: Array = rough.array if is_scan else rough.heights(pixels)
+        if math.prod(pixels.shape) > _MAX_PIXELS:
+            return SurfaceSummary(False, surface.ra, surface.ra * _RQ_OF_RA, lay=lay)
+    is_scan = isinstance(surface, MeasuredRoughness)
+    heights: Array = surface.array if is_scan else surface.heights(pixels)
     slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none for a single row
     try:
-        found = areal_roughness(heights, pixels.spacing, with_lay=not is_random)
+        areal = areal_roughness(heights, pixels.spacing, with_lay=not is_random)
     except InputError:  # no height differs from its plane
         return SurfaceSummary(not is_random, 0.0, 0.0)
     return SurfaceSummary(
         measured=not is_random,
-        ra=found.sa,
-        rq=found.sq,
-        mean_height=found.mean,
-        rise=tuple(np.multiply(found.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
-        radii=found.radii,
-        lay=lay if found.lay is None else abs(found.lay),
+        ra=areal.sa,
+        rq=areal.sq,
+        mean_height=areal.mean,
+        rise=tuple(np.multiply(areal.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
+        radii=areal.radii,
+        lay=lay if areal.lay is None else abs(areal.lay),
         slope=float(slopes.std()) if len(slopes) else None,
     )
 
 
 def find_lubrication(scene: Scene, oil: Oil | None) -> Lubrication | None:
     """Lubrication of a scene by an oil; None if oil or roughness are missing or not fully known."""
-    is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
+    is_known = not any(isinstance(entry, UnknownHeights) for entry in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficient is None or not is_known:
         return None
-    facts = summarize_surface(scene)
-    return Lubrication(scene, oil, facts.rq) if facts and facts.rq else None
+    summary = summarize_surface(scene)
+    return Lubrication(scene, oil, summary.rq) if summary and summary.rq else None
 
 
 @dataclass(frozen=True, slots=True)

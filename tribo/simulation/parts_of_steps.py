@@ -1,8 +1,8 @@
-"""Steps cut into parts, where each would leave too deep an imprint of the roughness in the pin.
+"""Steps cut into parts if each would leave too deep an imprint of the roughness in the pin.
 
 A pin that wears point by point becomes the negative of the area that it faces. A pin that wears by
 mean pressures along y becomes the negative of ridges of the disk along y. Most of this happens
-within a few steps. The depth of a step's imprint depends on the velocity and the wear rate alone,
+within a few steps. The depth of a step's imprint depends only on the velocity and the wear rate,
 and the rate on the state before the step. So loads that share a ramp have the same parts of its
 steps.
 """
@@ -13,15 +13,15 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tribo.constants import ENOUGH_STEPS, MOST_PARTS_OF_STEP
+from tribo.constants import MOST_PARTS_OF_STEP, RESOLVING_STEPS
 from tribo.loading import LoadStep
-from tribo.simulation.disk_positions import imprint_of
+from tribo.simulation.disk_positions import imprint_ratio
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step_wear import wear_of_step
+from tribo.simulation.step_wear import step_wear
 
 
-def parts_of(
+def step_parts(
     scene: Scene, before: State, load_step: LoadStep, velocity: float
 ) -> Iterator[LoadStep]:
     """Cut a step into parts of equal duration; yield time and load at the end of each part.
@@ -35,31 +35,32 @@ def parts_of(
     count = 1 if load_step.holding or not scene.remembers_steps else scene.fidelity.parts
     count *= _part_count(scene, before, distance / count, velocity)
     for part in range(1, count):
-        yield between(before, load_step, part / count)
+        yield interpolate_step(before, load_step, part / count)
     yield load_step
 
 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
     if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
         return 1
-    wear = wear_of_step(scene, before, distance, velocity)
+    wear = step_wear(scene, before, distance, velocity)
     if wear is None:
         return 1
     fidelity = scene.fidelity
-    enough = math.ceil(ENOUGH_STEPS / (fidelity.increments * fidelity.parts))
-    imprint = imprint_of(scene, wear, distance) / fidelity.imprint
-    return math.ceil(min(max(imprint, 1.0), MOST_PARTS_OF_STEP, enough))
+    resolving_parts = math.ceil(RESOLVING_STEPS / (fidelity.increments * fidelity.parts))
+    imprint = imprint_ratio(scene, wear, distance) / fidelity.imprint
+    return math.ceil(min(max(imprint, 1.0), MOST_PARTS_OF_STEP, resolving_parts))
 
 
-def between(before: State, load_step: LoadStep, share: float) -> LoadStep:
+def interpolate_step(before: State, load_step: LoadStep, share: float) -> LoadStep:
     """Time and load after a `share` of a step's duration, if the load changes linearly within it.
 
     The step leads from the state `before` to `load_step`.
     """
     begin, end = before.normal_load, load_step.normal_load
     load = begin + share * (end - begin)
-    part = share * (begin + load) / (begin + end) if begin + end else 0.0  # of an unloaded step
-    impulse = part * (load_step.impulse - before.impulse)
+    # 0 for an unloaded step.
+    impulse_share = share * (begin + load) / (begin + end) if begin + end else 0.0
+    impulse = impulse_share * (load_step.impulse - before.impulse)
     return replace(
         load_step,
         normal_load=load,

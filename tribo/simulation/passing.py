@@ -17,7 +17,7 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
 
     Returns `state` with its temperature averaged over the positions, if it has a temperature. Else
     returns it with the pressures at these positions, `State.passing`. If one position is enough,
-    `state` is returned unchanged. Its own pressure and wear remain those with the unshifted disk.
+    `state` is returned unchanged. Its pressure and wear remain those with the unshifted disk.
     `before` is the state one step earlier, with the history of the heat, and `velocity` the sliding
     velocity [m/s].
     """
@@ -39,9 +39,11 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
     )
     if state.heat is None:
         return passing
-    others = (
+    shifted_heats = (
         add_temperature(scene, before, replace(state, pressure=pressure), velocity).heat
         for pressure in passing.passing
     )
-    heat = mean_heat([state.heat, *(other for other in others if other)])
+    heat = mean_heat(
+        [state.heat, *(shifted_heat for shifted_heat in shifted_heats if shifted_heat)]
+    )
     return replace(passing, heat=heat, passing=())

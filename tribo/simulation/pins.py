@@ -260,26 +260,26 @@ class Crowned:
 
         The worn flat is an ellipse with the aspect ratio √(crown radius/radius).
         """
-        longer = math.sqrt(self.crown_radius / self.radius)
-        return _worn_ellipse(half_width, volume, self.radius, longer)
+        aspect = math.sqrt(self.crown_radius / self.radius)
+        return _worn_ellipse(half_width, volume, self.radius, aspect)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
         """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
-        across = self.hertz(1.0, contact_modulus).aspect  # the same at any load
-        return minimum_point_film(*oil, normal_load, self.radius, contact_modulus, across)
+        ellipticity = self.hertz(1.0, contact_modulus).aspect  # the same at any load
+        return minimum_point_film(*oil, normal_load, self.radius, contact_modulus, ellipticity)
 
     @property
     def words(self) -> str:
         """Shape and sizes in a few words."""
-        across = f"crowned, {1e3 * self.crown_radius:g} mm across sliding"
-        return f"{across}, radius {1e3 * self.radius:g} mm"
+        shape = f"crowned, {1e3 * self.crown_radius:g} mm across sliding"
+        return f"{shape}, radius {1e3 * self.radius:g} mm"
 
 
-def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
-    """Worn contact of a paraboloid of a `radius` [m], its flat `longer` times as long as wide."""
-    flat = worn_point_width(volume / longer, radius)
+def _worn_ellipse(half_width: float, volume: float, radius: float, aspect: float) -> WornContact:
+    """Worn contact of a paraboloid of `radius` [m]; the flat is `aspect` times as long as wide."""
+    flat = worn_point_width(volume / aspect, radius)
     width = ((2 * half_width) ** 4 + flat**4) ** 0.25
-    return WornContact(width, 8 * volume / (math.pi * width**2 * longer))
+    return WornContact(width, 8 * volume / (math.pi * width**2 * aspect))
 
 
 PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Crowned}

@@ -1,9 +1,9 @@
 """One point of the diagram: its contacts, and the temperatures of the requested steps.
 
-These functions do the work, from the outermost inwards. `contacts` in `contact_ramp` goes through
+The calls of a point, from the outermost inwards: `contacts` in `contact_ramp` goes through
 the steps of a loading. `advance` in `loading_step` computes one step. It solves the contacts that
 `disk_positions` and the stages of `tribo.wear` ask for. `finer_grids` repeats the last step on the
-scene's own grid. `heat` in `temperature` computes the temperature.
+scene's grid. `heat` in `temperature` computes the temperature.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def simulate(
     """
     for state in contacts(scene, normal_load, velocity, ramp_cache, requested):
         if state.is_requested and state.heat is None:
-            yield replace(state, heat=heat(scene, state, _present(state, velocity)))
+            yield replace(state, heat=heat(scene, state, _present_velocity(state, velocity)))
         else:
             yield state
 
@@ -79,7 +79,7 @@ def simulate(
 def stages_of(
     scene: Scene, normal_load: float, velocity: float, ramp_cache: RampCache | None = None
 ) -> list[State]:
-    """States with a temperature at onset and end of each stage up to the one asked for.
+    """States with a temperature at onset and end of each stage up to the requested one.
 
     The stage is that at a load [N], or at a `velocity` [m/s] of stages of velocity. The
     temperatures have `Heat.sampling`.
@@ -101,30 +101,30 @@ def stages_of(
     10 N, 3 s: 7.4 K
     """
 
-    def heated_if_asked(contact: State) -> State | None:
+    def add_requested_heat(contact: State) -> State | None:
         if not contact.is_requested:
             return None
         if contact.heat is not None:
             return contact
-        found = heat(scene, contact, _present(contact, velocity), is_sampled=True)
-        return replace(contact, heat=found)
+        temperature = heat(scene, contact, _present_velocity(contact, velocity), is_sampled=True)
+        return replace(contact, heat=temperature)
 
-    note = Note(("stages", scene, velocity), heated_if_asked)
+    note = Note(("stages", scene, velocity), add_requested_heat)
     states = list(contacts(scene, normal_load, velocity, ramp_cache, note=note))
     # Without wear a stage depends on no other, and there is no course.
-    noted = states[-1].course or map(heated_if_asked, states)
-    found = [state for state in noted if state is not None]
+    heated_states = states[-1].course or map(add_requested_heat, states)
+    stage_states = [state for state in heated_states if state is not None]
     if edges := touched_edges(scene, states[-1]):
         raise InputError(
             f"the stage at {normal_load:g} N and {velocity:g} m/s reaches the "
             f"{' and '.join(edges)} of the window, beyond which it would carry load as well; "
             "increase window.pixels"
         )
-    return found
+    return stage_states
 
 
-def _present(contact: State, velocity: float) -> float:
-    """Present velocity of a state [m/s]: that of its stage, or else of the point."""
+def _present_velocity(contact: State, velocity: float) -> float:
+    """Present velocity of a state [m/s]: that of its stage if there is one, else of the point."""
     return velocity if contact.velocity is None else contact.velocity
 
 

@@ -1,4 +1,4 @@
-"""Warnings that a point may carry: their kinds, and when a state deserves them."""
+"""Warnings about the result of a point: their kinds, and the rules that raise them."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from tribo.constants import (
     FEWEST_TURNS,
     HEAVY_WEAR,
     LEAST_SUMMIT,
+    MAX_ELAPSED_HEAT_ERROR,
     SLOWEST,
-    TOO_WARM,
     WIDEST,
 )
 from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import part_count
-from tribo.simulation.elapsed_heat import excess_of_elapsed_heat, load_steps_so_far
+from tribo.simulation.elapsed_heat import elapsed_heat_excess, load_steps_so_far
 from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
-from tribo.simulation.step_wear import wear_of_step
+from tribo.simulation.step_wear import step_wear
 from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
@@ -43,7 +43,7 @@ SLOW = (
     "the rise grows more slowly than velocity^0.3, so the critical velocity errs two to three "
     "times as much as the preset states; use --accuracy"
 )
-# Fewest stages in all steps of a ramp, with which the rise under heavy wear is right to about 10 %.
+# Fewest stages of a ramp for which the rise under heavy wear is right to about 10 %.
 _FEWEST_STEPS = 3
 
 
@@ -137,25 +137,25 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     []
     """
     rules = (
-        _unstable_wear,
-        _few_steps,
+        _warn_unstable_wear,
+        _warn_few_steps,
         _warn_edge,
-        _few_elements,
-        _present_heat,
-        _coarse_pixels,
+        _warn_few_elements,
+        _warn_present_heat,
+        _warn_coarse_pixels,
         _warn_shape,
-        _few_turns,
-        _slow_rise,
+        _warn_few_turns,
+        _warn_slow_rise,
     )
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
 
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if the contact reaches an edge of the window, so that the window is too narrow."""
-    if touched := touched_edges(scene, state):
+    if edges := touched_edges(scene, state):
         yield (
             WarningKind.CONTACT_AT_EDGE,
-            f"the contact reaches the {' and '.join(touched)} of the window at "
+            f"the contact reaches the {' and '.join(edges)} of the window at "
             f"{state.normal_load:g} N; a wider window would carry load there as well",
         )
 
@@ -169,38 +169,38 @@ def touched_edges(scene: Scene, state: State) -> list[str]:
     ]
 
 
-def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if elements are too large for the contact, or pixels too large for the roughness."""
     axes = (0, 1) if scene.pin.length is None else (0,)
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
-    across = min(_extent(state.pressure, axis) for axis in axes)
-    if 0 < across < fewest:
+    min_extent = min(_extent(state.pressure, axis) for axis in axes)
+    if 0 < min_extent < fewest:
         smaller = "pixels" if elements_are_pixels(scene, state) else "elements"
         yield (
             WarningKind.COARSE_PIXELS,
-            f"the contact is only {across} elements wide at {state.normal_load:g} N; with fewer "
-            f"than {fewest} the rise is usually 5 to 70 % too low, whatever the preset: use "
+            f"the contact is only {min_extent} elements wide at {state.normal_load:g} N; with "
+            f"fewer than {fewest} the rise is usually 5 to 70 % too low, whatever the preset: use "
             f"smaller {smaller}",
         )
     block = scene.pixels.shape[0] // len(state.pressure)
-    wide = summit_width(scene) / block
-    if block > 1 and wide < LEAST_SUMMIT and not scene.sweeps_over:
+    summit_elements = summit_width(scene) / block
+    if block > 1 and summit_elements < LEAST_SUMMIT and not scene.sweeps_over:
         yield (
             WarningKind.COARSE_PIXELS,
-            f"contacting summits are {wide:.2g} elements wide; below {LEAST_SUMMIT:g} the rise "
-            "is up to 16 % too low: set pixels_per_element = 1, or use a preset",
+            f"contacting summits are {summit_elements:.2g} elements wide; below {LEAST_SUMMIT:g} "
+            "the rise is up to 16 % too low: set pixels_per_element = 1, or use a preset",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
-        short = [
+        short_lengths = [
             f"{length / size:.2g} pixels along {name}"
             for name, length, size in lengths
             if length < FEWEST_PIXELS * size * (1 - 1e-9)
         ]
-        if short:
+        if short_lengths:
             yield (
                 WarningKind.COARSE_PIXELS,
-                f"the correlation length of the roughness is {' and '.join(short)}; below "
+                f"the correlation length of the roughness is {' and '.join(short_lengths)}; below "
                 f"{FEWEST_PIXELS:g} pixels the slopes depend on the pixel size: use smaller "
                 "pixels or a longer correlation length",
             )
@@ -224,12 +224,12 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
     )
 
 
-def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_few_turns(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if a rolling pin turns only a few times."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
-    turning = abs(scene.velocities_at(state.speed).pin)
-    turns = turning * state.time / scene.track_length
+    pin_speed = abs(scene.velocities_at(state.speed).pin)
+    turns = pin_speed * state.time / scene.track_length
     if 0 < turns < FEWEST_TURNS:
         yield (
             WarningKind.FEW_TURNS,
@@ -239,7 +239,7 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
         )
 
 
-def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if a worn ball's rise grows more slowly than velocity to the power of `SLOWEST`."""
     if not isinstance(scene.pin, Ball) or scene.motion or not state.sliding_distance:
         return
@@ -255,29 +255,29 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
     # volume: within 0.09 of the exponent at 96 simulated points.
     widening = worn / (worn + unworn**4) / 4  # d ln(a)/d ln(V)
     peclet = velocity * radius / (2 * scene.disk.thermal_diffusivity)
-    root = np.sqrt(4 / np.pi + peclet)
+    peclet_root = np.sqrt(4 / np.pi + peclet)
     conductivities = scene.pin.material.thermal_conductivity, scene.disk.thermal_conductivity
-    both = conductivities[0] * np.sqrt(4 / np.pi) + conductivities[1] * root
-    cooling = conductivities[1] * peclet / (2 * root * both)
+    conductance = conductivities[0] * np.sqrt(4 / np.pi) + conductivities[1] * peclet_root
+    cooling = conductivities[1] * peclet / (2 * peclet_root * conductance)
     if 1 - widening - (1 + widening) * cooling < SLOWEST:
         yield WarningKind.SLOW_RISE, SLOW
 
 
-def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if so few elements touch that the temperature of the contact is uncertain."""
-    smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
-    few = FEW_ELEMENTS
+    are_pixels, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
+    min_count = FEW_ELEMENTS
     if is_worn:
-        few = FEW_WORN
-    elif smallest:
-        few = FEW_SWEPT if scene.sweeps_over else FEW_PIXELS
-    elif scene.fidelity.fewest_elements:  # as large as the surface allows
-        few //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
-    if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
+        min_count = FEW_WORN
+    elif are_pixels:
+        min_count = FEW_SWEPT if scene.sweeps_over else FEW_PIXELS
+    elif scene.fidelity.fewest_elements:  # the largest that the surface allows
+        min_count //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
+    if not 0 < touching_elements(scene, state) < min_count or (are_pixels and not scene.roughness):
         return
     text = f"only {np.count_nonzero(state.pressure)} elements touch at {state.normal_load:g} N; "
-    if smallest or is_worn:
-        smaller = "smaller pixels" if smallest else "pixels_per_element = 1"
+    if are_pixels or is_worn:
+        smaller = "smaller pixels" if are_pixels else "pixels_per_element = 1"
         text += (
             "the governing temperature is that of the hottest few and varies by several percent "
             "between surface realizations and with element size: simulate several realizations, "
@@ -292,7 +292,7 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _is_heavily_worn(scene: Scene, state: State) -> bool:
-    """True if the roughness, averaged over positions, wears by far more than its height."""
+    """True if wear averaged over positions of the disk is much deeper than its roughness."""
     if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
         return False
     return bool(state.wear_depth.max() > HEAVY_WEAR * average_roughness(heights))
@@ -305,12 +305,12 @@ def elements_are_pixels(scene: Scene, state: State) -> bool:
 
 def _extent(pressure: Array, axis: int) -> int:
     """Number of elements from the first to the last in contact along an axis."""
-    touched = np.flatnonzero(pressure.any(axis=1 - axis))
-    return int(np.ptp(touched)) + 1 if touched.size else 0
+    touching_rows = np.flatnonzero(pressure.any(axis=1 - axis))
+    return int(np.ptp(touching_rows)) + 1 if touching_rows.size else 0
 
 
-def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if there were too few steps so far to resolve the shape of a wearing pin."""
+def _warn_few_steps(scene: Scene, state: State) -> Iterator[Reason]:
+    """Warn if there are too few steps up to this state to resolve the shape of a wearing pin."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
         return
@@ -322,12 +322,12 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
     )
 
 
-def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the heat model "elapsed" gives too high a rise, as heat was much less in the past."""
+def _warn_present_heat(scene: Scene, state: State) -> Iterator[Reason]:
+    """Warn if the heat model "elapsed" makes the rise too high, as there was less heat before."""
     if scene.remembers_heat:
         return
-    excess = excess_of_elapsed_heat(scene, state)
-    if excess < TOO_WARM:
+    excess = elapsed_heat_excess(scene, state)
+    if excess < MAX_ELAPSED_HEAT_ERROR:
         return
     yield (
         WarningKind.PRESENT_HEAT,
@@ -345,15 +345,15 @@ def _longest_step(scene: Scene, state: State) -> float:
     return float(np.diff(times).max(initial=0.0))
 
 
-def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if steps were too long for explicit wear, and say how many steps would suffice."""
     fidelity = scene.fidelity
     if not fidelity.as_published or not state.normal_load:
         return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
-    since = replace(state, sliding_distance=0.0)  # the mean rate since the start
-    wear = wear_of_step(scene, since, state.sliding_distance, velocity)
+    from_start = replace(state, sliding_distance=0.0)  # the mean rate since the start
+    wear = step_wear(scene, from_start, state.sliding_distance, velocity)
     if not wear:
         return
     distance = velocity * _longest_step(scene, state)

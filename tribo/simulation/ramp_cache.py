@@ -2,7 +2,7 @@
 
 Points at several loads share the first steps of one ramp, its trunk; see `tribo.loading.ramp`. So a
 point begins at the last cached step below its load, and the steps that it adds are cached for the
-next point. The numbers of a point are the same with any cached steps, bit for bit.
+next point. The results of a point are bit for bit the same whatever steps are cached.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _Trunk:
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far
     nbytes: int = 0
-    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # one an increment, by name
+    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # by name, one per increment
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     @property
@@ -97,15 +97,15 @@ class RampCache:
             self._last = None, {}
 
     def last(self, key: Hashable) -> dict[Hashable, Any]:
-        """What is kept of the last point's contact; a new dictionary if its key was another."""
+        """Memo of the last point's contact; a new dictionary if `key` is not that of this point."""
         with self._lock:
             if self._last[0] != key:
                 self._last = key, {}
             return self._last[1]
 
     def has_room_for(self, states: Sequence[State]) -> bool:
-        """True if `states` need no more memory than all ramps may."""
-        return sum(array.nbytes for one in states for array in _arrays(one)) <= self._limit
+        """True if the size of `states` is at most the limit of all ramps together."""
+        return sum(array.nbytes for state in states for array in _arrays(state)) <= self._limit
 
     def reach(
         self,
@@ -125,7 +125,7 @@ class RampCache:
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
             self._trunks.move_to_end(key)
-        with trunk.lock:  # a thread waits here for a ramp that another thread computes
+        with trunk.lock:  # wait for a ramp that another thread computes
             recorded = len(trunk.notes.get(note.name, ())) if note else len(load_steps)
             trunk.clear_if_dropped(len(load_steps), recorded)
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
@@ -139,11 +139,11 @@ class RampCache:
                     yield state
                 if note and len(notes) < index:
                     notes.append(note.make(state))
-            found = state, tuple(notes[: len(load_steps)])
-        self._shrink()
-        return found
+            result = state, tuple(notes[: len(load_steps)])
+        self._drop_oldest()
+        return result
 
-    def _shrink(self) -> None:
+    def _drop_oldest(self) -> None:
         with self._lock:
             size = sum(trunk.nbytes for trunk in self._trunks.values())
             while size > self._limit and len(self._trunks) > 1:

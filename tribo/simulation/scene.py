@@ -45,9 +45,9 @@ class Scene:
     loading : Ramp, Stages or MeasuredLoad
         Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
-        Roughness of the disk, or a surface of your own; smooth if not given.
+        Roughness of the disk, or a user-defined surface; smooth if not given.
     wear : Wear or WearLaw, optional
-        Wear of the pin, or a law of your own; none if not given.
+        Wear of the pin, or a user-defined law; none if not given.
     friction_heat : bool
         True if there is friction and its heat. If not, the rise is 0 and is not computed.
     motion : Motion, optional
@@ -121,8 +121,8 @@ class Scene:
     @property
     def track_length(self) -> float:
         """Length of the track around a pin that rolls [m]."""
-        of_motion = self.motion.track_length if self.motion else None
-        return 2 * math.pi * self.pin.radius if of_motion is None else of_motion
+        track_length = self.motion.track_length if self.motion else None
+        return 2 * math.pi * self.pin.radius if track_length is None else track_length
 
     def velocities_at(self, sliding: float) -> Velocities:
         """Velocities of pin and disk along x at a sliding velocity [m/s]."""
@@ -156,7 +156,7 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """True if each point of the pin wears by its own pressure in a single contact.
+        """True if each point of the pin wears by the pressure on it in a single contact.
 
         False without wear, and if the pin wears by mean pressures: over y, or over contacts at many
         positions of the disk.
@@ -262,8 +262,8 @@ class Scene:
         profile = self.pin.profile(self.grid)
         if heights is None:
             return profile.copy()
-        coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
-        return profile - coarsened(heights, self.fidelity.pixels_per_element)
+        coarsen = block_sample if self.fidelity.averaging == "sample" else block_average
+        return profile - coarsen(heights, self.fidelity.pixels_per_element)
 
     def load_steps(
         self, normal_load: float, requested: Container[int] = (), velocity: float | None = None
@@ -272,23 +272,23 @@ class Scene:
 
         Each is the end of a step. If a state depends on earlier states, all steps are yielded.
         Otherwise only the last step, the step in which a ramp reaches the load, onsets and ends of
-        stages, and steps with an index in `requested`. `velocity` [m/s] tells the last of stages
-        of velocity.
+        stages, and steps with an index in `requested`. `velocity` [m/s] selects the last
+        stage if the stages are of velocity.
         """
         load_steps = self.all_load_steps(normal_load, velocity)
         if self.remembers_steps:
             yield from load_steps
             return
-        is_ramp, shown = isinstance(self.loading, Ramp), -1
+        is_ramp, last_index = isinstance(self.loading, Ramp), -1
         for load_step in load_steps:
-            # Where a hold begins, too: how warm the bodies are depends on the load until then.
+            # Also at the start of a hold, since later warming depends on the load until then.
             reaches = is_ramp and load_step.normal_load == normal_load and not load_step.holding
             if load_step.index in requested or load_step.is_shown or reaches:
                 yield replace(
                     load_step, on_trunk=load_step.on_trunk and load_step.index in requested
                 )
-                shown = load_step.index
-        if load_step.index != shown:
+                last_index = load_step.index
+        if load_step.index != last_index:
             yield replace(load_step, on_trunk=False)
 
     def all_load_steps(
@@ -296,7 +296,7 @@ class Scene:
     ) -> Iterator[LoadStep]:
         """Ends of all steps of the loading up to a load [N] and of its hold: times and loads.
 
-        `velocity` [m/s] tells the last of stages of velocity.
+        `velocity` [m/s] selects the last stage if the stages are of velocity.
         """
         fidelity, loading = self.fidelity, self.loading
         if isinstance(loading, Stages):
@@ -323,15 +323,15 @@ class Scene:
         if self.wears_locally or self.remembers_heat:
             return 1
         nx, ny = self.grid.shape
-        fits = (
+        factors = (
             factor
             for factor in range(self.fidelity.history_coarsening, 1, -1)
             if nx % factor == ny % factor == 0 and nx // factor >= FEWEST_ELEMENTS
         )
-        return next(fits, 1)
+        return next(factors, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """Yield the scene on ever finer grids, for the last step of a point; its own grid is last.
+        """Yield the scene on ever finer grids for the last step of a point; its own grid is last.
 
         The first grid is that of all earlier steps. The sides of its elements are longer by the
         factor `coarsening`. From one grid to the next the sides shrink to a quarter or less; the
@@ -348,7 +348,7 @@ class Scene:
         yield self
 
 
-@functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
+@functools.lru_cache(maxsize=64)  # called a dozen times in each step
 def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
     """Grid of elements of ``block × block`` pixels; one along y if nothing depends on y."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing

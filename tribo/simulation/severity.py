@@ -1,6 +1,6 @@
-"""The rise that decides at each point of many: at the worst step of the loading.
+"""Governing rise of many points, each at the worst step of its loading.
 
-It is per unit friction coefficient.
+Rises are per unit friction coefficient.
 """
 
 from __future__ import annotations
@@ -26,26 +26,28 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     """
     rises = conditions.governing_rise(corrected_columns(columns, conditions))
     worst = hottest_step(rises, columns["normal_load"], load)
-    deciding: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
-    return deciding
+    worst_rise: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
+    return worst_rise
 
 
 def relative_sampling(
     columns: Mapping[str, Any], conditions: Conditions, shares: Array | None = None
 ) -> Array:
-    """Relative deviation of the rise between surface realizations, as each point states it (...).
+    """Relative deviation of the governing rise between surface realizations (...).
 
-    It is that of the contact at the end: the governing rise with each rise of the contact lifted by
-    its own deviation. `columns` has the rises at the steps and ``rise_realization_std``; `shares`
-    of cooler area belong to the quantiles, if they are others than `tribo.QUANTILES`.
+    It is estimated at the last step: each quantile of the rise is increased by its own deviation,
+    and the governing rise computed again. `columns` has the rises at the steps and
+    ``rise_realization_std``; `shares` are the probabilities of the quantiles if these are not
+    `tribo.QUANTILES`.
     """
     quantiles = columns["rise_quantile"][..., -1, :]
     lifted = np.maximum.accumulate(quantiles * (1 + columns["rise_realization_std"]), axis=-1)
-    named = {} if shares is None else {"quantile": shares}
-    rise, above = (
-        conditions.governing_rise({"rise_quantile": one} | named) for one in (quantiles, lifted)
+    probabilities = {} if shares is None else {"quantile": shares}
+    rise, lifted_rise = (
+        conditions.governing_rise({"rise_quantile": rise_quantile} | probabilities)
+        for rise_quantile in (quantiles, lifted)
     )
-    return np.asarray(np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0))
+    return np.asarray(np.where(rise > 0, lifted_rise / np.where(rise > 0, rise, 1.0) - 1, 0.0))
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
-"""A window that is wide enough for a pin that stages have worn.
+"""Window that is wide enough for a pin worn in stages.
 
-Stages slide so far that the worn chord is several times that of a fresh ramp: with four stages of
-100 N and 60 s it is 1.05 mm, for 0.25 mm. In a window of 0.47 mm the fourth stage is 14 K too hot.
+Stages slide so far that the worn contact is several times as wide as after a ramp: with four stages
+of 100 N and 60 s 1.05 mm instead of 0.25 mm. In a window of 0.47 mm the fourth stage is 14 K too
+hot.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import replace
 
 import scipy
 
-from tribo.constants import ROOM_BESIDE_WEAR
+from tribo.constants import WINDOW_OVER_WORN_WIDTH
 from tribo.errors import InputError
 from tribo.loading import Stages
 from tribo.simulation.scene import Scene
@@ -22,11 +23,11 @@ from tribo.wear import Wear
 def widen_window(scene: Scene, velocity: float) -> Scene:
     """Scene whose window is 1.25 times as wide as the pin is worn at the end of its stages.
 
-    Under a ball or crowned pin it is as much wider along y. The scene is returned unchanged if its
-    own window is as wide, has no stages, or does not wear by a constant rate, and for a pin that
-    rolls at the sliding `velocity` [m/s], which wears all around. The number of elements is even,
-    and suits coarser elements and the transforms. A measured surface is not widened, but refused
-    by an `InputError` that names the pixels.
+    Under a ball or crowned pin it is widened along y, too. The scene is returned unchanged if its
+    window is wide enough, if it has no stages or no constant wear rate, and if the pin rolls at the
+    sliding `velocity` [m/s], since it then wears all around. The number of elements is even, and
+    suits coarser elements and the transforms. A measured surface is not widened: an `InputError`
+    names the pixels that are needed.
 
     Examples
     --------
@@ -41,24 +42,24 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     if not isinstance(scene.loading, Stages) or not isinstance(wear, Wear) or is_rolling:
         return scene
     volume = wear.specific_wear_rate * scene.loading.worn_impulse(velocity)
-    wide = ROOM_BESIDE_WEAR * pin.worn(0.0, volume).width
-    deep = wide * pin.hertz(1.0, 1e11).aspect if pin.length is None else 0.0
+    size_x = WINDOW_OVER_WORN_WIDTH * pin.worn(0.0, volume).width
+    size_y = size_x * pin.hertz(1.0, 1e11).aspect if pin.length is None else 0.0
     fidelity, (nx, ny), (dx, dy) = scene.fidelity, pixels.shape, pixels.spacing
     block = fidelity.pixels_per_element * max(2, fidelity.history_coarsening)
-    shape = _wider(nx, wide / dx, block), _wider(ny, deep / dy, block)
+    shape = _widened_count(nx, size_x / dx, block), _widened_count(ny, size_y / dy, block)
     if shape == pixels.shape:
         return scene
     if isinstance(scene.roughness, MeasuredRoughness):
         raise InputError(
-            f"the pin is worn {1e3 * wide / ROOM_BESIDE_WEAR:.3g} mm wide at the end of its "
-            f"stages; give {shape[0]} × {shape[1]} pixels, and mirror the measured surface if it "
-            "has fewer"
+            f"the pin is worn {1e3 * size_x / WINDOW_OVER_WORN_WIDTH:.3g} mm wide at the end of "
+            f"its stages; give {shape[0]} × {shape[1]} pixels, and mirror the measured surface if "
+            "it has fewer"
         )
     return replace(scene, pixels=replace(pixels, shape=shape))
 
 
-def _wider(count: int, needed: float, block: int) -> int:
-    """Number of pixels, `count` or more if more are `needed`: a fast multiple of `block`."""
+def _widened_count(count: int, needed: float, block: int) -> int:
+    """Number of pixels: `count`, or at least `needed` and a fast multiple of `block`."""
     if needed <= count:
         return count
     return block * int(scipy.fft.next_fast_len(math.ceil(needed / block)))

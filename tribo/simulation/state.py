@@ -34,7 +34,7 @@ class Heat:
         Iterations of the heat partition, each one convolution.
     quantile_without : ndarray, shape (8, len(QUANTILES)), or None
         `rise_quantile` without each of eight groups of elements in turn [K], see
-        `tribo.thermal.sampling`; None for a smooth disk, or if it was not asked for.
+        `tribo.thermal.sampling`; None for a smooth disk, or if it was not requested.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class Heat:
     def sampling(self) -> dict[str, Any]:
         """Relative standard deviations between surface realizations, by variable of a sweep.
 
-        They are estimated from this contact alone: ``rise_realization_std``, one for each of
+        They are estimated from this single contact: ``rise_realization_std``, one for each of
         `tribo.QUANTILES`. On a smooth disk they are 0.
         """
         if self.quantile_without is None:

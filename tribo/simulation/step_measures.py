@@ -39,12 +39,12 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     '171 µm, 3.965 m'
     """
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
-    of_contact = _contact_measures(scene, pressure)
+    contact_measures = _contact_measures(scene, pressure)
     return {
         "time": state.time,
         "normal_load": state.normal_load,
         "sliding_distance": state.sliding_distance,
-        **of_contact,
+        **contact_measures,
         "wear_depth_max": float(state.wear_depth.max()),
         "wear_volume": mean_depth * scene.nominal_area * _windows_worn(scene, state),
         "iterations": float(state.iterations),
@@ -57,8 +57,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 def _windows_worn(scene: Scene, state: State) -> float:
     """Worn length of the pin along x over that of the window: 1 unless it rolls."""
-    moves = scene.motion and state.time > 0
-    return scene.windows_worn(state.speed) if moves else 1.0
+    is_moving = scene.motion and state.time > 0
+    return scene.windows_worn(state.speed) if is_moving else 1.0
 
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
@@ -79,7 +79,7 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 def touching_elements(scene: Scene, state: State) -> int:
     """Number of elements that touch.
 
-    If nothing depends on y, an element stands for a whole row along y. Then the number is squared,
+    If nothing depends on y, an element represents a whole row along y. Then the number is squared,
     as if y were divided like x.
     """
     nodes = int(np.count_nonzero(state.pressure))

@@ -13,7 +13,7 @@ from tribo.types import Mask
 from tribo.wear import RollingWear, Wear, wear_over
 
 
-def wear_of_step(scene: Scene, before: State, distance: float, velocity: float) -> Wear | None:
+def step_wear(scene: Scene, before: State, distance: float, velocity: float) -> Wear | None:
     """Wear of the pin in a step, at a constant rate; None if the scene has no wear.
 
     The step begins with the state `before`, and slides over `distance` [m] at the sliding
@@ -25,9 +25,11 @@ def wear_of_step(scene: Scene, before: State, distance: float, velocity: float) 
     if isinstance(scene.wear, Wear):
         wear = scene.wear
     else:
-        slid = before.sliding_distance
+        start_distance = before.sliding_distance
         pressure = nominal_pressure(scene, before)
-        wear = wear_over(scene.wear, slid, slid + distance, pressure, abs(velocity))
+        wear = wear_over(
+            scene.wear, start_distance, start_distance + distance, pressure, abs(velocity)
+        )
     wear = replace(wear, pattern=scene.contact_pattern)
     windows = scene.windows_worn(velocity) if scene.motion else 1.0
     if windows == 1:
@@ -51,16 +53,18 @@ def nominal_pressure(scene: Scene, state: State) -> float:
     >>> f"{nominal_pressure(scene, state) * math.pi / 4 * width**2:.1f} N"
     '10.0 N'
     """
-    touched = state.pressure > 0
-    if not touched.any():
+    contact = state.pressure > 0
+    if not contact.any():
         return 0.0
-    # By the size of the window in pixels: exactly the same for elements of any size.
-    along, across = (_span(touched, axis) * scene.pixels.size[axis] for axis in (0, 1))
+    # With the window's size in pixels, which is exactly the same for elements of any size.
+    width_x, width_y = (_span(contact, axis) * scene.pixels.size[axis] for axis in (0, 1))
     length = scene.pin.length
-    return state.normal_load / (math.pi / 4 * along * across if length is None else along * length)
+    return state.normal_load / (
+        math.pi / 4 * width_x * width_y if length is None else width_x * length
+    )
 
 
-def _span(touched: Mask, axis: int) -> float:
+def _span(contact: Mask, axis: int) -> float:
     """Share of the window, along an axis, from the first to the last element that touches."""
-    places = np.flatnonzero(touched.any(axis=1 - axis))
-    return float((places[-1] - places[0] + 1) / touched.shape[axis])
+    indices = np.flatnonzero(contact.any(axis=1 - axis))
+    return float((indices[-1] - indices[0] + 1) / contact.shape[axis])

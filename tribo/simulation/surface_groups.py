@@ -1,9 +1,9 @@
 """Groups of elements, for the sampling error of a contact; see `tribo.thermal.sampling`.
 
-Each group is a sample of the surface. Along a line contact strips across the whole contact are
-alike. Under a ball they are not: the strip in the middle has most of the contact, and eight strips
-erred by 2 to 17 times. There, square cells of four correlation lengths are dealt to the groups in
-turn.
+Each group is a sample of the surface. Under a line contact, strips across the whole contact are
+equivalent. Under a ball they are not: the strip in the middle has most of the contact, and eight
+strips erred by factors of 2 to 17. There, square cells of four correlation lengths are assigned to
+the groups in turn.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _CELL = 4.0  # side of a cell in correlation lengths
 _NEXT_COLUMN = 3  # groups from a cell to the next one along x; 1 along y
 
 
-@functools.lru_cache(maxsize=4)  # each point of a sweep asks for it
+@functools.lru_cache(maxsize=4)  # called for each point of a sweep
 def surface_groups(scene: Scene) -> Indices:
     """Number of the group of each element, from 0 to 7, shape ``grid.shape``."""
     (nx, ny), spacing = scene.grid.shape, scene.grid.spacing

@@ -34,8 +34,8 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
     The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
     model of the fidelity.
 
-    The temperature depends on pressure and time of the contact, but not on the wear before. So
-    thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
+    The temperature depends on pressure and time of the contact, but not on earlier wear. Thermal
+    constants, elements and velocity [m/s] may therefore differ from those used for the contact.
     If `is_sampled`, the result also has `Heat.sampling`.
 
     Examples
@@ -47,7 +47,9 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
     """
     scene = refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
-    return mean_heat([_present_heat(scene, one, velocity, is_sampled) for one in (state, *passing)])
+    return mean_heat(
+        [_present_heat(scene, contact, velocity, is_sampled) for contact in (state, *passing)]
+    )
 
 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
@@ -56,12 +58,12 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
     The array `Heat.rise` is that at the first position, and `Heat.iterations` is the sum over
     positions.
     """
-    first, *others = heats
-    if not others:
+    first, *further_heats = heats
+    if not further_heats:
         return first
 
     def mean(name: str) -> Any:
-        return np.mean([getattr(one, name) for one in heats], axis=0)
+        return np.mean([getattr(position_heat, name) for position_heat in heats], axis=0)
 
     return replace(
         first,
@@ -69,7 +71,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
         mean_rise=float(mean("mean_rise")),
         pin_heat_share=float(mean("pin_heat_share")),
         rise_quantile=mean("rise_quantile"),
-        iterations=sum(one.iterations for one in heats),
+        iterations=sum(position_heat.iterations for position_heat in heats),
         quantile_without=None if first.quantile_without is None else mean("quantile_without"),
     )
 
@@ -77,7 +79,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 def _present_heat(scene: Scene, state: State, velocity: float, is_sampled: bool) -> Heat:
     """Rises per unit friction by the present heat since time 0, and the pin's share of the heat."""
     contact = state.pressure > 0
-    return _summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
+    return _heat_summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
@@ -109,25 +111,25 @@ def add_temperature(scene: Scene, before: State, state: State, velocity: float) 
         spectrum_of=heat_spectrum,
     )
     _check_split(scene, friction, contact, split)
-    summary = _summary(scene, split, contact, is_sampled=True) if contact.any() else None
+    summary = _heat_summary(scene, split, contact, is_sampled=True) if contact.any() else None
     return replace(state, heat=summary, heat_history=history)
 
 
-def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
-    on_contact = split.rise[contact]
-    # Quantiles interpolate between nodes, so each row that a plane's element stands for counts.
+def _heat_summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
+    contact_rise = split.rise[contact]
+    # Quantiles interpolate between elements, so that a plane's element counts once for each row.
     rows = scene.rows_per_element
-    without = None
+    leave_one_out = None
     if is_sampled and scene.roughness is not None:
-        without = rises_without_groups(split.rise, contact, surface_groups(scene))
+        leave_one_out = rises_without_groups(split.rise, contact, surface_groups(scene))
     return Heat(
         rise=split.rise,
         rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
-        max_rise=float(on_contact.max()),
-        mean_rise=float(on_contact.mean()),
+        max_rise=float(contact_rise.max()),
+        mean_rise=float(contact_rise.mean()),
         pin_heat_share=split.pin_share,
         iterations=split.iterations,
-        quantile_without=without,
+        quantile_without=leave_one_out,
     )
 
 
@@ -172,10 +174,10 @@ def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
 def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution, Convolution]:
     """Maps from heat flux to temperature rise of pin and disk, for a flux constant since time 0."""
     pin, disk = _bodies(scene, velocity)
-    return _conductor(scene.grid, pin, state.time), _conductor(scene.grid, disk, state.time)
+    return _heat_map(scene.grid, pin, state.time), _heat_map(scene.grid, disk, state.time)
 
 
-def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from heat flux to temperature rise of a body, for heat that acts for a `time` [s]."""
-    settled = min(time, settling_time(grid, body.material, body.velocity))
-    return heat_map(grid, body, settled)
+def _heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
+    """Map from heat flux to temperature rise of a body, for a flux acting for `time` [s]."""
+    heating_time = min(time, settling_time(grid, body.material, body.velocity))
+    return heat_map(grid, body, heating_time)

@@ -78,9 +78,9 @@ def hottest_step(rise: Array, normal_load: Array, load: Array | float) -> Indice
     Without such a step it is the last step. `rise` and `normal_load` [N] have the steps on their
     last axis.
     """
-    counts = np.isfinite(rise) & (normal_load >= load)
-    step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
-    return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
+    is_candidate = np.isfinite(rise) & (normal_load >= load)
+    step: Indices = np.argmax(np.where(is_candidate, rise, -math.inf), axis=-1)
+    return np.where(is_candidate.any(axis=-1), step, rise.shape[-1] - 1)
 
 
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
@@ -90,21 +90,25 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     and the rises per unit friction coefficient [K] ``mean_rise`` and ``rise_quantile`` (n_step,
     n_quantile). Corrections also need the variables in `tribo.simulation.corrections.NEEDED`.
     """
-    parts = conditions.corrections
-    together = parts.applied(columns) if parts else columns
-    rises = conditions.governing_rise(together)
-    worst = int(hottest_step(rises, together["normal_load"], load))
-    rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
-    of_contact = float(conditions.contact_temperature(conditions.governing_rise(columns)[worst]))
-    known = conditions.critical_temperature is not None
-    deciding = float(conditions.contact_temperature(rise))
+    corrections = conditions.corrections
+    corrected = corrections.applied(columns) if corrections else columns
+    rises = conditions.governing_rise(corrected)
+    worst = int(hottest_step(rises, corrected["normal_load"], load))
+    rise, quantiles = float(rises[worst]), corrected["rise_quantile"][worst]
+    contact_temperature = float(
+        conditions.contact_temperature(conditions.governing_rise(columns)[worst])
+    )
+    has_critical = conditions.critical_temperature is not None
+    governing_temperature = float(conditions.contact_temperature(rise))
     return Verdict(
-        is_severe=rise > allowable_rise(conditions) if known else None,
-        time=float(together["time"][worst]),
-        governing_temperature=deciding,
+        is_severe=rise > allowable_rise(conditions) if has_critical else None,
+        time=float(corrected["time"][worst]),
+        governing_temperature=governing_temperature,
         max_temperature=float(conditions.contact_temperature(quantiles[-1])),
-        failed_area_fraction=failed_share(quantiles, allowable_rise(conditions)) if known else None,
+        failed_area_fraction=failed_share(quantiles, allowable_rise(conditions))
+        if has_critical
+        else None,
         bulk_temperature=conditions.bulk_temperature,
-        contact_rise=of_contact - conditions.bulk_temperature,
-        added_rise=deciding - of_contact,
+        contact_rise=contact_temperature - conditions.bulk_temperature,
+        added_rise=governing_temperature - contact_temperature,
     )

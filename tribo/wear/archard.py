@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from tribo.constants import LONGEST_STRETCH
+from tribo.constants import MAX_DISTANCE_FACTOR
 from tribo.contact import ElasticHalfSpace
 from tribo.errors import InputError
 from tribo.types import Array
@@ -82,7 +82,7 @@ class RungeKutta:
         # Stages under almost no load, as when the load falls to zero, do not show where the pin
         # wears. Instead, one stage wears the pin at the mean load, and a stage without wear ends
         # the step.
-        if mean_load > LONGEST_STRETCH * weighted_load:
+        if mean_load > MAX_DISTANCE_FACTOR * weighted_load:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
             return

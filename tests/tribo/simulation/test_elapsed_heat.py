@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, Material, MeasuredLoad, Ramp, Wear
-from tribo.simulation.elapsed_heat import excess_of_elapsed_heat
+from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.thermal import rise_exceeded
 
 # The closed form depends neither on width nor on shape of the contact.
@@ -73,14 +73,14 @@ def test_it_is_the_integral_of_its_formula():
 
     excess, _ = quad(warming, 0, times[-1], limit=500, epsrel=1e-8)
     expected = 600.0 * 0.001 / WORN.pin.length * excess / hottest_tenth(state)
-    assert excess_of_elapsed_heat(WORN, state) == pytest.approx(expected, rel=1e-3)
+    assert elapsed_heat_excess(WORN, state) == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_load_that_jumps_at_once_makes_hardly_any():
     at_once = replace(
         WORN, loading=MeasuredLoad(np.array([0.0, 1e-9, 5.0]), np.array([0.0, 599.0, 600.0]))
     )
-    assert abs(excess_of_elapsed_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
+    assert abs(elapsed_heat_excess(at_once, last(at_once, 600.0, 0.001))) < 1e-3
 
 
 def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows():
@@ -88,7 +88,7 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows():
     late = with_(replace(WORN, loading=jumping), contact_tolerance=1e-3)
     true = true_excess(late, 600.0, 0.05)
     assert true > 0.1
-    foretold = excess_of_elapsed_heat(late, last(late, 600.0, 0.05))
+    foretold = elapsed_heat_excess(late, last(late, 600.0, 0.05))
     assert 0.5 * true < foretold < 1.1 * true
 
 
@@ -104,5 +104,5 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows():
     ids=["smooth", "worn", "hold", "alumina", "ball"],
 )
 def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
-    foretold = excess_of_elapsed_heat(scene, last(scene, load, velocity))
+    foretold = elapsed_heat_excess(scene, last(scene, load, velocity))
     assert foretold / true_excess(scene, load, velocity) == WITHIN

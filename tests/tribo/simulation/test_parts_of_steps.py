@@ -7,7 +7,7 @@ from tests.helpers.scenes import STEEL, small_scene
 from tribo import Ball, Fidelity, Grid, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation.disk_positions import passes
 from tribo.simulation.loading_step import start
-from tribo.simulation.parts_of_steps import parts_of
+from tribo.simulation.parts_of_steps import step_parts
 
 RATE, VELOCITY = 150.0, 1.5
 
@@ -15,7 +15,7 @@ RATE, VELOCITY = 150.0, 1.5
 def test_a_part_has_the_impulse_of_its_own_loads():
     scene = small_scene(parts=4)
     first = next(scene.load_steps(600.0))
-    parts = list(parts_of(scene, start(scene), first, VELOCITY))
+    parts = list(step_parts(scene, start(scene), first, VELOCITY))
     assert [part.time / first.time for part in parts] == pytest.approx([0.25, 0.5, 0.75, 1.0])
     # ∫F dt of F = RATE t
     expected = [RATE * part.time**2 / 2 for part in parts]
