@@ -55,8 +55,9 @@ def cells(text):
 
 def presets(text, _):
     found = {row[0]: row for row in cells(text)}
-    kept = ", ".join(f"`{name}` {row[5]} of {float(row[1]):.1%}" for name, row in found.items())
-    return f"{kept}; {next(iter(found.values()))[2]} places"
+    bounds = {name: 100 * float(row[1]) for name, row in found.items()}
+    kept = ", ".join(f"`{name}` {row[5]} of {bounds[name]:.3g}%" for name, row in found.items())
+    return f"{kept}; {next(iter(found.values()))[2]} positions"
 
 
 def stated(text, _):
@@ -121,8 +122,8 @@ def passed(text, _):
 RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
-        "99 % of the errors in velocity, against `reference`, at places without a warning, are "
-        "below the bound of the preset",
+        "99 % of the errors of the critical velocity, relative to `reference`, are below the "
+        "bound of the preset, at positions without a warning",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",
@@ -130,7 +131,7 @@ ROWS = {
         presets,
     ),
     "stated": Row(
-        "stated errors hold, at points and between them",
+        "the stated errors hold, at points and between them",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.errors",
         "--scenes 3 --minutes 5",
@@ -138,7 +139,7 @@ ROWS = {
         stated,
     ),
     "realizations": Row(
-        "two sets of surface realizations differ as little as their surface sampling errors say",
+        "two sets of surface realizations agree within their stated surface-sampling errors",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.realizations",
         "--realizations 6",
@@ -146,8 +147,9 @@ ROWS = {
         last_line,
     ),
     "laboratories": Row(
-        "synthetic laboratories: 90 % intervals hold the bias; places called mild at 2 to "
-        "5 % are severe; places called severe at 95 to 98 % are mild",
+        "synthetic laboratories: how many 90 % intervals contain the bias; how many "
+        "positions judged mild, at 2 to 5 %, are severe; how many judged severe, at 95 to 98 "
+        "%, are mild",
         ("pipeline/answers",),
         "python -m tests.promises.laboratories",
         "100",
@@ -155,7 +157,7 @@ ROWS = {
         shares,
     ),
     "past heat": Row(
-        "the heat model `elapsed` makes Θ₁₀ of `first_try` at 400 N and 1 m/s too high",
+        "error of Θ₁₀ (too high) with the heat model `elapsed`, for `first_try` at 400 N and 1 m/s",
         ("tribo",),
         "python -m tests.promises.past_heat",
         "",
@@ -164,7 +166,7 @@ ROWS = {
     ),
     "extremes": Row(
         "extreme velocities, loads, wear rates, durations, grids, surfaces and materials are "
-        "solved, or end in an error that says why",
+        "solved, or end in an error that states the reason",
         ("tribo",),
         "python -m pytest tests/tribo/simulation/test_extremes.py",
         "-q",
@@ -172,7 +174,7 @@ ROWS = {
         passed,
     ),
     "diagram": Row(
-        "a diagram of 228 points with fields, 480 × 480 pixels",
+        "computing time of a diagram of 228 points with fields, 480 × 480 pixels",
         ("tribo", *RUN),
         "irg run irg_transition",
         "-o results/measured.zarr",
@@ -180,8 +182,8 @@ ROWS = {
         cpu,
     ),
     "scan": Row(
-        "CPU time of the driver for a cheap point, above an empty task; what a scan of "
-        "1000 × 1000 heights (8 MB, of noise) adds",
+        "CPU time of the driver for a cheap point, in addition to that of an empty task; "
+        "additional cost of a scan of 1000 × 1000 heights (8 MB, of noise)",
         RUN,
         "python -m tests.cluster.cheap",
         "--points 2000 --scan 1000",
@@ -189,7 +191,7 @@ ROWS = {
         scan,
     ),
     "many": Row(
-        "many cheap points in one store",
+        "times for many cheap points in one store",
         RUN,
         "python -m tests.crash.many",
         "--many 10000",
@@ -197,7 +199,7 @@ ROWS = {
         many,
     ),
     "kills": Row(
-        "driver, workers or all are killed",
+        "the driver, workers, or all processes are killed",
         RUN,
         "python -m tests.crash kills",
         "--trials 2",
@@ -213,7 +215,8 @@ ROWS = {
         faults("power", "cuts", "cuts"),
     ),
     "damage": Row(
-        "files are flipped, cut, zeroed, exchanged, restored or deleted",
+        "bits of files are flipped; files are cut, zeroed, swapped, deleted, or replaced by "
+        "older ones",
         STORE,
         "python -m tests.crash damage",
         "--trials 20",

@@ -110,8 +110,9 @@ def main():
     held = np.mean([apart <= 1 for _, apart, _ in rows])
     ratios = [ratio for *_, ratio in rows if not math.isnan(ratio)]
     told = (
-        f"two halves of {options.realizations} realizations are as near as stated at {held:.0%} of "
-        f"{len(rows)} places; one states {min(ratios):.2g} to {max(ratios):.2g} of it"
+        f"two halves of {options.realizations} realizations agree within the stated error at "
+        f"{held:.0%} of {len(rows)} positions; a single realization estimates {min(ratios):.2g} to "
+        f"{max(ratios):.2g} times the actual standard deviation"
     )
     found = table(HEADS, [row for row, *_ in rows])
     return conclude(
