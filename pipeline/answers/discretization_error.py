@@ -1,4 +1,4 @@
-"""Numerical choices (`tribo.Fidelity`): presets of a scene, and the error to expect of them."""
+"""Presets of numerical settings (`tribo.Fidelity`), and the error of their critical velocities."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from tribo import PRESETS, Fidelity, Scene
 def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
     """Presets by name, adapted to a scene.
 
-    Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
-    "history", presets get this model too.
+    Their elements are small enough to tile the scene's grid of pixels. If the scene's heat model
+    is "history", so is theirs.
     """
     changes: dict[str, Any] = {"heat_model": "history"} if scene.remembers_heat else {}
     return {
@@ -36,55 +36,52 @@ def with_dividing_elements(scene: Scene, fidelity: Fidelity) -> Fidelity:
     along x and along y.
     """
     nx, ny = scene.pixels.shape
-    fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
-    return replace(fidelity, pixels_per_element=next(fits))
+    divisors = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
+    return replace(fidelity, pixels_per_element=next(divisors))
 
 
 def preset_of(scene: Scene) -> str | None:
-    """Name of the preset, adapted to a scene, that the scene has; None for other numbers."""
+    """Name of the preset that a scene has, adapted to it; None for custom settings."""
     adapted = presets_for(scene, PRESET_BOUNDS).items()
     return next((name for name, fidelity in adapted if fidelity == scene.fidelity), None)
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest relative error to expect of a sweep's critical velocity; None if unknown.
+    """Bound of the relative error of a sweep's critical velocity; None if unknown.
 
-    It is known for presets of numerical choices alone, adapted to the scene.
+    It is known only for presets, adapted to the scene.
     """
     return preset_bound(str(_preset(sweep)), sweep.conditions.critical_area_fraction)
 
 
 def preset_bound(preset: str, share: float) -> float | None:
-    """Bound of the relative error of critical velocities by a preset; None if it is none.
+    """Bound of the relative error of critical velocities with a preset; None without a preset.
 
     `share` is the critical area fraction.
     """
-    larger = dict[str, float]()
+    bounds = dict[str, float]()
     if share < HIGHEST_SHARE:
-        larger = BOUNDS_OF_HIGHEST
+        bounds = BOUNDS_OF_HIGHEST
     elif share >= MOST_SHARE:
-        larger = BOUNDS_OF_MOST
-    return larger.get(preset, PRESET_BOUNDS.get(preset))
+        bounds = BOUNDS_OF_MOST
+    return bounds.get(preset, PRESET_BOUNDS.get(preset))
 
 
 def has_unknown_error(sweep: Sweep) -> bool:
-    """True if a sweep has a boundary of severe wear whose error is not known.
-
-    The error is known for a preset.
-    """
+    """True if a sweep has a boundary of severe wear, but no preset whose error is known."""
     is_judged = sweep.conditions.friction > 0 and sweep.base.is_judged
     return is_judged and any(sweep.velocities) and velocity_error(sweep) is None
 
 
 def error_in_words(sweep: Sweep) -> str:
-    """Describe the error of a sweep's critical velocity, and how the error is known."""
+    """Describe the discretization error of a sweep's critical velocity."""
     error = velocity_error(sweep)
     if error is None:
         return "custom numerical settings: the error of critical velocities is unknown"
-    by = f"{100 * error:g} % (irg help choosing)"
-    return f"preset {_preset(sweep)}: discretization error of critical velocities at most {by}"
+    bound = f"{100 * error:g} % (irg help choosing)"
+    return f"preset {_preset(sweep)}: discretization error of critical velocities at most {bound}"
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Name of the preset whose numbers a sweep has; None for numerical choices of one's own."""
+    """Name of the preset of a sweep; None for custom numerical settings."""
     return sweep.preset or preset_of(sweep.scene)

@@ -4,7 +4,7 @@ Curves are of y = ln(rise) over ln(velocity) or ln(load), where a power law is a
 ramps of the IRG scene, every 0.25 m/s from 0.5 to 4 m/s, the velocity of a rise halfway between
 points was found with an error of 0.11 % (root mean square).
 
-`scipy.interpolate` gives the same values, but has no own abscissa for each of many curves, and
+`scipy.interpolate` gives the same values, but allows only a common abscissa for many curves, and
 takes a third of a second to import.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.constants import LEAST_SLOPE
 from tribo.types import Array, Indices
 
-_ROUNDS = 60  # of root finding, which takes 5 to 10
+_MAX_ITERATIONS = 60  # of root finding, which needs 5 to 10
 
 
 class Pchip:
@@ -25,43 +25,46 @@ class Pchip:
         self.x, self.y, self.slopes = x, y, _slopes(x, y)
 
     def at(self, x: Array, curves: Indices) -> Array:
-        """Values at `x` of the curves numbered `curves`; beyond their ends a cubic goes on."""
+        """Values at `x` of the curves with indices `curves`; beyond an end the cubic continues."""
         if len(self.x) == 1:
             return np.where(x == self.x[0], self.y[0, curves], np.nan)
         i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
-        h, way = self.x[i + 1] - self.x[i], x - self.x[i]
+        h, offset = self.x[i + 1] - self.x[i], x - self.x[i]
         low, high = self.slopes[i, curves], self.slopes[i + 1, curves]
         chord = (self.y[i + 1, curves] - self.y[i, curves]) / h
-        bend, twist = (3 * chord - 2 * low - high) / h, (low + high - 2 * chord) / h**2
-        return np.asarray(self.y[i, curves] + way * (low + way * (bend + way * twist)))
+        quadratic, cubic = (3 * chord - 2 * low - high) / h, (low + high - 2 * chord) / h**2
+        return np.asarray(
+            self.y[i, curves] + offset * (low + offset * (quadratic + offset * cubic))
+        )
 
     def grid(self, x: Array) -> Array:
-        """Values (m, k) of all curves at `x` (m,); beyond their ends a cubic goes on."""
+        """Values (m, k) of all curves at `x` (m,); beyond an end the cubic continues."""
         if len(self.x) == 1:
             return np.where((x == self.x[0])[:, None], self.y[0], np.nan)
         i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
         h = self.x[i + 1] - self.x[i]
         t, row = (x - self.x[i]) / h, np.arange(len(x))
-        of_values, of_slopes = np.zeros((2, len(x), len(self.x)))
-        rest = t * t * (3 - 2 * t)
-        of_values[row, i], of_values[row, i + 1] = 1 - rest, rest
-        of_slopes[row, i], of_slopes[row, i + 1] = h * t * (1 - t) ** 2, h * t * t * (t - 1)
-        return np.asarray(of_values @ self.y + of_slopes @ self.slopes)
+        value_weights, slope_weights = np.zeros((2, len(x), len(self.x)))
+        smoothstep = t * t * (3 - 2 * t)
+        value_weights[row, i], value_weights[row, i + 1] = 1 - smoothstep, smoothstep
+        slope_weights[row, i] = h * t * (1 - t) ** 2
+        slope_weights[row, i + 1] = h * t * t * (t - 1)
+        return np.asarray(value_weights @ self.y + slope_weights @ self.slopes)
 
     def beyond(self, x: Array) -> Array:
-        """Values (m, k) of all curves at `x` (m,); beyond both ends a power law goes on.
+        """Values (m, k) of all curves at `x` (m,); beyond an end a power law continues.
 
         It passes through the two outermost points, with an exponent of at least `LEAST_SLOPE`.
         """
         if len(self.x) == 1:
             return self.grid(x)
-        found = self.grid(np.clip(x, self.x[0], self.x[-1]))
-        for end, beside, side in ((0, 1, x < self.x[0]), (-1, -2, x > self.x[-1])):
-            if side.any():
-                run = self.x[end] - self.x[beside]
-                slope = np.maximum((self.y[end] - self.y[beside]) / run, LEAST_SLOPE)
-                found[side] += (x[side] - self.x[end])[:, None] * slope
-        return found
+        values = self.grid(np.clip(x, self.x[0], self.x[-1]))
+        for end, neighbour, is_beyond in ((0, 1, x < self.x[0]), (-1, -2, x > self.x[-1])):
+            if is_beyond.any():
+                distance = self.x[end] - self.x[neighbour]
+                slope = np.maximum((self.y[end] - self.y[neighbour]) / distance, LEAST_SLOPE)
+                values[is_beyond] += (x[is_beyond] - self.x[end])[:, None] * slope
+        return values
 
 
 def _slopes(x: Array, y: Array) -> Array:
@@ -69,10 +72,12 @@ def _slopes(x: Array, y: Array) -> Array:
     if len(x) < 3:
         return np.repeat(np.diff(y, axis=0) / h, 2, axis=0) if len(x) == 2 else np.zeros(y.shape)
     m = np.diff(y, axis=0) / h
-    before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+    lower_weight, upper_weight = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = (before + after) / (before / m[:-1] + after / m[1:])
-    inner = np.where(np.sign(m[:-1]) * np.sign(m[1:]) > 0, mean, 0.0)
+        harmonic_mean = (lower_weight + upper_weight) / (
+            lower_weight / m[:-1] + upper_weight / m[1:]
+        )
+    inner = np.where(np.sign(m[:-1]) * np.sign(m[1:]) > 0, harmonic_mean, 0.0)
     first, last = _end_slope(h[0], h[1], m[0], m[1]), _end_slope(h[-1], h[-2], m[-1], m[-2])
     return np.concatenate([first[None], inner, last[None]])
 
@@ -88,22 +93,22 @@ def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
 def roots(function, low: Array, high: Array) -> Array:  # type: ignore[no-untyped-def]
     """Roots of a vectorised function between `low` and `high`, at which its signs differ.
 
-    False position, whose brackets keep the root (Illinois). An end that stays twice is given half
-    its value, or the other end would only creep.
+    False position with brackets (Illinois): the value of an end that has not moved in two
+    iterations is halved, to speed up convergence.
     """
-    at_low, at_high, stayed = function(low), function(high), np.zeros(low.shape)
-    for _ in range(_ROUNDS):
+    at_low, at_high, moved_end = function(low), function(high), np.zeros(low.shape)
+    for _ in range(_MAX_ITERATIONS):
         with np.errstate(invalid="ignore", divide="ignore"):
-            way = at_low / (at_low - at_high)
-        middle = low + np.where(np.isfinite(way), np.clip(way, 0, 1), 0.5) * (high - low)
+            fraction = at_low / (at_low - at_high)
+        middle = low + np.where(np.isfinite(fraction), np.clip(fraction, 0, 1), 0.5) * (high - low)
         value = function(middle)
         is_low = np.sign(value) == np.sign(at_low)
         at_low, at_high = (
-            np.where(is_low, value, np.where(stayed < 0, at_low / 2, at_low)),
-            np.where(is_low, np.where(stayed > 0, at_high / 2, at_high), value),
+            np.where(is_low, value, np.where(moved_end < 0, at_low / 2, at_low)),
+            np.where(is_low, np.where(moved_end > 0, at_high / 2, at_high), value),
         )
         low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
-        stayed = np.where(is_low, 1, -1)
+        moved_end = np.where(is_low, 1, -1)
         if np.all((np.abs(value) < 1e-14) | (high - low < 1e-14 * np.abs(high))):
             break
     return np.asarray(middle)

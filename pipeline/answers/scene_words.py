@@ -1,4 +1,4 @@
-"""Words on a scene: its conditions, its warnings, and values of its entries."""
+"""Texts on a scene: its conditions, its warnings, and values of its entries."""
 
 from __future__ import annotations
 
@@ -17,19 +17,18 @@ from pipeline.units import typeset, unusual
 if TYPE_CHECKING:
     import xarray as xr
 
-_USUAL_SHARE = 0.1  # critical area fraction that verdicts leave unsaid
+_DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
 _SAME = 1e-6  # relative rounding difference of equal frictions
-_MOST_NAMED = 6  # cases of one warning
-_IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers say in their places
-_OWN_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
+_MAX_NAMED = 6  # cases that a warning lists
+_IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers state elsewhere
+_DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
 
 def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk temperature 25 °C".
 
-    Frictions of `tests` are named if one of them had another. A rise beside the model is added,
-    such as "rise +6 %".
+    The frictions of `tests` follow if they differ from it, and an added rise, such as "rise +6 %".
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
     friction = f"friction {conditions.friction:.4g}{_test_frictions(conditions, tests)}"
@@ -39,39 +38,41 @@ def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) ->
 
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
     """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
-    used = {test.velocity: test.case.conditions.friction_at(test.velocity) for test in tests}
-    same = (
-        math.isclose(one, conditions.friction_at(velocity), rel_tol=_SAME)
-        for velocity, one in used.items()
+    frictions = {test.velocity: test.case.conditions.friction_at(test.velocity) for test in tests}
+    is_equal = (
+        math.isclose(friction, conditions.friction_at(velocity), rel_tol=_SAME)
+        for velocity, friction in frictions.items()
     )
-    if all(same):
+    if all(is_equal):
         return ""
-    ends = dict.fromkeys(f"{one:.3g}" for one in (min(used.values()), max(used.values())))
+    ends = dict.fromkeys(
+        f"{friction:.3g}" for friction in (min(frictions.values()), max(frictions.values()))
+    )
     return f" (tests {' to '.join(ends)})"
 
 
 def verdict_conditions(
     conditions: Conditions, tests: Iterable[SpecimenTest] = (), from_tests: bool = False
 ) -> str:
-    """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
+    """Friction, bulk and critical temperature of a verdict, as text.
 
-    The critical area fraction follows if it is not a tenth, and corrections if there are some.
+    The critical area fraction follows if it is not 10 %, and corrections if there are any.
     """
     critical = display(known_critical_temperature(conditions), "°C", 5)
-    said = f"{heating_words(conditions, tests)}, critical temperature {critical}"
-    said += " (median, from tests)" * from_tests
+    text = f"{heating_words(conditions, tests)}, critical temperature {critical}"
+    text += " (median, from tests)" * from_tests
     share = conditions.critical_area_fraction
-    said += "" if share == _USUAL_SHARE else f", critical area fraction {100 * share:.4g} %"
-    return f"{said}; {conditions.corrections.text}" if conditions.corrections else said
+    text += "" if share == _DEFAULT_FRACTION else f", critical area fraction {100 * share:.4g} %"
+    return f"{text}; {conditions.corrections.text}" if conditions.corrections else text
 
 
 def governing_words(share: float) -> str:
-    """Words that name the temperature which a share of the contact exceeds."""
+    """Description of the governing temperature, by the share of the contact that exceeds it."""
     return f"exceeded on {100 * share:g} % of the contact" if share else "maximum"
 
 
 def added_rise_words(conditions: Conditions) -> str:
-    """Line on the rise that is added for what acts beside the model; empty if none is added."""
+    """Line on the rise added for effects outside the model; empty if none is added."""
     if not conditions.added_rise_fraction:
         return ""
     added = signed_percent(conditions.added_rise_fraction)
@@ -90,14 +91,14 @@ def warning_text(warning: SceneWarning) -> str:
 
 
 def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
-    """Lines with the gravest warnings on a scene, `most` of them, and the number of the others.
+    """Lines with at most `most` warnings on a scene, and the number of further ones.
 
-    In an answer (`answered`) those are left out that it says at the points that they limit.
+    An answer (`answered`) omits warnings that it states at the points that they concern.
     """
     lines = [
-        f"warning: {warning_text(one)}"
-        for one in sweep.all_warnings
-        if not (answered and one.code in _IN_ANSWERS)
+        f"warning: {warning_text(warning)}"
+        for warning in sweep.all_warnings
+        if not (answered and warning.code in _IN_ANSWERS)
     ]
     if (more := len(lines) - most) > 0:
         lines[most:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
@@ -111,10 +112,10 @@ def _words(warning: SceneWarning) -> str:
             value, low, high, unit = values
             return unusual(value, (low, high), unit)
         case "unusual_values":
-            odd, known, value, low, high, unit = values
-            return f"{odd:g} of {known:g} values: {unusual(value, (low, high), unit)}"
+            unusual_count, count, value, low, high, unit = values
+            return f"{unusual_count:g} of {count:g} values: {unusual(value, (low, high), unit)}"
         case "narrow_window":
-            contact, side = (display(one, "µm", 3) for one in values)
+            contact, side = (display(length, "µm", 3) for length in values)
             words = f"the contact may grow to {contact}, wider than the window ({side})"
             return f"{words}; increase window.pixels"
         case "lay_along_sliding":
@@ -134,8 +135,8 @@ def _words(warning: SceneWarning) -> str:
             return "none is given; an unworn contact stays narrow and gets hotter"
         case "far_test":
             load, velocity = values
-            place = f"{load:g} N at {velocity:g} m/s"
-            return f"the test at {place} lies far outside the sweep: check its units"
+            point = f"{load:g} N at {velocity:g} m/s"
+            return f"the test at {point} lies far outside the sweep: check its units"
         case "fresh_specimens":
             names, more = values
             tests = f"test{'s' * (', ' in names)} {names}" + f" and {more:g} more" * (more > 0)
@@ -161,28 +162,28 @@ def _words(warning: SceneWarning) -> str:
 
 
 def _cases_text(warning: SceneWarning) -> str:
-    """Which cases have a warning; empty if all have the same."""
+    """Cases that have a warning, as text; empty if all have the same."""
     if not (warning.cases or warning.of_case):
         return ""
-    more = len(warning.cases) - _MOST_NAMED
-    named = ", ".join(warning.cases[:_MOST_NAMED]) + f" and {more} more" * (more > 0)
-    alike = f"; numbers are of case {warning.of_case}" * bool(warning.of_case)
-    return f" (in {named or 'all cases'}{alike})"
+    more = len(warning.cases) - _MAX_NAMED
+    names = ", ".join(warning.cases[:_MAX_NAMED]) + f" and {more} more" * (more > 0)
+    number_case = f"; numbers are of case {warning.of_case}" * bool(warning.of_case)
+    return f" (in {names or 'all cases'}{number_case})"
 
 
 def value_words(axis: xr.DataArray, value: float | str) -> str:
-    """A value of an entry that varies, whose coordinate is `axis`, as text with its usual unit."""
+    """A value along the coordinate `axis` of a varied entry, as text with its usual unit."""
     if isinstance(value, str):
         return value
     return display(value, usual_unit(axis)).removesuffix(" 1").strip()
 
 
-def named_value(one: xr.DataArray) -> str:
-    """A value of an entry or condition that varies, with its name, such as "pin radius 4 mm"."""
-    return f"{str(one.name).replace('_', ' ')} {value_words(one, one.item())}"
+def named_value(coordinate: xr.DataArray) -> str:
+    """A value of a varied entry or condition with its name, such as "pin radius 4 mm"."""
+    return f"{str(coordinate.name).replace('_', ' ')} {value_words(coordinate, coordinate.item())}"
 
 
 def usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which users are shown values of the coordinate `axis`, such as "mm" for a radius."""
-    unit, own = str(axis.attrs.get("units", "")), str(axis.attrs.get("shown_in", ""))
-    return typeset(own) if own and unit else _OWN_UNITS.get(unit, unit)
+    """Unit in which values of the coordinate `axis` are printed, such as "mm" for a radius."""
+    unit, display_unit = str(axis.attrs.get("units", "")), str(axis.attrs.get("shown_in", ""))
+    return typeset(display_unit) if display_unit and unit else _DISPLAY_UNITS.get(unit, unit)
