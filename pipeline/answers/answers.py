@@ -1,6 +1,6 @@
 """The answers of a sweep as datasets: `boundary`, `margin` and `compare_tests`.
 
-Everything that a command, a figure or a file states is a variable or an attribute of one of them.
+Whatever a command, a figure or a file states is a variable or an attribute of these datasets.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from pipeline.answers.conditions import (
     Operation,
     in_array,
     in_arrays,
-    judged,
-    replaced,
+    override_conditions,
+    replace_conditions,
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
@@ -45,7 +45,7 @@ from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 
-_AT_ONCE = 4000  # operating points judged in one call, with some 100 MB of memory
+_BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 _TABLES = (OperatingPoints, str, os.PathLike, Mapping, pd.DataFrame)
 _PART_NAMES = {
     "interpolation": "interpolation between points",
@@ -103,8 +103,8 @@ _VARIABLES = {
 _CODES = {
     "verdict": VERDICTS,
     "origin": ORIGINS,
-    "outcome_along_velocity": tuple(one.name.lower() for one in Outcome),
-    "outcome_along_load": tuple(one.name.lower() for one in Outcome),
+    "outcome_along_velocity": tuple(outcome.name.lower() for outcome in Outcome),
+    "outcome_along_load": tuple(outcome.name.lower() for outcome in Outcome),
 }
 """Names of the codes 0, 1, 2 … of a variable."""
 
@@ -139,125 +139,133 @@ def margin(
     Dataset
         The verdict on the next specimen, its probability, temperatures, numerical errors and their
         parts, critical velocity, load and friction, and flags; each with ``units`` and
-        ``long_name``, and codes with ``flag_meanings``. Attributes state what holds for all points.
+        ``long_name``, and codes with ``flag_meanings``. Attributes state what applies to all
+        points.
 
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.margin("results/first_try.zarr", "400 N", "1.5 m/s")
-    >>> found["verdict"].attrs["flag_meanings"].split()[found["verdict"].item()]
+    >>> answer = pipeline.margin("results/first_try.zarr", "400 N", "1.5 m/s")
+    >>> answer["verdict"].attrs["flag_meanings"].split()[answer["verdict"].item()]
     'mild'
-    >>> found["governing_temperature"].round(1).item()
+    >>> answer["governing_temperature"].round(1).item()
     391.7
     """
     ds = dataset_of(ds)
     if velocity is None and isinstance(load, _TABLES):
         points = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
-        return _rows(ds, points, conditions)
+        return _judge_rows(ds, points, conditions)
     if (load is None) != (velocity is None):
         raise InputError("give both a load and a velocity")
-    places = {
-        name: in_array(name, one, functools.partial(in_si, name, like=like), "place")
-        for name, one, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
-        if one is not None
+    coordinates = {
+        name: in_array(name, values, functools.partial(in_si, name, like=like), "place")
+        for name, values, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
+        if values is not None
     }
-    given = in_arrays(conditions)
+    overrides = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
-        own = _of_case(given, case)
-        asked = _of_case(places, case) or _own_place(case)
+        case_overrides = _arguments_of_case(overrides, case)
+        case_coordinates = _arguments_of_case(coordinates, case) or _single_point(case)
         try:
-            arrays = xr.broadcast(*asked.values(), *own.values())
+            arrays = xr.broadcast(*case_coordinates.values(), *case_overrides.values())
         except ValueError as error:
-            said = f"load, velocity and conditions do not fit together: {error}"
-            raise InputError(said) from None
-        shape = arrays[0]
-        loads, velocities, *columns = (one.values.ravel() for one in arrays)
-        rows = [*zip(*(one.tolist() for one in columns), strict=True)] or [()] * shape.size
-        judged = {
-            row: replaced(case.conditions, dict(zip(own, row, strict=True)))
+            message = f"load, velocity and conditions do not fit together: {error}"
+            raise InputError(message) from None
+        template = arrays[0]
+        loads, velocities, *columns = (array.values.ravel() for array in arrays)
+        rows = [*zip(*(column.tolist() for column in columns), strict=True)] or [()] * template.size
+        conditions_by_row = {
+            row: replace_conditions(case.conditions, dict(zip(case_overrides, row, strict=True)))
             for row in dict.fromkeys(rows)
         }
-        each = [judged[row] for row in rows]
-        acting = np.array([[c.friction, c.bulk_temperature] for c in each])
-        at = Operation(loads.astype(float), velocities.astype(float), *acting.T)
-        groups = defaultdict[Any, list[int]](list)  # points of one oil
-        for k, c in enumerate(each):
+        point_conditions = [conditions_by_row[row] for row in rows]
+        heating = np.array([[c.friction, c.bulk_temperature] for c in point_conditions])
+        operation = Operation(loads.astype(float), velocities.astype(float), *heating.T)
+        groups = defaultdict[Any, list[int]](list)  # indices of points with the same oil
+        for k, c in enumerate(point_conditions):
             oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
             groups[oil].append(k)
-        models, whole = JudgedCase(case), dict[str, Any]()
-        for numbers in groups.values():
-            model = models.under(each[numbers[0]])
-            for part in np.array_split(numbers, -(-len(numbers) // _AT_ONCE)):
-                for name, one in _answers_at(model, at.take(part)).items():
-                    whole.setdefault(name, np.empty(shape.size, one.dtype))[part] = one
-        found = {name: (shape.dims, one.reshape(shape.shape)) for name, one in whole.items()}
-        varied = {k: one for k, one in own.items() if one.ndim}
-        described = _described(found, model, varied, shape.drop_attrs().coords)
-        differ = {"conditions": words.OWN_CONDITIONS} if len(judged) > 1 else {}
-        return described.assign_attrs(differ)
+        judged_case, values = JudgedCase(case), dict[str, Any]()
+        for indices in groups.values():
+            model = judged_case.under(point_conditions[indices[0]])
+            for chunk in np.array_split(indices, -(-len(indices) // _BATCH_SIZE)):
+                for name, batch in _judge_points(model, operation.take(chunk)).items():
+                    values.setdefault(name, np.empty(template.size, batch.dtype))[chunk] = batch
+        variables = {
+            name: (template.dims, column.reshape(template.shape)) for name, column in values.items()
+        }
+        varied = {name: array for name, array in case_overrides.items() if array.ndim}
+        dataset = _to_dataset(variables, model, varied, template.drop_attrs().coords)
+        attributes = {"conditions": words.POINT_CONDITIONS} if len(conditions_by_row) > 1 else {}
+        return dataset.assign_attrs(attributes)
 
-    return _side_by_side(ds, answer)
+    return _join_cases(ds, answer)
 
 
-def _of_case(given: Mapping[str, xr.DataArray], case: CaseResults) -> dict[str, xr.DataArray]:
-    """Arguments for a case: where they vary with the entries that cases do, at its labels."""
-    found = {**given}
-    for name, one in given.items():
-        labels = {dim: case.labels[str(dim)] for dim in one.dims if dim in case.labels}
+def _arguments_of_case(
+    arguments: Mapping[str, xr.DataArray], case: CaseResults
+) -> dict[str, xr.DataArray]:
+    """Arguments of a case; those that vary along the dimensions of cases, at its labels."""
+    selected = {**arguments}
+    for name, argument in arguments.items():
+        labels = {dim: case.labels[str(dim)] for dim in argument.dims if dim in case.labels}
         try:
-            found[name] = one.sel(labels, drop=True) if labels else one
+            selected[name] = argument.sel(labels, drop=True) if labels else argument
         except (IndexError, KeyError, TypeError):
             raise InputError(f"{name} has not all {min(map(str, labels))} of the sweep") from None
-    return found
+    return selected
 
 
-def _own_place(case: CaseResults) -> dict[str, xr.DataArray]:
-    """The only load and velocity of a case."""
+def _single_point(case: CaseResults) -> dict[str, xr.DataArray]:
+    """Load and velocity of a case that has a single point."""
     if max(len(case.loads), len(case.velocities)) > 1:
         raise InputError("no operating point is given; give a load and a velocity")
     return {"load": xr.DataArray(case.loads[0]), "velocity": xr.DataArray(case.velocities[0])}
 
 
-def _rows(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> xr.Dataset:
-    """Judge the rows of a table, each under its own conditions where it states some."""
+def _judge_rows(
+    ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]
+) -> xr.Dataset:
+    """Judge the rows of a table, whose conditions, if it has any, replace the others."""
     columns = dict[str, Any]()
     for name, cells in points.columns.items():
-        own = [conditions.get(name) if cell is None else cell for cell in cells]
-        columns[name] = xr.DataArray(np.array(own, object), dims="place")
-    found = margin(ds, **{**conditions, **columns})
-    labels = {f"{k} (given)" if k in found.variables else k: x for k, x in points.labels.items()}
-    return found.assign_coords({name: ("place", [*cells]) for name, cells in labels.items()})
+        filled = [conditions.get(name) if cell is None else cell for cell in cells]
+        columns[name] = xr.DataArray(np.array(filled, object), dims="place")
+    answer = margin(ds, **{**conditions, **columns})
+    labels = {f"{k} (given)" if k in answer.variables else k: x for k, x in points.labels.items()}
+    return answer.assign_coords({name: ("place", [*cells]) for name, cells in labels.items()})
 
 
-def _answers_at(model: VerdictModel, at: Operation) -> dict[str, Any]:
-    """All variables of `margin` at k points."""
-    for values, axis in ((at.load, "load"), (at.velocity, "velocity")):
-        ends = model.ranges[axis]
-        values[:] = [snap(value, *ends) for value in values.tolist()]
-    found = model.points(at)
-    known = ~np.isnan(found["log_rise_ratio"])
+def _judge_points(model: VerdictModel, points: Operation) -> dict[str, Any]:
+    """Variables of `margin` at k points."""
+    for values, axis in ((points.load, "load"), (points.velocity, "velocity")):
+        limits = model.ranges[axis]
+        values[:] = [snap(value, *limits) for value in values.tolist()]
+    columns = model.points(points)
+    is_known = ~np.isnan(columns["log_rise_ratio"])
     for axis in ("velocity", "load"):
-        found[f"critical_{axis}"] = np.full(known.shape, np.nan)
-        found[f"outcome_along_{axis}"] = np.full(known.shape, int(Outcome.UNKNOWN), np.int8)
-    found["critical_velocity_p50"] = np.full(known.shape, np.nan)
-    if known.any():
-        here = at.take(known)
+        columns[f"critical_{axis}"] = np.full(is_known.shape, np.nan)
+        columns[f"outcome_along_{axis}"] = np.full(is_known.shape, int(Outcome.UNKNOWN), np.int8)
+    columns["critical_velocity_p50"] = np.full(is_known.shape, np.nan)
+    if is_known.any():
+        known_points = points.take(is_known)
         for axis in ("velocity", "load"):
-            line = model.critical(axis, here)
+            line = model.critical(axis, known_points)
             for name in (f"critical_{axis}", f"outcome_along_{axis}"):
-                found[name][known] = line[name]
+                columns[name][is_known] = line[name]
         # A load ramp passes through lower loads, at which wear may be severe.
         lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
-        passed = (lowest < here.load) & (found["temperature_margin"][known] >= 0)
-        found["warning_flags"][known] += (passed * Flag.RAMP_PASSES_SEVERE).astype(np.int16)
+        is_mild = columns["temperature_margin"][is_known] >= 0
+        flags = ((lowest < known_points.load) & is_mild) * Flag.RAMP_PASSES_SEVERE
+        columns["warning_flags"][is_known] += flags.astype(np.int16)
         if model.evidence.specimens:
-            found["critical_velocity_p50"][known] = model.velocity_of_probability(here)
+            columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
     nearby = [
         ", ".join(model.evidence.nearby(*pair))
-        for pair in zip(at.load.tolist(), at.velocity.tolist(), strict=True)
+        for pair in zip(points.load.tolist(), points.velocity.tolist(), strict=True)
     ]
-    return found | {"nearby_tests": np.array(nearby, object), **at._asdict()}
+    return columns | {"nearby_tests": np.array(nearby, object), **points._asdict()}
 
 
 @np.errstate(under="ignore")
@@ -283,109 +291,127 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.boundary("results/first_try.zarr", friction=[0.1, 0.12])
-    >>> found["critical_velocity"].sel(load=400).round(2).values.tolist()
+    >>> boundary = pipeline.boundary("results/first_try.zarr", friction=[0.1, 0.12])
+    >>> boundary["critical_velocity"].sel(load=400).round(2).values.tolist()
     [2.31, 1.68]
     """
     ds = dataset_of(ds)
-    given = in_arrays(conditions)
+    overrides = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
         if not {*PLANE} <= {*ds["status"].dims}:
             raise InputError("each case has its own load and velocity, so there is no boundary")
-        models = JudgedCase(case)
-        own = _of_case(given, case)
-        shape = xr.broadcast(*own.values())[0] if own else xr.DataArray(0)
-        arrays = [one.broadcast_like(shape) for one in own.values()]
-        rows = []
-        for place in np.ndindex(shape.shape):
-            values = {name: one.values[place] for name, one in zip(own, arrays, strict=True)}
-            here = {name: xr.DataArray(one) for name, one in values.items() if own[name].ndim}
-            rows.append(_boundary(models.under(replaced(case.conditions, values)), here))
-        return _joined(rows, [shape[dim] for dim in shape.dims])
+        judged_case = JudgedCase(case)
+        case_overrides = _arguments_of_case(overrides, case)
+        template = xr.broadcast(*case_overrides.values())[0] if case_overrides else xr.DataArray(0)
+        arrays = [array.broadcast_like(template) for array in case_overrides.values()]
+        boundaries = []
+        for index in np.ndindex(template.shape):
+            values = {
+                name: array.values[index]
+                for name, array in zip(case_overrides, arrays, strict=True)
+            }
+            varied = {
+                name: xr.DataArray(value)
+                for name, value in values.items()
+                if case_overrides[name].ndim
+            }
+            boundaries.append(
+                _boundary(judged_case.under(replace_conditions(case.conditions, values)), varied)
+            )
+        return _concatenate(boundaries, [template[dim] for dim in template.dims])
 
-    return _side_by_side(ds, answer)
+    return _join_cases(ds, answer)
 
 
 def _boundary(model: VerdictModel, varied: dict[str, xr.DataArray]) -> xr.Dataset:
     loads, velocities = model.field.loads, model.field.velocities
-    found: dict[str, Any] = {}
-    for axis, line, places in (("velocity", "load", loads), ("load", "velocity", velocities)):
-        at = Operation.under(model.conditions, places, places)
-        here = model.critical(axis, at)
+    variables: dict[str, Any] = {}
+    for axis, dim, values in (("velocity", "load", loads), ("load", "velocity", velocities)):
+        points = Operation.under(model.conditions, values, values)
+        critical = model.critical(axis, points)
         for name in (f"critical_{axis}", f"outcome_along_{axis}"):
-            found[name] = (line, here[name])
-        crossings = np.pad(here["crossings"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8]
-        found[f"crossings_along_{axis}"] = ((line, "crossing"), crossings)
+            variables[name] = (dim, critical[name])
+        crossings = np.pad(critical["crossings"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8]
+        variables[f"crossings_along_{axis}"] = ((dim, "crossing"), crossings)
         if oil := find_lubrication(model.case.sweep.scene, model.case.sweep.lubricant):
-            on = {line: places, axis: here[f"critical_{axis}"]}
+            coordinates = {dim: values, axis: critical[f"critical_{axis}"]}
             bulk = model.conditions.bulk_temperature
-            film = oil.film_parameter(on["load"], on["velocity"], bulk)
-            found[f"film_parameter_at_{line}"] = (line, film)
-    parts = model.velocity_errors(loads, found["critical_velocity"][1])
-    found["velocity_error"] = ("load", total(parts))
-    for part, one in zip(PARTS, parts, strict=True):
-        found[f"velocity_error_{part}"] = ("load", one)
-    at = Operation.under(model.conditions, loads, loads)
+            film = oil.film_parameter(coordinates["load"], coordinates["velocity"], bulk)
+            variables[f"film_parameter_at_{dim}"] = (dim, film)
+    parts = model.velocity_errors(loads, variables["critical_velocity"][1])
+    variables["velocity_error"] = ("load", total(parts))
+    for part, error in zip(PARTS, parts, strict=True):
+        variables[f"velocity_error_{part}"] = ("load", error)
+    points = Operation.under(model.conditions, loads, loads)
     for probability in DECIDED:
         name = f"critical_velocity_p{100 * probability:02.0f}"
-        found[name] = ("load", model.velocity_of_probability(at, probability))
-    return _described(found | {"load": loads, "velocity": velocities}, model, varied, {})
+        variables[name] = ("load", model.velocity_of_probability(points, probability))
+    return _to_dataset(variables | {"load": loads, "velocity": velocities}, model, varied, {})
 
 
-def _described(
+def _to_dataset(
     variables: dict[str, Any], model: VerdictModel, varied: dict[str, xr.DataArray],
     coordinates: Mapping[Any, Any],
 ) -> xr.Dataset:  # fmt: skip
-    """Dataset with units, long names and conditions; attributes say what holds for all of it."""
+    """Dataset of an answer with units, long names, conditions and attributes."""
     axes = {**coordinates} | {name: variables.pop(name) for name in PLANE}
-    own = {name: variables.pop(name, None) for name in ("friction", "bulk_temperature")}
+    point_conditions = {
+        name: variables.pop(name, None) for name in ("friction", "bulk_temperature")
+    }
     axes |= {name: getattr(model.conditions, name) for name in NAMES}
-    for name, one in varied.items():
-        axes[name] = one if name in one.dims or own.get(name) is None else own[name]
-    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.about(model))
+    for name, array in varied.items():
+        axes[name] = (
+            array
+            if name in array.dims or point_conditions.get(name) is None
+            else point_conditions[name]
+        )
+    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.answer_attributes(model))
 
 
-def with_attributes(found: xr.Dataset) -> xr.Dataset:
+def with_attributes(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with unit and long name of each variable, and the names of codes and flags."""
-    for variable in found.variables:
+    for variable in ds.variables:
         name = str(variable)
         unit, meaning = _VARIABLES.get(name, ("", ""))
-        about: dict[str, Any] = {"units": unit} if unit else {}
-        about |= {"long_name": meaning} if meaning else {}
+        attributes: dict[str, Any] = {"units": unit} if unit else {}
+        attributes |= {"long_name": meaning} if meaning else {}
         if codes := _CODES.get(name):
-            about["flag_values"] = np.arange(len(codes), dtype=np.int8)
-            about["flag_meanings"] = " ".join(codes)
+            attributes["flag_values"] = np.arange(len(codes), dtype=np.int8)
+            attributes["flag_meanings"] = " ".join(codes)
         if name == "warning_flags":
-            about["flag_masks"] = np.array([*map(int, Flag)], np.int16)
-            about["flag_meanings"] = " ".join(str(one.name).lower() for one in Flag)
-        found.variables[name].attrs.update(about)
-    return found
+            attributes["flag_masks"] = np.array([*map(int, Flag)], np.int16)
+            attributes["flag_meanings"] = " ".join(str(flag.name).lower() for flag in Flag)
+        ds.variables[name].attrs.update(attributes)
+    return ds
 
 
-def _side_by_side(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -> xr.Dataset:
+def _join_cases(ds: xr.Dataset, answer: Callable[[CaseResults], xr.Dataset]) -> xr.Dataset:
     """Join the answers for all cases of a sweep along the dimensions of its varied entries."""
     cases = cases_of(ds)
     missing = sum(case.missing for case in cases)
     dims = case_dims(ds)
-    found = _joined([answer(case) for case in cases], [ds[dim] for dim in dims])
+    joined = _concatenate([answer(case) for case in cases], [ds[dim] for dim in dims])
     labels = [
-        one.name
-        for one in sweep_of(ds).case_table.columns
-        if one.along in dims and not one.entry and one.name not in found.coords
+        column.name
+        for column in sweep_of(ds).case_table.columns
+        if column.along in dims and not column.entry and column.name not in joined.coords
     ]
-    found = found.assign_coords({name: ds[name].variable for name in labels})
-    return found.assign_attrs(missing_points=missing)
+    joined = joined.assign_coords({name: ds[name].variable for name in labels})
+    return joined.assign_attrs(missing_points=missing)
 
 
-def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
+def _concatenate(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
     """Join answers along `axes`; attributes that differ become coordinates."""
-    alike = {k: v for k, v in answers[0].attrs.items() if all(v == one.attrs[k] for one in answers)}
+    common = {
+        k: v for k, v in answers[0].attrs.items() if all(v == answer.attrs[k] for answer in answers)
+    }
     parts = [
-        one.assign_coords({k: v for k, v in one.attrs.items() if k not in alike}) for one in answers
+        answer.assign_coords({k: v for k, v in answer.attrs.items() if k not in common})
+        for answer in answers
     ]
     for axis in reversed(axes):
-        parts = [one.drop_vars(str(axis.name), errors="ignore") for one in parts]
+        parts = [part.drop_vars(str(axis.name), errors="ignore") for part in parts]
         parts = [
             xr.concat(
                 parts[start : start + axis.size], axis, data_vars="all", coords="different",
@@ -393,9 +419,9 @@ def _joined(answers: list[xr.Dataset], axes: list[xr.DataArray]) -> xr.Dataset:
             )
             for start in range(0, len(parts), axis.size)
         ]  # fmt: skip
-    found = parts[0]
-    found.attrs = alike
-    return found
+    joined = parts[0]
+    joined.attrs = common
+    return joined
 
 
 def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
@@ -408,31 +434,35 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.compare_tests("results/first_try.zarr")
-    >>> found["load"].values.tolist(), found["log_rise_ratio"].round(2).values.tolist()
+    >>> tests = pipeline.compare_tests("results/first_try.zarr")
+    >>> tests["load"].values.tolist(), tests["log_rise_ratio"].round(2).values.tolist()
     ([750.0, 600.0, 400.0, 200.0], [0.03, -0.03, -0.11, -0.06])
     """
     case = cases_of(ds)[0]
-    model = JudgedCase(case).under(judged(case.conditions, conditions))
+    model = JudgedCase(case).under(override_conditions(case.conditions, conditions))
     evidence = model.evidence
-    pairs = zip(evidence.specimens, evidence.posterior.expected, strict=True)
-    share = {id(row): one for rows, one in pairs for row in rows}
+    pairs = zip(evidence.specimens, evidence.posterior.loo_probabilities, strict=True)
+    loo_probabilities = {id(row): probability for rows, probability in pairs for row in rows}
     columns: dict[str, list[Any]] = {}
     for row in evidence.rows:
-        test, own = row.test, row.conditions
+        test, test_conditions = row.test, row.conditions
         for name, value in {
             "test": test.number, "outcome": test.outcome,
             "load": test.normal_load, "velocity": test.velocity,
-            "friction": own.friction_at(test.velocity) if own else math.nan,
-            "bulk_temperature": own.bulk_temperature if own else math.nan,
+            "friction": test_conditions.friction_at(test.velocity) if test_conditions else math.nan,
+            "bulk_temperature": test_conditions.bulk_temperature if test_conditions else math.nan,
             "governing_temperature": row.temperature,
             "log_rise_ratio": row.mild if math.isnan(row.severe) else row.severe,
             "log_rise_ratio_mild": row.mild, "log_rise_ratio_severe": row.severe,
-            "loo_probability": share.get(id(row), math.nan), "reason": row.reason,
+            "loo_probability": loo_probabilities.get(id(row), math.nan), "reason": row.reason,
         }.items():  # fmt: skip
             columns.setdefault(name, []).append(value)
-    found = xr.Dataset({name: ("test", values) for name, values in columns.items()})
-    found = found if columns else xr.Dataset(coords={"test": np.array([], object)})
+    comparison = xr.Dataset({name: ("test", values) for name, values in columns.items()})
+    comparison = comparison if columns else xr.Dataset(coords={"test": np.array([], object)})
     bulk = np.full(1, model.conditions.bulk_temperature)
-    levels = [float(evidence.log_rise_ratio_quantiles(share, bulk)[0]) for share in DECIDED]
-    return with_attributes(found).assign_attrs(words.about(model), missing_points=0, levels=levels)
+    levels = [
+        float(evidence.log_rise_ratio_quantiles(probability, bulk)[0]) for probability in DECIDED
+    ]
+    return with_attributes(comparison).assign_attrs(
+        words.answer_attributes(model), missing_points=0, levels=levels
+    )

@@ -1,4 +1,4 @@
-"""The conditions that decide, in every door the same: those of a case, with some replaced."""
+"""Conditions of an answer: those of a case, some of them replaced by arguments."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS
 NAMES = tuple(PATHS)
 """Conditions that answers take as keywords."""
 Values = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
-"""One value in SI or text with its unit, or several, which make a dimension."""
+"""One value in SI or text with its unit, or several values along a new dimension."""
 
 
 class ConditionValues(TypedDict, total=False):
-    """Conditions to judge by in place of the scene's, as keywords of answers."""
+    """Conditions that replace those of the scene, as keywords of answers."""
 
     friction: Values | None
     bulk_temperature: Values | None
@@ -35,7 +35,7 @@ class ConditionValues(TypedDict, total=False):
 
 
 class Operation(NamedTuple):
-    """Operating points (k,), each with the friction coefficient and bulk temperature it has."""
+    """Operating points (k,), each with a friction coefficient and a bulk temperature."""
 
     load: Array  # [N]
     velocity: Array  # [m/s]
@@ -45,75 +45,79 @@ class Operation(NamedTuple):
     @classmethod
     def under(cls, conditions: Conditions, loads: Array, velocities: Array) -> Operation:
         """Points that all have the friction and bulk temperature of `conditions`."""
-        same = conditions.friction, conditions.bulk_temperature
-        return cls(loads, velocities, *(np.full(loads.shape, one) for one in same))
+        values = conditions.friction, conditions.bulk_temperature
+        return cls(loads, velocities, *(np.full(loads.shape, value) for value in values))
 
-    def take(self, which: Any) -> Operation:
-        """Some of the points."""
-        return Operation(*(one[which] for one in self))
+    def take(self, index: Any) -> Operation:
+        """Points selected by `index`, which may be a mask."""
+        return Operation(*(column[index] for column in self))
 
 
-def by_bulk(bulks: Array, function: Callable[[float, Mask], Array]) -> Array:
-    """Values (k,) of a function of a bulk temperature [K] and of which of the points have it."""
-    found = np.full(bulks.shape, np.nan)
+def evaluate_by_bulk(bulks: Array, function: Callable[[float, Mask], Array]) -> Array:
+    """Values (k,) of a function of a bulk temperature [K] and of the mask of its points."""
+    values = np.full(bulks.shape, np.nan)
     for bulk in np.unique(bulks).tolist():
-        here = bulks == bulk
-        found[here] = function(bulk, here)
-    return found
+        is_member = bulks == bulk
+        values[is_member] = function(bulk, is_member)
+    return values
 
 
-def judged(own: Conditions, given: Mapping[str, Any]) -> Conditions:
-    """Conditions of a case, with those `given` by name, single values, in place of its own."""
-    arrays = in_arrays(given)
-    if several := [name for name, one in arrays.items() if one.size > 1]:
+def override_conditions(conditions: Conditions, overrides: Mapping[str, Any]) -> Conditions:
+    """Conditions of a case, some replaced by the single values of `overrides`."""
+    arrays = in_arrays(overrides)
+    if several := [name for name, array in arrays.items() if array.size > 1]:
         raise InputError(f"{several[0]} takes a single value here")
-    return replaced(own, {name: one.item() for name, one in arrays.items()})
+    return replace_conditions(conditions, {name: array.item() for name, array in arrays.items()})
 
 
-def replaced(own: Conditions, values: Mapping[str, Any]) -> Conditions:
-    """Conditions with some values [SI] replaced; None leaves one as it is."""
-    return replace(own, **{name: one for name, one in values.items() if one is not None})
+def replace_conditions(conditions: Conditions, values: Mapping[str, Any]) -> Conditions:
+    """Conditions with some values [SI] replaced, except by None."""
+    return replace(
+        conditions, **{name: value for name, value in values.items() if value is not None}
+    )
 
 
-def in_arrays(given: Mapping[str, Any]) -> dict[str, xr.DataArray]:
-    """Conditions as arrays in SI: those given as lists have a dimension of their own."""
-    if unknown := given.keys() - {*NAMES}:
+def in_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
+    """Conditions as arrays in SI; a list has a dimension with the name of its condition."""
+    if unknown := overrides.keys() - {*NAMES}:
         raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
-    found = dict[str, xr.DataArray]()
-    for name, value in given.items():
+    arrays = dict[str, xr.DataArray]()
+    for name, value in overrides.items():
         if value is None:
             continue
-        found[name] = in_array(name, value, functools.partial(_si, name), name)
-        if found[name].dims == (name,) and not isinstance(value, xr.DataArray):
-            values = found[name].values.tolist()
+        arrays[name] = in_array(name, value, functools.partial(_si, name), name)
+        if arrays[name].dims == (name,) and not isinstance(value, xr.DataArray):
+            values = arrays[name].values.tolist()
             if len(values) != len({*values}):
                 raise InputError(f"{name} has a value twice; give each once")
-            found[name] = found[name].assign_coords({name: values})
-    return found
+            arrays[name] = arrays[name].assign_coords({name: values})
+    return arrays
 
 
 def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
-    """An argument as an array of what `read` makes of its values; a list has the dimension `dim`.
+    """An argument as an array of its values, converted by `read`; a list has the dimension `dim`.
 
-    A unit in the attributes of a DataArray follows each number.
+    If a DataArray has a unit in its attributes, each number is read with this unit.
     """
     values = np.asarray(value, object)
     if not values.size:
         raise InputError(f"{name} is empty; give at least one value")
     unit = value.attrs.get("units") if isinstance(value, xr.DataArray) else None
-    found = np.empty(values.shape, object)
-    for place, one in np.ndenumerate(values):
-        bare = not unit or isinstance(one, str) or (isinstance(one, float) and np.isnan(one))
-        found[place] = read(one if bare else f"{one} {unit}")
+    converted = np.empty(values.shape, object)
+    for index, item in np.ndenumerate(values):
+        is_bare = not unit or isinstance(item, str) or (isinstance(item, float) and np.isnan(item))
+        converted[index] = read(item if is_bare else f"{item} {unit}")
     if isinstance(value, xr.DataArray):
-        return value.copy(data=found).drop_attrs()
-    if found.ndim > 1:
-        raise InputError(f"{name} has {found.ndim} dimensions; give a DataArray, which names them")
-    return xr.DataArray(found, dims=[dim] * found.ndim)
+        return value.copy(data=converted).drop_attrs()
+    if converted.ndim > 1:
+        raise InputError(
+            f"{name} has {converted.ndim} dimensions; give a DataArray, which names them"
+        )
+    return xr.DataArray(converted, dims=[dim] * converted.ndim)
 
 
 def _si(name: str, value: Any) -> float | None:
-    """A value in SI; None, which stands for that of the scene, stays."""
+    """A value in SI; None, for the value of the scene, remains None."""
     if value is None:
         return None
     if name in ("bulk_temperature", "critical_temperature"):

@@ -1,9 +1,9 @@
-"""The critical temperature of the lubricant from tests: what they say of it, and integrated over.
+"""Critical temperature Tc of the lubricant, inferred from tests.
 
-ln(Tc − bulk temperature) is unknown: Student's t with 4 degrees and a scale of 1 about 120 K above
-the bulk. At each Tc the y of every test is taken anew with its own bulk temperature, so nothing
-depends on where a search begins. On the same rig Tc contains the model's bias; on another rig the
-bias is added.
+The prior of ln(Tc − bulk temperature) is Student's t with 4 degrees of freedom and a scale of 1,
+about 120 K above the bulk temperature. At each Tc the y of every test is computed at the bulk
+temperature of this test, so the result does not depend on an initial guess. On the same rig Tc
+contains the model's bias; on another rig the bias is added.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import logsumexp
 
-from pipeline.answers.conditions import ConditionValues, judged
+from pipeline.answers.conditions import ConditionValues, override_conditions
 from pipeline.answers.posterior import (
     LEAST_BIAS,
     Outcome,
@@ -35,62 +35,69 @@ from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 from tribo.types import Array
 
-_USUAL = 120.0  # K above the bulk temperature, about which Tc is assumed
+_PRIOR_MEDIAN = 120.0  # of Tc − bulk temperature [K]
 _NODES = np.linspace(-4, 4, 801)  # of ln((Tc − bulk)/120 K)
 _SCATTERS, _BIASES, _FARTHEST = 100, 101, 7.0  # nodes; sinh(7) scales of the bias are 550
-_SEVERE = 40.0  # change of y in place of infinity, where Tc is not above a bulk temperature
-_BOUND = 0.05  # likelihood, over the largest, at the end of a range that tests of one outcome leave
-_EVEN_BIASES, _EVEN_SCATTERS, _EVEN = 241, 50, 6.0  # nodes, 0.3 widths apart in the middle
-_NARROWEST = 0.01  # width of these nodes
-_MERGED = 0.25  # difference of biases, over the scatter, within which they are merged
-_NEGLIGIBLE = 1e-11  # weight of a node and bias that is left out
+_MAX_CHANGE = 40.0  # largest change of y, also if Tc is not above a bulk temperature
+_BOUND = 0.05  # likelihood over its maximum, at the bound by tests of a single outcome
+_GRID_BIASES, _GRID_SCATTERS, _GRID_SCALE = (
+    241,
+    50,
+    6.0,
+)  # nodes; biases about 0.3 widths apart in the middle
+_MIN_WIDTH = 0.01  # smallest width of these nodes
+_BIN_WIDTH = 0.25  # difference of biases over the scatter, within which they are merged
+_NEGLIGIBLE = 1e-11  # largest weight of an omitted pair of node and bias
 
 
 @dataclass(frozen=True, eq=False)
 class CriticalTemperature:
-    """What tests say of the critical temperature; `temperature` is its median on this rig [K]."""
+    """Critical temperature inferred from tests; `temperature` is its median on this rig [K]."""
 
     temperature: float
     spread: float  # standard deviation on this rig [K]
-    at_least: float  # bounds by tests of one outcome [K]; NaN if there are both outcomes
+    at_least: float  # bounds by tests of a single outcome [K]; NaN if there are both outcomes
     at_most: float
     evidence: Evidence  # y of the tests at `temperature`
-    bulk: float  # of the scene, above which Tc is assumed [K]
+    bulk: float  # bulk temperature of the scene [K]
     nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
     logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
-    weights: Array  # of each node and bias, which add up to 1
+    weights: Array  # of each node and bias; their sum is 1
     _at_bulk: dict[float, Posterior] = field(default_factory=dict, repr=False)
 
     def at_bulk(self, bulk: float) -> Posterior:
-        """Bias and scatter of points at a bulk temperature [K], whose y are at `temperature`.
+        """Bias and scatter of points at a bulk temperature [K], with y at `temperature`.
 
-        Tc moves y by another amount than at the scene's bulk temperature. Values nearer to each
-        other than a part of the scatter are merged, and their variance is added to it.
+        A change of Tc changes y by another amount than at the scene's bulk temperature. Biases
+        that differ by less than `_BIN_WIDTH` scatters are merged, and their variance is added to
+        that of the scatter.
         """
         if bulk == self.bulk:
             return self.nodes
         if bulk not in self._at_bulk:
-            self._at_bulk[bulk] = self._moved_to(bulk)
+            self._at_bulk[bulk] = self._posterior_at(bulk)
         return self._at_bulk[bulk]
 
-    def _moved_to(self, bulk: float) -> Posterior:
-        moved = _change(self.temperature, self._temperatures, bulk) + self._biases
-        counts = self.weights > _NEGLIGIBLE
-        moved, weights = np.clip(moved[counts], -_SEVERE, _SEVERE), self.weights[counts]
-        scatter, kind = np.unique(self.nodes.scatter, return_inverse=True)
-        kind = np.broadcast_to(kind[:, None], counts.shape)[counts]
-        places = np.floor(moved / (_MERGED * scatter[kind])).astype(int)
-        first, count = places.min(), np.ptp(places) + 1
-        which, back = np.unique(kind * count + places - first, return_inverse=True)
+    def _posterior_at(self, bulk: float) -> Posterior:
+        biases = _change(self.temperature, self._temperatures, bulk) + self._biases
+        is_significant = self.weights > _NEGLIGIBLE
+        biases = np.clip(biases[is_significant], -_MAX_CHANGE, _MAX_CHANGE)
+        weights = self.weights[is_significant]
+        scatter, inverse = np.unique(self.nodes.scatter, return_inverse=True)
+        scatter_index = np.broadcast_to(inverse[:, None], is_significant.shape)[is_significant]
+        bins = np.floor(biases / (_BIN_WIDTH * scatter[scatter_index])).astype(int)
+        first_bin, bin_count = bins.min(), np.ptp(bins) + 1
+        keys = scatter_index * bin_count + bins - first_bin
+        groups, inverse = np.unique(keys, return_inverse=True)
         weights, first_moments, second_moments = (
-            np.bincount(back, weights * moved**power).astype(float) for power in range(3)
+            np.bincount(inverse, weights * biases**power).astype(float) for power in range(3)
         )
-        kept = weights > _NEGLIGIBLE
-        weights, means = weights[kept], first_moments[kept] / weights[kept]
-        variances = np.maximum(second_moments[kept] / weights - means**2, 0.0)
-        own = scatter[which[kept] // count]
+        is_kept = weights > _NEGLIGIBLE
+        weights, means = weights[is_kept], first_moments[is_kept] / weights[is_kept]
+        variances = np.maximum(second_moments[is_kept] / weights - means**2, 0.0)
+        group_scatter = scatter[groups[is_kept] // bin_count]
         return replace(
-            self.nodes, bias=means, scatter=np.hypot(own, np.sqrt(variances)),
+            self.nodes, bias=means, scatter=np.hypot(group_scatter, np.sqrt(variances)),
             weights=weights / weights.sum(),
         )  # fmt: skip
 
@@ -112,87 +119,89 @@ class CriticalTemperature:
 
 
 def _change(start: float, temperatures: Array, bulk: float) -> Array:
-    """Change of y at a bulk temperature, if the critical temperature changes from `start` [K]."""
+    """Change of y at a bulk temperature for critical temperatures other than `start` [K]."""
     above = np.maximum(temperatures - bulk, 1e-300)
-    return np.asarray(np.minimum(math.log(start - bulk) - np.log(above), _SEVERE))
+    return np.asarray(np.minimum(math.log(start - bulk) - np.log(above), _MAX_CHANGE))
 
 
 def critical_temperature_of(
     case: CaseResults, specimen: Specimen, oil: Conditions
 ) -> CriticalTemperature:
-    """What the tests of a case say; `oil` has all conditions but the critical temperature."""
+    """Infer Tc from the tests of a case; `oil` has all conditions but the critical temperature."""
     bulk = case.sweep.conditions.bulk_temperature
     bulks = [test.case.conditions.bulk_temperature for test in case.sweep.tests]
-    start = max([bulk, oil.bulk_temperature, *bulks]) + _USUAL
+    start = max([bulk, oil.bulk_temperature, *bulks]) + _PRIOR_MEDIAN
     evidence = evidence_of(case, specimen, replace(oil, critical_temperature=start))
     if not evidence.specimens:
-        why = "; ".join(row.reason for row in evidence.without_result[:1]) or "it has none"
+        reason = "; ".join(row.reason for row in evidence.without_result[:1]) or "it has none"
         raise InputError(
             f"scene {case.sweep.name}: no test has a result, and the critical temperature is to be "
-            f"found from tests ({why})"
+            f"found from tests ({reason})"
         )
-    prior, own = evidence.prior, _OwnBulks(evidence, start)
-    temperatures = bulk + _USUAL * np.exp(_NODES)
-    logs = own.log_likelihood(temperatures, np.zeros(1), prior)[:, 0]
-    share = np.exp(logs - (WORTH + 1) / 2 * np.log1p(_NODES**2 / WORTH) - logs.max())
-    share /= share.sum()
-    middle = float(np.interp(0.5, np.cumsum(share) - share / 2, _NODES))
-    spread = math.sqrt(float(share @ (_NODES - share @ _NODES) ** 2))
-    above = _USUAL * math.exp(middle)
-    found = evidence_of(case, specimen, replace(oil, critical_temperature=bulk + above)) if (
-        bulk + above > max([bulk, *bulks])
-    ) else evidence  # fmt: skip
-    temperature = bulk + above if found is not evidence else start
-    at_least, at_most = _bounds(own, bulk, prior)
-    own = _OwnBulks(found, temperature)
-    nodes = update(tuple(one for one, _ in own.results), Prior(1.0, prior.scatter))
-    if any(at != bulk for _, at in own.results):
-        nodes = _even(nodes, own, bulk, max(spread, _NARROWEST), prior)
-    logs, weights = _joint(nodes, own, bulk, temperature, prior)
+    prior, outcomes = evidence.prior, _TestOutcomes(evidence, start)
+    temperatures = bulk + _PRIOR_MEDIAN * np.exp(_NODES)
+    logs = outcomes.log_likelihood(temperatures, np.zeros(1), prior)[:, 0]
+    weights = np.exp(logs - (WORTH + 1) / 2 * np.log1p(_NODES**2 / WORTH) - logs.max())
+    weights /= weights.sum()
+    median = float(np.interp(0.5, np.cumsum(weights) - weights / 2, _NODES))
+    spread = math.sqrt(float(weights @ (_NODES - weights @ _NODES) ** 2))
+    median_excess = _PRIOR_MEDIAN * math.exp(median)
+    final_evidence = (
+        evidence_of(case, specimen, replace(oil, critical_temperature=bulk + median_excess))
+        if bulk + median_excess > max([bulk, *bulks])
+        else evidence
+    )
+    temperature = bulk + median_excess if final_evidence is not evidence else start
+    at_least, at_most = _bounds(outcomes, bulk, prior)
+    outcomes = _TestOutcomes(final_evidence, temperature)
+    nodes = update(tuple(outcome for outcome, _ in outcomes.pairs), Prior(1.0, prior.scatter))
+    if any(test_bulk != bulk for _, test_bulk in outcomes.pairs):
+        nodes = _reweighted_nodes(nodes, outcomes, bulk, max(spread, _MIN_WIDTH), prior)
+    logs, joint_weights = _joint(nodes, outcomes, bulk, temperature, prior)
     return CriticalTemperature(
-        temperature, above * spread, at_least, at_most, found, bulk,
-        replace(nodes, weights=weights.sum(axis=1)), logs, weights,
+        temperature, median_excess * spread, at_least, at_most, final_evidence, bulk,
+        replace(nodes, weights=joint_weights.sum(axis=1)), logs, joint_weights,
     )  # fmt: skip
 
 
-class _OwnBulks:
-    """Results of tests at a critical temperature `start`, each with its own bulk temperature."""
+class _TestOutcomes:
+    """Outcomes of specimens with y at a critical temperature `start`, and bulk temperatures."""
 
     def __init__(self, evidence: Evidence, start: float) -> None:
         self.start = start
-        self.results: list[tuple[Outcome, float]] = [
+        self.pairs: list[tuple[Outcome, float]] = [
             (outcome_of(rows), rows[0].test.case.conditions.bulk_temperature)
             for rows in evidence.specimens
         ]
 
-    def has(self, side: str) -> bool:
-        """True if a test has a finite end on this side."""
-        return any(math.isfinite(getattr(one, side)) for one, _ in self.results)
+    def has_outcome(self, name: str) -> bool:
+        """True if a specimen was mild, or severe, by `name`."""
+        return any(math.isfinite(getattr(outcome, name)) for outcome, _ in self.pairs)
 
     def log_likelihood(self, temperatures: Array, biases: Array, prior: Prior) -> Array:
-        """ln(likelihood) at each critical temperature and bias, over all scatters."""
+        """ln(likelihood) at each critical temperature and bias, integrated over the scatter."""
         v = np.linspace(math.log(0.05 * prior.scatter), math.log(50), _SCATTERS)
         weights = log_prior_scatter(v, prior)
         logs = np.zeros((len(temperatures), len(biases), len(v)))
-        for one, bulk in self.results:
-            moved = _change(self.start, temperatures, bulk)
-            logs += one.log_likelihood((moved[:, None] + biases)[..., None], np.exp(v))
+        for outcome, bulk in self.pairs:
+            change = _change(self.start, temperatures, bulk)
+            logs += outcome.log_likelihood((change[:, None] + biases)[..., None], np.exp(v))
         return np.asarray(logsumexp(logs + weights - logsumexp(weights), axis=2))
 
 
-def _bounds(own: _OwnBulks, bulk: float, prior: Prior) -> tuple[float, float]:
-    """Bounds [K] that tests of one outcome leave, on any rig; NaN where there is none."""
+def _bounds(outcomes: _TestOutcomes, bulk: float, prior: Prior) -> tuple[float, float]:
+    """Bounds [K] by tests of a single outcome, on any rig; NaN for no bound."""
     nodes = _NODES[::8]
     biases, log_prior = _biases(prior)
-    logs = own.log_likelihood(bulk + _USUAL * np.exp(nodes), biases, prior)
-    whole = np.exp(logs + log_prior).sum(axis=1)
-    ratio = whole / whole.max()
-    mild, severe = own.has("mild"), own.has("severe")
-    if mild == severe:
+    logs = outcomes.log_likelihood(bulk + _PRIOR_MEDIAN * np.exp(nodes), biases, prior)
+    likelihood = np.exp(logs + log_prior).sum(axis=1)
+    ratio = likelihood / likelihood.max()
+    has_mild, has_severe = outcomes.has_outcome("mild"), outcomes.has_outcome("severe")
+    if has_mild == has_severe:
         return math.nan, math.nan
-    if mild:  # the likelihood rises with Tc
-        return bulk + _USUAL * math.exp(np.interp(_BOUND, ratio, nodes)), math.nan
-    return math.nan, bulk + _USUAL * math.exp(np.interp(_BOUND, ratio[::-1], nodes[::-1]))
+    if has_mild:  # the likelihood increases with Tc
+        return bulk + _PRIOR_MEDIAN * math.exp(np.interp(_BOUND, ratio, nodes)), math.nan
+    return math.nan, bulk + _PRIOR_MEDIAN * math.exp(np.interp(_BOUND, ratio[::-1], nodes[::-1]))
 
 
 def _biases(prior: Prior) -> tuple[Array, Array]:
@@ -202,42 +211,44 @@ def _biases(prior: Prior) -> tuple[Array, Array]:
     return bias, np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(np.sinh(u) ** 2 / WORTH)
 
 
-def _even(nodes: Posterior, own: _OwnBulks, bulk: float, width: float, prior: Prior) -> Posterior:
-    """Nodes with the weights by tests at the scene's bulk temperature, dense within a `width`."""
-    v = np.linspace(math.log(0.1 * prior.scatter), math.log(_SEVERE), _EVEN_SCATTERS)
-    reach = math.asinh(_SEVERE / (_EVEN * width))
-    u = np.linspace(-reach, reach, _EVEN_BIASES)[:, None]
-    bias, scatter = _EVEN * width * np.sinh(u), np.exp(v)
+def _reweighted_nodes(
+    nodes: Posterior, outcomes: _TestOutcomes, bulk: float, width: float, prior: Prior
+) -> Posterior:
+    """Nodes weighted by tests at the scene's bulk temperature, dense within a `width`."""
+    v = np.linspace(math.log(0.1 * prior.scatter), math.log(_MAX_CHANGE), _GRID_SCATTERS)
+    reach = math.asinh(_MAX_CHANGE / (_GRID_SCALE * width))
+    u = np.linspace(-reach, reach, _GRID_BIASES)[:, None]
+    bias, scatter = _GRID_SCALE * width * np.sinh(u), np.exp(v)
     logs = np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(bias**2 / WORTH)
     logs = logs + log_prior_scatter(v, prior)
-    for one, at in own.results:
-        if at == bulk:
-            logs += one.log_likelihood(bias, scatter)
+    for outcome, test_bulk in outcomes.pairs:
+        if test_bulk == bulk:
+            logs += outcome.log_likelihood(bias, scatter)
     weights = np.exp(logs - logs.max())
-    kept = weights > _NEGLIGIBLE * weights.sum()
-    bias, scatter = (np.broadcast_to(one, kept.shape)[kept] for one in (bias, scatter))
-    return replace(nodes, bias=bias, scatter=scatter, weights=weights[kept])
+    is_kept = weights > _NEGLIGIBLE * weights.sum()
+    bias, scatter = (np.broadcast_to(array, is_kept.shape)[is_kept] for array in (bias, scatter))
+    return replace(nodes, bias=bias, scatter=scatter, weights=weights[is_kept])
 
 
 def _joint(
-    nodes: Posterior, own: _OwnBulks, bulk: float, temperature: float, prior: Prior
+    nodes: Posterior, outcomes: _TestOutcomes, bulk: float, temperature: float, prior: Prior
 ) -> tuple[Array, Array]:
     """ln((Tc − bulk)/(temperature − bulk)) by node and bias, and the weights of both.
 
-    The bias is a part of what a node moves y by; the critical temperature is the rest. `nodes`
-    were made with a prior of the whole, in whose place both priors come, and by tests at the
-    scene's bulk temperature alone, if there are others.
+    The change of y at a node is the sum of the bias and of the change by the critical temperature.
+    The prior of the sum, with which `nodes` were computed, is replaced by the priors of both. If
+    tests have other bulk temperatures, `nodes` contain only the tests at that of the scene.
     """
     biases, log_prior = _biases(prior)
     logs = biases - nodes.bias[:, None]
-    whole = -(WORTH + 1) / 2 * np.log1p(nodes.bias**2 / WORTH)
-    u = logs + math.log((temperature - bulk) / _USUAL)
-    joint = log_prior - (WORTH + 1) / 2 * np.log1p(u**2 / WORTH) - whole[:, None]
+    log_prior_sum = -(WORTH + 1) / 2 * np.log1p(nodes.bias**2 / WORTH)
+    u = logs + math.log((temperature - bulk) / _PRIOR_MEDIAN)
+    joint = log_prior - (WORTH + 1) / 2 * np.log1p(u**2 / WORTH) - log_prior_sum[:, None]
     temperatures = bulk + (temperature - bulk) * np.exp(logs)
-    for one, at in own.results:
-        if at != bulk:
-            moved = _change(temperature, temperatures, at) + biases
-            joint += one.log_likelihood(moved, nodes.scatter[:, None])
+    for outcome, test_bulk in outcomes.pairs:
+        if test_bulk != bulk:
+            total_bias = _change(temperature, temperatures, test_bulk) + biases
+            joint += outcome.log_likelihood(total_bias, nodes.scatter[:, None])
     joint += np.log(nodes.weights)[:, None]
     weights = np.exp(joint - joint.max())
     return logs, weights / weights.sum()
@@ -247,36 +258,44 @@ def _joint(
 def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Find the critical temperature of the lubricant from the tests of a scene.
 
-    Before the tests ln(critical − bulk temperature) is Student's t with 4 degrees and a scale of 1,
-    about 120 K above the bulk temperature. A critical temperature in the scene changes nothing.
+    The prior of ln(critical − bulk temperature) is Student's t with 4 degrees of freedom and a
+    scale of 1, about 120 K above the bulk temperature. A critical temperature in the scene is
+    ignored.
 
     Returns
     -------
     Dataset
         ``critical_temperature``, the median; ``spread_another_rig``, its standard deviation on
         another rig, with the model's bias in it, and ``spread_this_rig`` on this one; ``at_least``
-        and ``at_most``, where only mild or only severe tests bound it: there their likelihood is 5
-        % of its largest value.
+        and ``at_most``, its bounds by only mild or only severe tests, at which the likelihood is 5
+        % of its maximum.
 
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.infer("results/first_try.zarr")
-    >>> (found["critical_temperature"] - 273.15).round(1).item()
+    >>> oil = pipeline.infer("results/first_try.zarr")
+    >>> (oil["critical_temperature"] - 273.15).round(1).item()
     139.8
     """
     case = cases_of(ds)[0]
-    own = judged(replace(case.sweep.conditions, critical_temperature=None), conditions)
-    found = critical_temperature_of(case, specimen_of(case, own), own)
+    conditions_of_case = override_conditions(
+        replace(case.sweep.conditions, critical_temperature=None), conditions
+    )
+    critical = critical_temperature_of(
+        case, specimen_of(case, conditions_of_case), conditions_of_case
+    )
     values = {
-        "critical_temperature": (found.temperature, "critical temperature by the tests, median"),
+        "critical_temperature": (critical.temperature, "critical temperature by the tests, median"),
         "spread_another_rig": (
-            found.spread_with_bias,
+            critical.spread_with_bias,
             "standard deviation on another rig (model bias included)",
         ),
-        "spread_this_rig": (found.spread, "standard deviation on this rig (model bias excluded)"),
-        "at_least": (found.at_least, "lower bound by mild tests alone"),
-        "at_most": (found.at_most, "upper bound by severe tests alone"),
+        "spread_this_rig": (
+            critical.spread,
+            "standard deviation on this rig (model bias excluded)",
+        ),
+        "at_least": (critical.at_least, "lower bound by mild tests alone"),
+        "at_most": (critical.at_most, "upper bound by severe tests alone"),
     }
     return xr.Dataset(
         {k: ((), value, {"units": "K", "long_name": name}) for k, (value, name) in values.items()}

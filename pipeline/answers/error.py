@@ -100,14 +100,14 @@ def interpolation_errors(
     between these loads (k,).
     """
     field = specimen.field
-    (low, high), way = field.beside(loads), field.way(loads)
+    (low, high), way = field.bracketing_rows(loads), field.load_fraction(loads)
     first, last = field.loads[low], field.loads[high]
     has_gap = last > first
     sides = _along_rows(field, np.append(low, high), np.tile(velocities, 2)).reshape(2, -1)
     weights = np.stack([1 - way, way])
     along = np.where(weights > 0, weights * sides, 0.0)
     between = np.where(has_gap, np.nan, 0.0)
-    if len(rows := field.tells) > 1:
+    if len(rows := field.curve_rows) > 1:
         # Each realization is rough along load in its own way.
         rough = ROUGH_LOAD / np.sqrt(np.maximum(specimen.realizations[rows], 1))
         each, back = np.unique(velocities, return_inverse=True)

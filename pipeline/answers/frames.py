@@ -1,4 +1,4 @@
-"""Answers as data frames, in the units of people."""
+"""Answers as data frames, in the usual units."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import xarray as xr
 from pipeline.answers import words
 from pipeline.answers.conditions import NAMES
 from pipeline.answers.scene_words import usual_unit
-from pipeline.answers.words import ABOUT, probability_text
+from pipeline.answers.words import ATTRIBUTES, probability_text
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
-_TOLD = ("conditions", "model_error", "not_included", "notes")
+_COMMON_ATTRIBUTES = ("conditions", "model_error", "not_included", "notes")
 _ROWS = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "critical_velocity",
@@ -33,55 +33,66 @@ _HEADINGS = {
 }  # fmt: skip
 
 
-def answer_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
-    """Rows of an answer: its dimensions, then the variables `names`, in the units of people.
+def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
+    """Rows of an answer: its dimensions, then the variables `names`, in the usual units.
 
-    All variables if none are named. Headings are their names, with units. Columns of a user's own
-    stand first.
+    Without `names`, all variables. Headings are names with units. Columns that a user added to a
+    table come first.
     """
-    dims = [str(dim) for dim in found.sizes]
-    own = [str(name) for name, one in found.coords.items() if one.ndim and name not in dims]
-    first = [name for name in own if name not in (*PLANE, *ABOUT) and name in (names or own)]
-    first.sort(key=lambda name: name in NAMES)
-    names = names or (*own, *map(str, found.data_vars))
-    axes = [name for name in ("load", "velocity") if name not in dims and name not in names]
-    places = [name for name in axes if {*found[name].dims} <= {*found[names[0]].dims}]
-    wanted = [*dict.fromkeys([*first, *places, *names])]
-    spread = xr.Dataset({name: _shown(found[name]) for name in wanted})
-    spread = spread.assign_coords({dim: found[dim] for dim in spread.dims if dim in found.coords})
-    spread = spread if spread.sizes else spread.expand_dims("place")
-    frame = spread.to_dataframe().reset_index()
-    columns = [*(dim for dim in dims if dim in frame and dim != "place"), *wanted]
-    short_heads = [_heading(name, found) for name in columns]
-    heads = [  # both outcomes of a point are in one row
-        head if short_heads.count(head) == 1 else name.replace("_", " ")
-        for name, head in zip(columns, short_heads, strict=True)
+    dims = [str(dim) for dim in answer.sizes]
+    coordinates = [
+        str(name) for name, array in answer.coords.items() if array.ndim and name not in dims
     ]
-    return frame_of(heads, frame[columns].itertuples(index=False, name=None))
+    user_columns = [
+        name
+        for name in coordinates
+        if name not in (*PLANE, *ATTRIBUTES) and name in (names or coordinates)
+    ]
+    user_columns.sort(key=lambda name: name in NAMES)
+    names = names or (*coordinates, *map(str, answer.data_vars))
+    axes = [name for name in ("load", "velocity") if name not in dims and name not in names]
+    plane_columns = [name for name in axes if {*answer[name].dims} <= {*answer[names[0]].dims}]
+    columns = [*dict.fromkeys([*user_columns, *plane_columns, *names])]
+    ds = xr.Dataset({name: _to_text(answer[name]) for name in columns})
+    ds = ds.assign_coords({dim: answer[dim] for dim in ds.dims if dim in answer.coords})
+    ds = ds if ds.sizes else ds.expand_dims("place")
+    frame = ds.to_dataframe().reset_index()
+    all_columns = [*(dim for dim in dims if dim in frame and dim != "place"), *columns]
+    short_headings = [_heading(name, answer) for name in all_columns]
+    headings = [  # names in place of equal headings, such as the outcomes along both axes
+        heading if short_headings.count(heading) == 1 else name.replace("_", " ")
+        for name, heading in zip(all_columns, short_headings, strict=True)
+    ]
+    return frame_of(headings, frame[all_columns].itertuples(index=False, name=None))
 
 
-def _shown(one: xr.DataArray) -> xr.Variable:
+def _to_text(variable: xr.DataArray) -> xr.Variable:
     """A variable with text for its codes and flags."""
-    if "flag_values" in one.attrs:
-        return one.copy(data=words.code_text(one)).variable
-    if "flag_masks" in one.attrs:
-        texts = [", ".join(words.flag_names(one, k)) for k in one.values.ravel().tolist()]
-        return one.copy(data=np.array(texts, object).reshape(one.shape)).variable
-    return one.variable
+    if "flag_values" in variable.attrs:
+        return variable.copy(data=words.code_text(variable)).variable
+    if "flag_masks" in variable.attrs:
+        texts = [", ".join(words.flag_names(variable, k)) for k in variable.values.ravel().tolist()]
+        return variable.copy(data=np.array(texts, object).reshape(variable.shape)).variable
+    return variable.variable
 
 
-def whole_frame(found: xr.Dataset, *names: str) -> pd.DataFrame:
-    """As `answer_frame`, with the conditions and notes that hold for all rows, for programs."""
-    frame = answer_frame(found, *names)
-    return frame.assign(**{name: found.attrs[name] for name in _TOLD if name in found.attrs})
+def whole_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
+    """`answer_frame` with columns for the conditions and notes of all rows, for programs."""
+    frame = answer_frame(answer, *names)
+    return frame.assign(
+        **{name: answer.attrs[name] for name in _COMMON_ATTRIBUTES if name in answer.attrs}
+    )
 
 
-def margin_frame(found: xr.Dataset) -> pd.DataFrame:
-    """Rows of `pipeline.margin` to read: columns that decide, probabilities in words."""
-    hidden = {*found.sizes, *PLANE, *ABOUT}
-    own = [str(name) for name, one in found.coords.items() if one.ndim and name not in hidden]
+def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
+    """Main columns of `pipeline.margin`, with probabilities in words, for a reader."""
+    hidden = {*answer.sizes, *PLANE, *ATTRIBUTES}
+    user_columns = [
+        str(name) for name, array in answer.coords.items() if array.ndim and name not in hidden
+    ]
     frame = without_columns(
-        answer_frame(found, *own, *_ROWS), [CASE] * bool(own and CASE in found.sizes)
+        answer_frame(answer, *user_columns, *_ROWS),
+        [CASE] * bool(user_columns and CASE in answer.sizes),
     )
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
@@ -89,24 +100,24 @@ def margin_frame(found: xr.Dataset) -> pd.DataFrame:
     return frame
 
 
-def boundary_frame(found: xr.Dataset, by: str = "load") -> pd.DataFrame:
+def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
     """Rows of `pipeline.boundary` by load or by velocity, without the parts of the error."""
     names = dict.fromkeys(
         [
             f"critical_{'velocity' if by == 'load' else 'load'}",
-            *(str(name) for name in found if found[name].dims[-1:] == (by,)),
+            *(str(name) for name in answer if answer[name].dims[-1:] == (by,)),
         ]
     )
-    left_out = re.compile("velocity_error_.*")
-    return answer_frame(found, *(name for name in names if not left_out.fullmatch(name)))
+    error_parts = re.compile("velocity_error_.*")
+    return answer_frame(answer, *(name for name in names if not error_parts.fullmatch(name)))
 
 
-def _heading(name: str, found: xr.Dataset) -> str:
-    unit = found[name].attrs.get("units", "") if name in found.variables else ""
+def _heading(name: str, answer: xr.Dataset) -> str:
+    unit = answer[name].attrs.get("units", "") if name in answer.variables else ""
     is_error = "error" in name or name == "temperature_margin"
-    own = "shown_in" in found[name].attrs if name in found.variables else False
-    if unit and (own or (name in found.dims and name not in PLANE)):
-        unit = usual_unit(found[name])
+    has_display_unit = "shown_in" in answer[name].attrs if name in answer.variables else False
+    if unit and (has_display_unit or (name in answer.dims and name not in PLANE)):
+        unit = usual_unit(answer[name])
     if unit == "K" and not is_error:
         unit = "°C"
     if unit == "1":

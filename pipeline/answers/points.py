@@ -1,4 +1,4 @@
-"""What is known of the simulated points themselves: state, temperatures and warnings."""
+"""State, temperatures and warnings of the simulated points."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answers import with_attributes
-from pipeline.answers.conditions import ConditionValues, judged
+from pipeline.answers.conditions import ConditionValues, override_conditions
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_words import named_value
 from pipeline.answers.verdict import JudgedCase, conditions_of
-from pipeline.answers.words import about
+from pipeline.answers.words import answer_attributes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.conditions import allowable_rise
@@ -34,7 +34,7 @@ _MEANINGS = {
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """State of each simulated point of a sweep's first case, on each surface realization.
 
-    ``state`` is mild, severe, failed, pending, or empty where no run simulates the point;
+    ``state`` is mild, severe, failed, pending, or empty at points that are not simulated;
     ``warned`` is true at points with a warning.
 
     Examples
@@ -44,16 +44,18 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     ['mild', 'severe', 'severe', 'severe', 'severe', 'severe']
     """
     case = cases_of(ds)[0]
-    own = judged(case.conditions, conditions)
-    y = case.log_rises(own) + np.log(own.friction_factor(case.velocities))
-    model = JudgedCase(case).under(own)
-    failed, pending = (case.status == one for one in (FAILED, PENDING))
-    kinds = case.done & (y > model.limit), case.done, failed, pending
-    state = np.select(kinds, ("severe", "mild", "failed", "pending"), "")
+    case_conditions = override_conditions(case.conditions, conditions)
+    y = case.log_rises(case_conditions) + np.log(case_conditions.friction_factor(case.velocities))
+    model = JudgedCase(case).under(case_conditions)
+    failed, pending = (case.status == code for code in (FAILED, PENDING))
+    masks = case.done & (y > model.limit), case.done, failed, pending
+    state = np.select(masks, ("severe", "mild", "failed", "pending"), "")
     axes = {"load": case.loads, "velocity": case.velocities}
     dims = ("realization", *PLANE)
-    found = xr.Dataset({"state": (dims, state), "warned": (dims, case.warning_flags != 0)}, axes)
-    return with_attributes(found).assign_attrs(about(model), missing_points=case.missing)
+    states = xr.Dataset({"state": (dims, state), "warned": (dims, case.warning_flags != 0)}, axes)
+    return with_attributes(states).assign_attrs(
+        answer_attributes(model), missing_points=case.missing
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,7 @@ class WarnedPoints:
     example: str = ""  #: The first of these points, with its warning.
 
     def lines(self) -> Iterator[str]:
-        """Yield how many points carry each kind of warning, and the first such point."""
+        """Yield the number of points with each kind of warning, and the first such point."""
         if self.points:
             kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())
             carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
@@ -88,12 +90,12 @@ def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
         count += int(np.count_nonzero(flags))
         counts.update({kind: int(np.count_nonzero(flags & kind)) for kind in WarningKind})
         if flags.any() and not example:
-            place, *_ = np.argwhere(flags).tolist()
-            kinds = [kind for kind in WarningKind if flags[*place] & kind]
-            said = [SLOW if kind == WarningKind.SLOW_RISE else kind.label for kind in kinds]
-            at = f"{case.loads[place[1]]:g} N", f"{case.velocities[place[2]]:g} m/s"
-            own = (named_value(case.ds[name]) for name in case.labels)
-            example = f"{', '.join([*at, *own])}: {'; '.join(said)}"
+            index, *_ = np.argwhere(flags).tolist()
+            kinds = [kind for kind in WarningKind if flags[*index] & kind]
+            labels = [SLOW if kind == WarningKind.SLOW_RISE else kind.label for kind in kinds]
+            point = f"{case.loads[index[1]]:g} N", f"{case.velocities[index[2]]:g} m/s"
+            entries = (named_value(case.ds[name]) for name in case.labels)
+            example = f"{', '.join([*point, *entries])}: {'; '.join(labels)}"
     return WarnedPoints(count, {k.label: counts[k] for k in WarningKind if counts[k]}, example)
 
 
@@ -107,7 +109,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
         Dataset of `pipeline.open_sweep`, a part of it that keeps ``status``, or path of a store. A
         whole large sweep takes much memory: select loads and velocities first.
     **conditions
-        Conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+        Conditions as in `pipeline.margin`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -133,30 +135,34 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
             f"the dataset has {len(ds['area_fraction_below'])} of {len(QUANTILES)} values of "
             "area_fraction_below, and needs all; select some from the result"
         )
-    whole = list[xr.Dataset]()
+    parts = list[xr.Dataset]()
     for sweep, part in sweeps_of(ds):
-        own = judged(sweep.conditions, conditions)
-        if own.critical_temperature is None and sweep.base.critical_from_tests:
-            own = conditions_of(cases_of(part)[0], conditions)
-        names = {"max_rise", "mean_rise", "rise_quantile", *columns_needed(own)}
+        case_conditions = override_conditions(sweep.conditions, conditions)
+        if case_conditions.critical_temperature is None and sweep.base.critical_from_tests:
+            case_conditions = conditions_of(cases_of(part)[0], conditions)
+        names = {"max_rise", "mean_rise", "rise_quantile", *columns_needed(case_conditions)}
         axes = (*part["status"].dims, "step", "area_fraction_below")
-        held = {
+        variables = {
             name: part[name].broadcast_like(part["status"]).transpose(*axes, missing_dims="ignore")
             for name in names
         }
-        rises = corrected_columns({name: one.values for name, one in held.items()}, own)
-        found = xr.Dataset()
+        rises = corrected_columns(
+            {name: variable.values for name, variable in variables.items()}, case_conditions
+        )
+        answer = xr.Dataset()
         for name, (rise, meaning) in _MEANINGS.items():
-            found[name] = held[rise].copy(data=own.contact_temperature(rises[rise]))
-            found[name].attrs = {"units": "K", "long_name": meaning}
-        if own.critical_temperature is not None:
-            failed = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
-            share = failed(rises["rise_quantile"], allowable_rise(own))
+            answer[name] = variables[rise].copy(
+                data=case_conditions.contact_temperature(rises[rise])
+            )
+            answer[name].attrs = {"units": "K", "long_name": meaning}
+        if case_conditions.critical_temperature is not None:
+            compute_share = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
+            share = compute_share(rises["rise_quantile"], allowable_rise(case_conditions))
             share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
             meaning = "share of the contact above the critical temperature"
             about_share = {"units": "1", "long_name": meaning}
-            found["failed_area_fraction"] = held["max_rise"].copy(data=share)
-            found["failed_area_fraction"].attrs = about_share
-        whole.append(found)
-    joined: Any = whole[0] if len(whole) == 1 else xr.combine_by_coords(whole)
+            answer["failed_area_fraction"] = variables["max_rise"].copy(data=share)
+            answer["failed_area_fraction"].attrs = about_share
+        parts.append(answer)
+    joined: Any = parts[0] if len(parts) == 1 else xr.combine_by_coords(parts)
     return cast(xr.Dataset, joined)

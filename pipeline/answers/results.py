@@ -56,7 +56,7 @@ from tribo.simulation.severity import (
 from tribo.types import Array, Indices, Mask
 
 _SPECIMEN = ("realization", *PLANE)
-_AT_ONCE = 16  # realizations whose steps are read at a time
+_BATCH_SIZE = 16  # realizations whose steps are read at once
 _INNER = ("step", "area_fraction_below")
 
 
@@ -93,7 +93,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a store, if a path of one is given; another dataset as it is."""
+    """Dataset of the store at a path; a dataset is returned unchanged."""
     if isinstance(source, xr.Dataset):
         return source
     if isinstance(source, str | os.PathLike):
@@ -108,7 +108,7 @@ def ascending(ds: xr.Dataset) -> xr.Dataset:
     """The dataset of a store with ascending numbers along each axis."""
     axes = [str(name) for name in ds["status"].dims if ds[name].dtype.kind in "if"]
     falling = [name for name in axes if (np.diff(ds[name]) < 0).any()]
-    return ds.sortby(falling) if falling else ds  # by nothing it would copy all that is in `ds`
+    return ds.sortby(falling) if falling else ds  # with an empty list it would copy `ds`
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
@@ -160,12 +160,12 @@ def _decoded(text: str, arrays: _Arrays) -> Sweep:
 
 @dataclass(frozen=True, eq=False)
 class TestPoint:
-    """Result at one point of a test; a transition with a step has two, the easier one first."""
+    """Result at one point of a test; a transition with a step has two, the milder one first."""
 
     load: float  # [N]
     velocity: float  # [m/s]
-    least_load: float  # from which on steps can decide [N]
-    status: int  # as in the store; None if the dataset does not have it
+    least_load: float  # smallest load of a step that is compared with the limit [N]
+    status: int  # as in the store
     message: str
     columns: Mapping[str, Array]
 
@@ -174,8 +174,8 @@ class TestPoint:
         return float(worst_rises(self.columns, np.array([self.least_load]), conditions))
 
     @property
-    def why_missing(self) -> str:
-        """Why there is no result, after the test's name; empty if there is one."""
+    def missing_reason(self) -> str:
+        """Reason for a missing result, to be printed after the test's name; empty if done."""
         if self.status == FAILED:
             return f"failed ({self.message}); to simulate it again: irg run SCENE --retry-failed"
         return "" if self.status == DONE else "has not been simulated yet: irg run SCENE"
@@ -185,8 +185,8 @@ class TestPoint:
 class CaseResults:
     """Results of one case of a sweep.
 
-    Arrays have the axes realization, load and velocity; those of stepped variables go on with step
-    and others. Points at velocity 0, without heat, are left out.
+    Arrays have the axes realization, load and velocity; those of stepped variables continue with
+    step and others. Points at velocity 0, which have no heat, are excluded.
     """
 
     sweep: Sweep  #: The case and its realizations, as the scene states them.
@@ -198,7 +198,7 @@ class CaseResults:
 
     @property
     def conditions(self) -> Conditions:
-        """Conditions by which the scene judges the case."""
+        """Conditions of the case in its scene."""
         return self.sweep.conditions
 
     @functools.cached_property
@@ -217,9 +217,9 @@ class CaseResults:
             if name not in self.ds:
                 raise InputError(f"the dataset lacks {name}; keep all of its variables")
             _require_unit(self.ds[name])
-            held = self.ds[name]
-            held = held.broadcast_like(self.ds["status"]) if name in MADE else held
-            values = held.transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
+            variable = self.ds[name]
+            variable = variable.broadcast_like(self.ds["status"]) if name in MADE else variable
+            values = variable.transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
             self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
         return self._arrays[name]
 
@@ -235,23 +235,23 @@ class CaseResults:
 
     @property
     def missing(self) -> int:
-        """Number of points to be computed that are pending or failed."""
+        """Number of points that are pending or failed."""
         return int(np.count_nonzero(np.isin(self.status, (FAILED, PENDING))))
 
     @functools.cached_property
     def usable_realizations(self) -> Indices:
-        """Realizations that count; one that shares no place with the first waits."""
-        found = np.flatnonzero(self.done.any(axis=(1, 2)))
-        if not found.size:
+        """Indices of the realizations that share a done point with the first one."""
+        indices = np.flatnonzero(self.done.any(axis=(1, 2)))
+        if not indices.size:
             return np.array([0])
-        shares = (self.done[found] & self.done[found[0]]).any(axis=(1, 2))
-        return np.asarray(found[shares])
+        shares_point = (self.done[indices] & self.done[indices[0]]).any(axis=(1, 2))
+        return np.asarray(indices[shares_point])
 
     def log_rises(self, conditions: Conditions) -> Array:
         """ln(rise) at the worst step of each point, NaN if it is not done.
 
-        The rise [K] is that which is compared with its limit, per unit friction
-        coefficient, without the effect of velocity on friction.
+        The rise [K] is the governing one, per unit friction coefficient, without the effect of
+        velocity on friction.
         """
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
@@ -259,29 +259,32 @@ class CaseResults:
                 "friction and heat: run the scene with friction into another store"
             )
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
-        least = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
-        at = np.array(least)[:, None, None]
-        rises = np.concatenate([worst_rises(one, at, conditions) for one in self._parts(names)])
+        least_loads = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
+        thresholds = np.array(least_loads)[:, None, None]
+        rises = np.concatenate(
+            [worst_rises(columns, thresholds, conditions) for columns in self._parts(names)]
+        )
         rises = np.where(self.done, rises / conditions.friction_factor(self.velocities), np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
     def sampling(self, conditions: Conditions) -> Array:
-        """Standard deviation of ln(rise) between surface realizations, as each point states it."""
+        """Standard deviation of ln(rise) between surface realizations, estimated at each point."""
         parts = self._parts(("rise_quantile", *SAMPLING))
         shares = self.ds["area_fraction_below"].values
-        found = [relative_sampling(one, conditions, shares) for one in parts]
-        return np.where(self.done, np.concatenate(found), np.nan)
+        deviations = [relative_sampling(columns, conditions, shares) for columns in parts]
+        return np.where(self.done, np.concatenate(deviations), np.nan)
 
     def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
-        """Yield arrays by name, of so many realizations at a time that memory stays bounded."""
+        """Yield arrays by name for `_BATCH_SIZE` realizations at a time, to bound memory."""
         names, shares = [*names], {"quantile": self.ds["area_fraction_below"].values}
         count = self.ds.sizes["realization"]
-        if count <= _AT_ONCE:
+        if count <= _BATCH_SIZE:
             yield shares | {name: self.array(name) for name in names}
             return
-        for first in range(0, count, _AT_ONCE):  # a goal has 256, of a few points each
-            some = self.ds.isel(realization=slice(first, first + _AT_ONCE))
-            part = replace(self, ds=some, _arrays={})
+        # An accuracy goal has up to 256 realizations, of a few points each.
+        for first in range(0, count, _BATCH_SIZE):
+            subset = self.ds.isel(realization=slice(first, first + _BATCH_SIZE))
+            part = replace(self, ds=subset, _arrays={})
             yield shares | {name: part.array(name) for name in names}
 
     @functools.cached_property
@@ -307,14 +310,15 @@ class CaseResults:
 
 
 def _exponents(x: Array, y: Array) -> Array:
-    """Slope at each point of a curve y(x), from neighbours around it; NaN without any."""
-    result, known = np.full(x.shape, np.nan), np.flatnonzero(np.isfinite(y))
-    x, y, least = x[known], y[known], math.log(APART_FOR_EXPONENT)
-    low = np.maximum(np.searchsorted(x, x - least, "right") - 1, 0)
-    high = np.minimum(np.searchsorted(x, x + least), len(known) - 1)
-    apart = x[high] - x[low] >= least
-    result[known[apart]] = ((y[high] - y[low]) / np.where(apart, x[high] - x[low], 1))[apart]
-    return result
+    """Slope at each point of a curve y(x) from its neighbours; NaN without neighbours."""
+    slopes, known = np.full(x.shape, np.nan), np.flatnonzero(np.isfinite(y))
+    x, y, min_distance = x[known], y[known], math.log(APART_FOR_EXPONENT)
+    low = np.maximum(np.searchsorted(x, x - min_distance, "right") - 1, 0)
+    high = np.minimum(np.searchsorted(x, x + min_distance), len(known) - 1)
+    is_apart = x[high] - x[low] >= min_distance
+    differences = np.where(is_apart, x[high] - x[low], 1)
+    slopes[known[is_apart]] = ((y[high] - y[low]) / differences)[is_apart]
+    return slopes
 
 
 def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
@@ -333,8 +337,8 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     _require_sweep(ds)
     tests, dims = _test_points(ds, sweep), case_dims(ds)
     sizes = [ds.sizes[dim] for dim in dims]
-    parts = (ds.isel(dict(zip(dims, places, strict=True))) for places in np.ndindex(*sizes))
-    return [_case(one, sweep, tests) for one in parts]
+    parts = (ds.isel(dict(zip(dims, index, strict=True))) for index in np.ndindex(*sizes))
+    return [_case(part, sweep, tests) for part in parts]
 
 
 def case_dims(ds: xr.Dataset) -> list[str]:
@@ -343,7 +347,7 @@ def case_dims(ds: xr.Dataset) -> list[str]:
 
 
 def refuse_cases(ds: xr.Dataset) -> None:
-    """Refuse a dataset of several cases, for an answer on one."""
+    """Raise an `InputError` for a dataset of several cases."""
     if several := case_dims(ds):
         first = value_words(ds[several[0]], ds[several[0]].values[0].item())
         raise InputError(
@@ -355,12 +359,12 @@ def refuse_cases(ds: xr.Dataset) -> None:
 def sweeps_of(ds: xr.Dataset) -> Iterator[tuple[Sweep, xr.Dataset]]:
     """Yield each case of a dataset, and the part of the dataset that belongs to it."""
     sweep, dims = sweep_of(ds), case_dims(ds)
-    for places in np.ndindex(*(ds.sizes[dim] for dim in dims)):
-        part = ds.isel({dim: [place] for dim, place in zip(dims, places, strict=True)})
-        yield _named(part.squeeze(dims), sweep)[0], part
+    for index in np.ndindex(*(ds.sizes[dim] for dim in dims)):
+        part = ds.isel({dim: [label] for dim, label in zip(dims, index, strict=True)})
+        yield _identify_case(part.squeeze(dims), sweep)[0], part
 
 
-def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
+def _identify_case(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     """The case of a sweep to which a dataset without varied entries belongs, and its name."""
     table, name = sweep.case_table, []
     for column in table.chosen:
@@ -369,29 +373,30 @@ def _named(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
         name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))
     if not name:
         return sweep, ()
-    words = ", ".join(f"{key} {one}" for key, one in table.to_text(tuple(name)).items())
+    words = ", ".join(f"{key} {text}" for key, text in table.to_text(tuple(name)).items())
     return replace(sweep._select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
 
 
 def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]) -> CaseResults:
-    case, name = _named(ds, sweep)
+    case, name = _identify_case(ds, sweep)
     labels = {
-        str(key): one.item()
-        for key, one in ds.coords.items()
-        if not one.ndim and key not in (*COORDINATES, "realization")
+        str(key): coordinate.item()
+        for key, coordinate in ds.coords.items()
+        if not coordinate.ndim and key not in (*COORDINATES, "realization")
     }
     ds = ds.reset_coords([key for key in MADE if key in ds.coords])
-    if lacking := [dim for dim in _SPECIMEN if dim not in ds["status"].dims]:
-        # A new dimension reads all values; fields are large, and no answer needs all of them.
+    if missing_dims := [dim for dim in _SPECIMEN if dim not in ds["status"].dims]:
+        # `expand_dims` reads all values, but fields are large, and no answer needs all of them.
         fields = {key: ds[key].variable for key in FIELDS if key in ds}
-        ds = ds.drop_vars(fields).expand_dims(lacking).assign(fields)
-    moves = ds["velocity"] > 0
-    ds = ds.isel(velocity=np.flatnonzero(moves)) if moves.any() and not moves.all() else ds
+        ds = ds.drop_vars(fields).expand_dims(missing_dims).assign(fields)
+    is_moving = ds["velocity"] > 0
+    if is_moving.any() and not is_moving.all():
+        ds = ds.isel(velocity=np.flatnonzero(is_moving))
     return CaseResults(case, labels, name, ds, tests)
 
 
 def _label(labels: tuple[Label, ...], value: Any) -> Label:
-    """Label nearest to a coordinate's value, which may have lost its last digits."""
+    """Label nearest to a coordinate's value, which may be rounded."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))
@@ -409,43 +414,47 @@ def _require_sweep(ds: xr.Dataset) -> None:
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
             raise InputError(f"the dataset has no finite {name}; keep its coordinates")
-        unit, given = COORDINATES[name].units, ds[name].attrs.get("units")
-        if given and given != unit and to_si(f"1 {given}", like=f"1 {unit}") != 1:
-            raise InputError(f"{name} of the dataset is in {given}; it must be in {unit}")
+        unit, stated = COORDINATES[name].units, ds[name].attrs.get("units")
+        if stated and stated != unit and to_si(f"1 {stated}", like=f"1 {unit}") != 1:
+            raise InputError(f"{name} of the dataset is in {stated}; it must be in {unit}")
         if name in ds.dims and (np.diff(values) <= 0).any():
             raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
 
 
-def _require_unit(one: xr.DataArray) -> None:
+def _require_unit(variable: xr.DataArray) -> None:
     """Raise an `InputError` for a variable that is not in the unit of the store."""
-    known, unit = VARIABLES.get(str(one.name)), one.attrs.get("units")
-    if known and known.units and unit not in (None, known.units):
-        raise InputError(f"{one.name} of the dataset is in {unit}; it must be in {known.units}")
+    expected, unit = VARIABLES.get(str(variable.name)), variable.attrs.get("units")
+    if expected and expected.units and unit not in (None, expected.units):
+        raise InputError(
+            f"{variable.name} of the dataset is in {unit}; it must be in {expected.units}"
+        )
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:
     """The points of each test of a sweep."""
-    inner, held = (TEST_POINT, TEST_STEP, "area_fraction_below"), dict[str, Any]()
+    inner, arrays = (TEST_POINT, TEST_STEP, "area_fraction_below"), dict[str, Any]()
     for name in AT_TESTS:
         if variable_of_tests(name) in ds.variables:
-            one = ds[variable_of_tests(name)]
-            _require_unit(one)
-            # `xarray.concat` of surfaces repeats what is the same for all of them.
-            one = one.isel({dim: 0 for dim in one.dims if dim not in inner})
-            held[name] = one.transpose(*inner, missing_dims="ignore").values
+            variable = ds[variable_of_tests(name)]
+            _require_unit(variable)
+            # `xarray.concat` of surfaces repeats variables that do not depend on them.
+            variable = variable.isel({dim: 0 for dim in variable.dims if dim not in inner})
+            arrays[name] = variable.transpose(*inner, missing_dims="ignore").values
     rows = defaultdict[tuple[Any, ...], deque[int]](deque)
-    keys = (held[name].tolist() for name in (SCENE_HASH, *PLANE)) if held else ()
+    keys = (arrays[name].tolist() for name in (SCENE_HASH, *PLANE)) if arrays else ()
     for row, key in enumerate(zip(*keys, strict=True)):
         rows[key].append(row)
-    found = [list[TestPoint]() for _ in sweep.tests]
-    for slot in list_points_of_tests(sweep):
+    test_points = [list[TestPoint]() for _ in sweep.tests]
+    for point in list_points_of_tests(sweep):
         state, columns = (PENDING, ""), dict[str, Any]()
-        if here := rows[slot[:3]]:
-            row = here.popleft()
-            state = int(held["status"][row]), str(held["message"][row])
-            names = (k for k, one in held.items() if one.dtype.kind == "f" and k not in PLANE)
-            columns = {name: held[name][row].astype(float) for name in names}
+        if matching_rows := rows[point[:3]]:
+            row = matching_rows.popleft()
+            state = int(arrays["status"][row]), str(arrays["message"][row])
+            names = (k for k, array in arrays.items() if array.dtype.kind == "f" and k not in PLANE)
+            columns = {name: arrays[name][row].astype(float) for name in names}
             columns["quantile"] = ds["area_fraction_below"].values
-        least = least_load_evaluated(sweep.tests[slot.test].case.scene, slot.load)
-        found[slot.test].append(TestPoint(slot.load, slot.velocity, least, *state, columns))
-    return tuple(map(tuple, found))
+        least_load = least_load_evaluated(sweep.tests[point.test].case.scene, point.load)
+        test_points[point.test].append(
+            TestPoint(point.load, point.velocity, least_load, *state, columns)
+        )
+    return tuple(map(tuple, test_points))

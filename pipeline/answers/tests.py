@@ -1,4 +1,4 @@
-"""The tests of a scene at their own conditions, and what they rule out by dominance."""
+"""Tests of a scene, each at its own conditions, and the verdicts that they rule out."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pipeline.answers.conditions import Operation, by_bulk
+from pipeline.answers.conditions import Operation, evaluate_by_bulk
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
@@ -25,44 +25,47 @@ from tribo.types import Array, Mask
 if TYPE_CHECKING:
     from pipeline.answers.critical_temperature import CriticalTemperature
 
-_FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
-_BESIDE = 0.1  # relative distance in load and velocity within which a test is near
+_MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
+_MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test
 _SAME = 1e-9  # relative rounding difference of equal conditions
 
 
 @dataclass(frozen=True, slots=True)
 class EvaluatedTest:
-    """A test at its own conditions: y where it was severe, and where it was mild.
+    """A test at its own conditions: y at which it was severe, and y at which it was mild.
 
-    A measured transition has both: with a step at its two ends, without one the same twice. NaN
-    where the test says nothing, or has no result.
+    A measured transition has both: with a step they are those of its two ends, else equal. They
+    are NaN if the test has no such outcome, or no result.
     """
 
     test: SpecimenTest
     conditions: Conditions | None
     severe: float = math.nan
     mild: float = math.nan
-    temperature: float = math.nan  # compared with the critical one, at the test's place [K]
-    is_outside: bool = False  #: True if an oil film carries too much, so that y does not count.
-    reason: str = ""  #: Why the test has no y; empty if it has one.
+    temperature: float = math.nan  # governing temperature at the test's point [K]
+    is_outside: bool = False  #: True if an oil film carries too much load: y is not used.
+    reason: str = ""  #: Reason for a missing y; else empty.
 
     def __str__(self) -> str:
         test = self.test
-        place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-        return f"test {test.number} ({test.outcome}, {place})"
+        point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
+        return f"test {test.number} ({test.outcome}, {point})"
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """All tests of a case, under one oil's conditions, and what they make of the prior."""
+    """All tests of a case, under the conditions of one oil, and the posterior."""
 
     rows: tuple[EvaluatedTest, ...]
     prior: Prior
-    critical: CriticalTemperature | None = None  #: Where it is integrated over.
+    critical: CriticalTemperature | None = None  #: If it is inferred from tests.
 
     @functools.cached_property
     def specimens(self) -> list[list[EvaluatedTest]]:
-        """Tests with a result within the model; both ends of a run by stages are one specimen."""
+        """Tests with a result within the model, grouped by specimen.
+
+        Both ends of a run by stages belong to one specimen.
+        """
         grouped = dict[str, list[EvaluatedTest]]()
         for row in self.rows:
             if not (row.reason or row.is_outside):
@@ -80,40 +83,45 @@ class Evidence:
         """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
 
         def probability(y: Array) -> Array:
-            return self._by_bulk(bulks, lambda one, here: one.probability(y[here]))
+            return self._evaluate_by_bulk(
+                bulks, lambda posterior, is_member: posterior.probability(y[is_member])
+            )
 
         return [*map(probability, ys)]
 
     def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
-        return self._by_bulk(bulks, lambda one, here: np.full(here.sum(), one.level(probability)))
+        return self._evaluate_by_bulk(
+            bulks,
+            lambda posterior, is_member: np.full(is_member.sum(), posterior.level(probability)),
+        )
 
-    def _by_bulk(self, bulks: Array, value: Callable[[Posterior, Mask], Array]) -> Array:
+    def _evaluate_by_bulk(self, bulks: Array, value: Callable[[Posterior, Mask], Array]) -> Array:
         """Values of points by the posterior at the bulk temperature of each."""
         if self.critical is None:
             return value(self.posterior, np.ones(bulks.shape, bool))
         at_bulk = self.critical.at_bulk
-        return by_bulk(bulks, lambda bulk, here: value(at_bulk(bulk), here))
+        return evaluate_by_bulk(bulks, lambda bulk, is_member: value(at_bulk(bulk), is_member))
 
     @property
     def without_result(self) -> list[EvaluatedTest]:
-        """Tests without a y: they wait, have failed, or cannot be compared."""
+        """Tests without a y: they are pending, have failed, or cannot be compared."""
         return [row for row in self.rows if row.reason]
 
     @property
     def withheld(self) -> tuple[str, str]:
-        """Why no point is mild, and why none is severe; empty if verdicts are given.
+        """Reasons to withhold verdicts, mild and severe; each empty if there is none.
 
-        A test without a y might rule them out.
+        A test without a y might rule a verdict out.
         """
-        kinds, why = {row.test.outcome for row in self.without_result}, waiting_text(self)
-        no_mild = why * bool(kinds & {"severe", "transition"})
-        no_severe = why * bool(kinds & {"mild", "transition"})
+        kinds, reason = {row.test.outcome for row in self.without_result}, waiting_text(self)
+        no_mild = reason * bool(kinds & {"severe", "transition"})
+        no_severe = reason * bool(kinds & {"mild", "transition"})
         if self.critical is not None:
             one_sided = "the critical temperature is found by tests, of which none was "
             results = [*map(outcome_of, self.specimens)]
             has_severe, has_mild = (
-                any(math.isfinite(getattr(one, side)) for one in results)
+                any(math.isfinite(getattr(result, side)) for result in results)
                 for side in ("severe", "mild")
             )
             no_mild = no_mild or f"{one_sided}severe" * (not has_severe)
@@ -122,11 +130,11 @@ class Evidence:
 
     @property
     def outliers(self) -> Iterator[str]:
-        """Yield a line for each test outside the model, and each that the others find unlikely."""
+        """Yield a line for each test outside the model, and for each outlier."""
         for row in self.rows:
             if row.is_outside:
                 yield f"{row} is not used: an oil film carried more than 20 % of the load"
-        for rows, share in zip(self.specimens, self.posterior.expected, strict=True):
+        for rows, share in zip(self.specimens, self.posterior.loo_probabilities, strict=True):
             if share < UNLIKELY:
                 names = " and ".join(map(str, rows))
                 yield f"outlier: {names} has a probability of less than 1 % by the other tests"
@@ -134,25 +142,27 @@ class Evidence:
     def nearby(self, load: float, velocity: float) -> Iterator[str]:
         """Yield each test within 10 % of a load [N] and a velocity [m/s], with its conditions."""
         for row in self.rows:
-            test, own = row.test, row.conditions
+            test, conditions = row.test, row.conditions
             pairs = (test.normal_load, load), (test.velocity, velocity)
-            if own is None or any(abs(there - here) > _BESIDE * here for there, here in pairs):
+            if conditions is None or any(
+                abs(test_value - value) > _MAX_DISTANCE * value for test_value, value in pairs
+            ):
                 continue
-            place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-            at = f"friction {own.friction_at(test.velocity):.3g}"
-            bulk = display(own.bulk_temperature, "°C", 3)
-            yield f"{test.outcome} at {place}, {at}, bulk temperature {bulk}"
+            point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
+            friction = f"friction {conditions.friction_at(test.velocity):.3g}"
+            bulk = display(conditions.bulk_temperature, "°C", 3)
+            yield f"{test.outcome} at {point}, {friction}, bulk temperature {bulk}"
 
 
 def waiting_text(evidence: Evidence) -> str:
-    """Which tests have no result yet, and why; empty if all have one."""
+    """First test without a result, with the reason, and the number of others; else empty."""
     rows = evidence.without_result
-    others = f"; {len(rows) - 1} more without a result" * (len(rows) > 1)
-    return f"{rows[0]} {rows[0].reason}{others}" if rows else ""
+    more = f"; {len(rows) - 1} more without a result" * (len(rows) > 1)
+    return f"{rows[0]} {rows[0].reason}{more}" if rows else ""
 
 
 def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
-    """One specimen as an interval of y: from its hardest mild point to its easiest severe one."""
+    """Result of one specimen as an interval, from its highest mild y to its lowest severe y."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.inf)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=-math.inf)
     return Outcome(severe, mild)
@@ -161,51 +171,53 @@ def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
 def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evidence:
     """Compare the tests of a case with the model, under one oil's conditions."""
     rows = tuple(
-        _compared(case, specimen, oil, test, points)
+        _evaluate(case, specimen, oil, test, points)
         for test, points in zip(case.sweep.tests, case.tests, strict=True)
     )
     base = case.sweep.base
     return Evidence(rows, Prior(base.model_bias, base.model_scatter))
 
 
-def _compared(
+def _evaluate(
     case: CaseResults, specimen: Specimen, oil: Conditions, test: SpecimenTest,
     points: tuple[TestPoint, ...],
 ) -> EvaluatedTest:  # fmt: skip
     try:
-        own = with_own(oil, test.case.conditions)
-        if reason := next((one.why_missing for one in points if one.why_missing), ""):
-            return EvaluatedTest(test, own, reason=reason)
-        rises = np.array([one.rise(own) for one in points])
+        conditions = with_own(oil, test.case.conditions)
+        if reason := next((point.missing_reason for point in points if point.missing_reason), ""):
+            return EvaluatedTest(test, conditions, reason=reason)
+        rises = np.array([point.rise(conditions) for point in points])
     except InputError as error:
         return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
-    if len(specimen.apart) > 1:  # they were computed on the first realization alone
-        rises = rises * np.exp([specimen.offset_at(*place) for place in test.places])
+    if len(specimen.apart) > 1:  # tests are simulated only on the first realization
+        rises = rises * np.exp([specimen.offset_at(*pair) for pair in test.places])
     with np.errstate(divide="ignore"):
-        y = np.clip(np.log(rises / allowable_rise(own)), -_FARTHEST, _FARTHEST).tolist()
+        y = np.clip(np.log(rises / allowable_rise(conditions)), -_MAX_Y, _MAX_Y).tolist()
     return EvaluatedTest(
-        test, own,
+        test, conditions,
         severe=y[-1] if test.outcome != "mild" else math.nan,
         mild=y[0] if test.outcome != "severe" else math.nan,
-        temperature=float(own.contact_temperature(rises[-1])),
-        is_outside=any(_is_outside(case, test, point, own) for point in points),
+        temperature=float(conditions.contact_temperature(rises[-1])),
+        is_outside=any(_is_outside(case, test, point, conditions) for point in points),
     )  # fmt: skip
 
 
-def _is_outside(case: CaseResults, test: SpecimenTest, point: TestPoint, own: Conditions) -> bool:
-    """True if a film carries too much at a point of a test."""
-    oil, held = case.sweep.lubricant, point.columns
-    if oil is None or not case.sweep.base.has_film or "film_inlet" not in held:
+def _is_outside(
+    case: CaseResults, test: SpecimenTest, point: TestPoint, conditions: Conditions
+) -> bool:
+    """True if a film carries too much load at a point of a test."""
+    oil, columns = case.sweep.lubricant, point.columns
+    if oil is None or not case.sweep.base.has_film or "film_inlet" not in columns:
         return False
-    inlet, pressure = float(held["film_inlet"]), float(held["film_pressure"])
+    inlet, pressure = float(columns["film_inlet"]), float(columns["film_pressure"])
     if not (inlet > 0 and pressure > 0):  # the film is not known
         return False
-    place, bulk = (point.load, point.velocity), own.bulk_temperature
-    return film_excess(test.case.scene, oil, *place, bulk, inlet, pressure) > 0
+    operating_point, bulk = (point.load, point.velocity), conditions.bulk_temperature
+    return film_excess(test.case.scene, oil, *operating_point, bulk, inlet, pressure) > 0
 
 
 class RuledOut(NamedTuple):
-    """Points at which tests rule out mild wear, and severe wear (k,), and the tests' names."""
+    """Masks (k,) of points at which tests rule out mild or severe wear, and the tests' names."""
 
     mild: Mask
     severe: Mask
@@ -213,40 +225,44 @@ class RuledOut(NamedTuple):
 
 
 def ruled_out(
-    case: CaseResults, evidence: Evidence, conditions: Conditions, at: Operation
+    case: CaseResults, evidence: Evidence, conditions: Conditions, points: Operation
 ) -> RuledOut:
-    """What tests rule out at points by dominance.
+    """Verdicts on points that contradict a test at an easier (severe) or harder (mild) point.
 
-    A severe test rules out mild wear where load, velocity, friction and bulk temperature are no
-    lower, with the same oil and all else equal, a film or none. A mild test rules out severe wear
-    where they are no higher, unless a film carried too much of its load. A transition without a
-    step does both, where something differs.
+    A severe test rules out mild wear at points whose load, velocity, friction and bulk temperature
+    are no lower, if the scene is the same, with a film or without. A mild test rules out severe
+    wear where they are no higher, unless a film carried too much of its load. A transition without
+    a step does both, at points that differ from it.
     """
-    masks = {kind: np.zeros(len(at.load), bool) for kind in ("severe", "mild")}
-    names = [list[str]() for _ in at.load]
-    here = [
-        at.load, at.velocity, at.friction * conditions.friction_factor(at.velocity),
-        at.bulk_temperature,
+    masks = {kind: np.zeros(len(points.load), bool) for kind in ("severe", "mild")}
+    names = [list[str]() for _ in points.load]
+    point_values = [
+        points.load, points.velocity, points.friction * conditions.friction_factor(points.velocity),
+        points.bulk_temperature,
     ]  # fmt: skip
     for row in evidence.rows:
-        own, test = row.conditions, row.test
-        if own is None or test.case.scene != case.sweep.scene:
+        test_conditions, test = row.conditions, row.test
+        if test_conditions is None or test.case.scene != case.sweep.scene:
             continue
-        for kind, place in (("severe", test.places[-1]), ("mild", test.places[0])):
+        for kind, point in (("severe", test.places[-1]), ("mild", test.places[0])):
             if test.outcome not in (kind, "transition") or (kind == "mild" and row.is_outside):
                 continue
-            there = [*place, own.friction_at(place[1]), own.bulk_temperature]
-            ways = np.array([_apart(a, b) for a, b in zip(here, there, strict=True)])
-            ways = ways if kind == "severe" else -ways
-            holds = (ways >= 0).all(axis=0)
+            test_values = [
+                *point,
+                test_conditions.friction_at(point[1]),
+                test_conditions.bulk_temperature,
+            ]
+            signs = np.array([_sign(a, b) for a, b in zip(point_values, test_values, strict=True)])
+            signs = signs if kind == "severe" else -signs
+            is_ruled_out = (signs >= 0).all(axis=0)
             if test.outcome == "transition" and len(test.places) == 1:
-                holds &= (ways > 0).any(axis=0)
-            masks[kind] |= holds
-            for k in np.flatnonzero(holds).tolist():
+                is_ruled_out &= (signs > 0).any(axis=0)
+            masks[kind] |= is_ruled_out
+            for k in np.flatnonzero(is_ruled_out).tolist():
                 names[k].append(str(row))
     return RuledOut(masks["severe"], masks["mild"], [", ".join(dict.fromkeys(n)) for n in names])
 
 
-def _apart(a: Array, b: float) -> Array:
-    """Sign of a − b; 0 if they differ by rounding only."""
+def _sign(a: Array, b: float) -> Array:
+    """Sign of a − b; 0 if they differ only by rounding."""
     return np.where(np.abs(a - b) <= _SAME * abs(b), 0.0, np.sign(a - b))

@@ -1,4 +1,4 @@
-"""The judge of one case: all that is stated of operating points, under their conditions.
+"""Verdicts of one case: all answers on operating points, under given conditions.
 
 y = ln(rise ratio) is computed, with its numerical error e. The next specimen is mild if severe wear
 has a probability of at most 5 % at y + e, severe if at least 95 % at y − e, else undecided. No
@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers import words
-from pipeline.answers.conditions import Operation, by_bulk, judged
+from pipeline.answers.conditions import Operation, evaluate_by_bulk, override_conditions
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
-from pipeline.answers.field import Field, Lines, Outcome, film_of
+from pipeline.answers.field import Field, Lines, Outcome, film_field
 from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out
@@ -38,75 +38,84 @@ ORIGINS = "simulated", "interpolated", "extrapolated"
 
 
 class Flag(IntFlag):
-    """What limits the answer on one operating point."""
+    """Limitations of the answer on an operating point."""
 
     RAMP_PASSES_SEVERE = 1  # wear is severe at lower loads, through which a ramp passes
-    CONTACT_AT_EDGE = 2  # the contact reaches the edge of the window at the points around
+    CONTACT_AT_EDGE = 2  # the contact reaches the edge of the window at neighbouring points
     FILM_UNKNOWN = 4
     RULED_OUT = 8  # a test rules the verdict out, or one without a result may
 
 
 class JudgedCase:
-    """Specimens, films and evidence of one case, each made once for what it depends on."""
+    """Specimens, films and evidence of one case, cached by the conditions that they depend on."""
 
     def __init__(self, case: CaseResults) -> None:
         self.case, self.promised = case, velocity_error(case.sweep)
-        self._held = dict[Any, Any]()
+        self._cache = dict[Any, Any]()
 
-    def _once(self, key: Any, make: Any) -> Any:
-        if key not in self._held:
-            self._held[key] = make()
-        return self._held[key]
+    def _cached(self, key: Any, compute: Any) -> Any:
+        if key not in self._cache:
+            self._cache[key] = compute()
+        return self._cache[key]
 
     def under(self, conditions: Conditions) -> VerdictModel:
-        """The judge under `conditions`, of which points may have another friction and bulk."""
+        """Verdict model under `conditions`; points may replace friction and bulk temperature."""
         c, from_tests = conditions, self.case.sweep.base.critical_from_tests
         if not from_tests:
             known_critical_temperature(c)
-        specimen = self._once(
+        specimen = self._cached(
             ("specimen", c.critical_area_fraction, c.corrections),
             lambda: specimen_of(self.case, c),
         )
         if c.critical_temperature is None:
-            others = "from tests", c.added_rise_fraction, c.critical_area_fraction, c.corrections
-            found = self._once(others, lambda: critical_temperature_of(self.case, specimen, c))
-            c = replace(c, critical_temperature=found.temperature)
-            return VerdictModel(self, c, specimen, replace(found.evidence, critical=found))
-        oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
-        evidence = self._once(
-            ("evidence", *oil, c.corrections), lambda: evidence_of(self.case, specimen, c)
+            critical_key = (
+                "from tests",
+                c.added_rise_fraction,
+                c.critical_area_fraction,
+                c.corrections,
+            )
+            critical = self._cached(
+                critical_key, lambda: critical_temperature_of(self.case, specimen, c)
+            )
+            c = replace(c, critical_temperature=critical.temperature)
+            return VerdictModel(self, c, specimen, replace(critical.evidence, critical=critical))
+        oil_key = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
+        evidence = self._cached(
+            ("evidence", *oil_key, c.corrections), lambda: evidence_of(self.case, specimen, c)
         )
         return VerdictModel(self, c, specimen, evidence)
 
-    def film_excess(self, at: Operation) -> Array | None:
-        """Ln of the film's pressure over that which carries a fifth of the load (k,); NaN unknown.
+    def film_excess(self, points: Operation) -> Array | None:
+        """Ln of the film pressure over that which carries a fifth of the load (k,); NaN if unknown.
 
-        None if no film is to be judged.
+        None if the case has no film.
         """
-        if not at.load.size:
+        if not points.load.size:
             return np.zeros(0)
         if self._film(self.case.conditions.bulk_temperature) is None:
             return None
 
-        def excess(bulk: float, here: Mask) -> Array:
-            return np.asarray(self._film(bulk)(at.load[here], at.velocity[here]))
+        def excess(bulk: float, is_member: Mask) -> Array:
+            return np.asarray(self._film(bulk)(points.load[is_member], points.velocity[is_member]))
 
-        return by_bulk(at.bulk_temperature, excess)
+        return evaluate_by_bulk(points.bulk_temperature, excess)
 
     def _film(self, bulk: float) -> Any:
-        return self._once(("film", bulk), lambda: film_of(self.case, bulk))
+        return self._cached(("film", bulk), lambda: film_field(self.case, bulk))
 
 
-def conditions_of(case: CaseResults, given: Mapping[str, Any]) -> Conditions:
+def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
     """Conditions of a case, some replaced, with a number for a critical temperature from tests."""
-    own = judged(case.conditions, given)
-    is_open = own.critical_temperature is None and case.sweep.base.critical_from_tests
-    return JudgedCase(case).under(own).conditions if is_open else own
+    conditions = override_conditions(case.conditions, overrides)
+    is_critical_unknown = (
+        conditions.critical_temperature is None and case.sweep.base.critical_from_tests
+    )
+    return JudgedCase(case).under(conditions).conditions if is_critical_unknown else conditions
 
 
 @dataclass(frozen=True, eq=False)
 class VerdictModel:
-    """What is stated of operating points of one case, under its conditions."""
+    """Answers on operating points of one case, under its conditions."""
 
     judged_case: JudgedCase
     conditions: Conditions
@@ -131,15 +140,15 @@ class VerdictModel:
     @functools.cached_property
     def limit(self) -> float:
         """ln(allowable rise) at the friction and bulk temperature of the conditions."""
-        one = np.ones(1)
-        return float(self.limits(Operation.under(self.conditions, one, one))[0])
+        unit = np.ones(1)
+        return float(self.limits(Operation.under(self.conditions, unit, unit))[0])
 
-    def limits(self, at: Operation) -> Array:
+    def limits(self, points: Operation) -> Array:
         """ln(allowable rise) of points (k,)."""
         critical = known_critical_temperature(self.conditions)
-        heating = at.friction * (1 + self.conditions.added_rise_fraction)
+        rise_factor = points.friction * (1 + self.conditions.added_rise_fraction)
         with np.errstate(divide="ignore"):
-            return np.asarray(np.log((critical - at.bulk_temperature) / heating))
+            return np.asarray(np.log((critical - points.bulk_temperature) / rise_factor))
 
     @functools.cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -147,155 +156,167 @@ class VerdictModel:
         case, sweep = self.case, self.case.sweep
         axes = {"load": (case.loads, sweep.loads), "velocity": (case.velocities, sweep.velocities)}
         values = {
-            k: [*here.tolist(), *(x for x in all if x > 0)] for k, (here, all) in axes.items()
+            k: [*computed.tolist(), *(x for x in swept if x > 0)]
+            for k, (computed, swept) in axes.items()
         }
-        return {name: (min(one), max(one)) for name, one in values.items()}
+        return {name: (min(axis_values), max(axis_values)) for name, axis_values in values.items()}
 
     @property
     def lacks_film(self) -> bool:
-        """True if a film is to be judged, but unknown at a point that is done."""
+        """True if the case has a film that is unknown at a computed point."""
         field = self.field
         plane = np.meshgrid(field.loads, field.velocities, indexing="ij")
-        at = Operation.under(self.conditions, *(one.ravel() for one in plane))
-        return bool((self.films(at)[1] & field.is_known.ravel()).any())
+        points = Operation.under(self.conditions, *(axis.ravel() for axis in plane))
+        return bool((self.films(points)[1] & field.is_known.ravel()).any())
 
-    def films(self, at: Operation) -> tuple[Mask, Mask]:
-        """Where a film carries more of the load than the model allows, and where it is unknown."""
-        found = self.judged_case.film_excess(at)
-        if found is None:
-            return np.zeros(at.load.shape, bool), np.zeros(at.load.shape, bool)
-        return np.nan_to_num(found, nan=-1.0) > 0, np.isnan(found)
+    def films(self, points: Operation) -> tuple[Mask, Mask]:
+        """Masks (k,): the film carries more load than the model allows; the film is unknown."""
+        excess = self.judged_case.film_excess(points)
+        if excess is None:
+            return np.zeros(points.load.shape, bool), np.zeros(points.load.shape, bool)
+        return np.nan_to_num(excess, nan=-1.0) > 0, np.isnan(excess)
 
-    def points(self, at: Operation) -> dict[str, Any]:
-        """Answers on points by name, each (k,); without lines through them."""
-        within = (at.load > 0) & (at.velocity > 0) & np.isfinite(at.load) & np.isfinite(at.velocity)
-        load, velocity = np.where(within, at.load, np.nan), np.where(within, at.velocity, np.nan)
-        rise = self.field(load, velocity)
-        reason = self._reasons(at, rise)
-        known = np.array([not one for one in reason], bool)
-        rise = np.where(known, rise, np.nan)
-        y = rise - self.limits(at)
-        parts = np.where(known, rise_errors(self.specimen, self.promised, load, velocity), np.nan)
-        width = total(parts)
-        ends = np.where(np.isfinite(width), np.log1p(width), 0.0)
-        low, middle, high = self.evidence.probabilities(
-            (y - ends, y, y + ends), at.bulk_temperature
+    def points(self, points: Operation) -> dict[str, Any]:
+        """Answers on points by name, each (k,), except those along lines through them."""
+        is_valid = (
+            (points.load > 0)
+            & (points.velocity > 0)
+            & np.isfinite(points.load)
+            & np.isfinite(points.velocity)
         )
-        low = np.where(np.isnan(width) & known, 0.0, low)
-        high = np.where(np.isnan(width) & known, 1.0, high)
-        outside, no_film = self.films(at._replace(load=load, velocity=velocity))
+        load = np.where(is_valid, points.load, np.nan)
+        velocity = np.where(is_valid, points.velocity, np.nan)
+        rise = self.field(load, velocity)
+        reasons = self._reasons(points, rise)
+        is_known = np.array([not text for text in reasons], bool)
+        rise = np.where(is_known, rise, np.nan)
+        log_ratio = rise - self.limits(points)
+        errors = np.where(
+            is_known, rise_errors(self.specimen, self.promised, load, velocity), np.nan
+        )
+        total_error = total(errors)
+        log_error = np.where(np.isfinite(total_error), np.log1p(total_error), 0.0)
+        low, probability, high = self.evidence.probabilities(
+            (log_ratio - log_error, log_ratio, log_ratio + log_error), points.bulk_temperature
+        )
+        low = np.where(np.isnan(total_error) & is_known, 0.0, low)
+        high = np.where(np.isnan(total_error) & is_known, 1.0, high)
+        is_outside, is_film_unknown = self.films(points._replace(load=load, velocity=velocity))
         verdict = np.select(
-            (~known, outside, high <= DECIDED[0], low >= DECIDED[-1]),
+            (~is_known, is_outside, high <= DECIDED[0], low >= DECIDED[-1]),
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
             UNDECIDED,
         )
-        against = self._withhold(verdict, reason, at)
-        verdict = np.where(against, UNDECIDED, verdict).astype(np.int8)
-        heating = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
+        is_ruled_out = self._withhold(verdict, reasons, points)
+        verdict = np.where(is_ruled_out, UNDECIDED, verdict).astype(np.int8)
+        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
         critical = known_critical_temperature(self.conditions)
-        simulated = known & self.field.is_point(at.load, at.velocity)
-        beyond = known & ~simulated & self.field.is_extrapolated(load, velocity)
-        edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
-        edge = known & (self.field.bilinear(edge.astype(float), load, velocity) > 0)
-        flags = edge * Flag.CONTACT_AT_EDGE + (known & no_film) * Flag.FILM_UNKNOWN
-        gone = outside | ~known
-        heat = at.friction * heating
+        is_simulated = is_known & self.field.is_point(points.load, points.velocity)
+        is_extrapolated = is_known & ~is_simulated & self.field.is_extrapolated(load, velocity)
+        is_at_edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
+        is_at_edge = is_known & (self.field.bilinear(is_at_edge.astype(float), load, velocity) > 0)
+        flags = is_at_edge * Flag.CONTACT_AT_EDGE + (is_known & is_film_unknown) * Flag.FILM_UNKNOWN
+        has_no_verdict = is_outside | ~is_known
+        temperature_rise = points.friction * rise_per_friction
         return {
             "verdict": verdict,
-            "probability": np.where(gone, np.nan, middle),
-            "probability_low": np.where(gone, np.nan, low),
-            "probability_high": np.where(gone, np.nan, high),
-            "log_rise_ratio": y,
-            "governing_temperature": at.bulk_temperature + heat,
-            "temperature_margin": critical - (at.bulk_temperature + heat),
-            "temperature_error": heat * width,
+            "probability": np.where(has_no_verdict, np.nan, probability),
+            "probability_low": np.where(has_no_verdict, np.nan, low),
+            "probability_high": np.where(has_no_verdict, np.nan, high),
+            "log_rise_ratio": log_ratio,
+            "governing_temperature": points.bulk_temperature + temperature_rise,
+            "temperature_margin": critical - (points.bulk_temperature + temperature_rise),
+            "temperature_error": temperature_rise * total_error,
             **{
-                f"temperature_error_{part}": heat * one
-                for part, one in zip(PARTS, parts, strict=True)
+                f"temperature_error_{part}": temperature_rise * error
+                for part, error in zip(PARTS, errors, strict=True)
             },
-            "critical_friction": (critical - at.bulk_temperature) / heating,
+            "critical_friction": (critical - points.bulk_temperature) / rise_per_friction,
             "origin": np.select(
-                (~known, simulated, beyond), (-1, SIMULATED, EXTRAPOLATED), INTERPOLATED
+                (~is_known, is_simulated, is_extrapolated),
+                (-1, SIMULATED, EXTRAPOLATED),
+                INTERPOLATED,
             ).astype(np.int8),
-            "warning_flags": (flags + against * Flag.RULED_OUT).astype(np.int16),
-            "reason": reason,
+            "warning_flags": (flags + is_ruled_out * Flag.RULED_OUT).astype(np.int16),
+            "reason": reasons,
         }
 
-    def _withhold(self, verdict: Array, reason: Any, at: Operation) -> Mask:
-        """Points at which tests do not allow the verdict; `reason` gets why, in words."""
-        rulings = ruled_out(self.case, self.evidence, self.conditions, at)
-        open_mild, open_severe = self.evidence.withheld
-        no_mild, no_severe = rulings.mild | bool(open_mild), rulings.severe | bool(open_severe)
-        against = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
-        for k in np.flatnonzero(against).tolist():
-            why = open_mild if verdict[k] == MILD else open_severe
-            reason[k] = why or f"{rulings.names[k]} rules it out"
-        return np.asarray(against)
+    def _withhold(self, verdict: Array, reasons: Any, points: Operation) -> Mask:
+        """Mask of points whose verdict contradicts tests; writes an explanation to `reasons`."""
+        rulings = ruled_out(self.case, self.evidence, self.conditions, points)
+        withheld_mild, withheld_severe = self.evidence.withheld
+        no_mild = rulings.mild | bool(withheld_mild)
+        no_severe = rulings.severe | bool(withheld_severe)
+        is_ruled_out = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
+        for k in np.flatnonzero(is_ruled_out).tolist():
+            explanation = withheld_mild if verdict[k] == MILD else withheld_severe
+            reasons[k] = explanation or f"{rulings.names[k]} rules it out"
+        return np.asarray(is_ruled_out)
 
-    def _reasons(self, at: Operation, rise: Array) -> Any:
-        """Why nothing is known of a point; empty if it is."""
-        found, ends = np.full(at.load.shape, "", object), self.ranges
-        values = np.stack([at.load, at.velocity])
-        low, high = np.transpose([ends["load"], ends["velocity"]])[..., None]
-        inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
-        for k in np.flatnonzero(~inside).tolist():
+    def _reasons(self, points: Operation, rise: Array) -> Any:
+        """Reasons for points without an answer; an empty text for points with one."""
+        reasons, ranges = np.full(points.load.shape, "", object), self.ranges
+        values = np.stack([points.load, points.velocity])
+        low, high = np.transpose([ranges["load"], ranges["velocity"]])[..., None]
+        is_inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
+        for k in np.flatnonzero(~is_inside).tolist():
             load, velocity = values[:, k].tolist()
-            found[k] = words.outside(ends, load=load, velocity=velocity)
-        found[np.isnan(rise) & (found == "")] = words.TOO_FEW
-        return found
+            reasons[k] = words.outside(ranges, load=load, velocity=velocity)
+        reasons[np.isnan(rise) & (reasons == "")] = words.TOO_FEW
+        return reasons
 
-    def critical(self, axis: str, at: Operation) -> dict[str, Any]:
-        """Where wear becomes severe along `axis`, through points on the other one."""
-        through = at.load if axis == "velocity" else at.velocity
-        levels = self.limits(at)
-        pairs = np.stack([through, levels, at.bulk_temperature])
-        _, first, back = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
-        at, through, levels = at.take(first), through[first], levels[first]
-        find = self.field.along_velocity if axis == "velocity" else self.field.along_load
-        lines = find(through, levels)
-        found, outside = self._inside(axis, at, lines)
+    def critical(self, axis: str, points: Operation) -> dict[str, Any]:
+        """Critical values along `axis`, on lines through the points' values on the other axis."""
+        line_values = points.load if axis == "velocity" else points.velocity
+        levels = self.limits(points)
+        pairs = np.stack([line_values, levels, points.bulk_temperature])
+        _, first_indices, inverse = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
+        points = points.take(first_indices)
+        line_values, levels = line_values[first_indices], levels[first_indices]
+        find_lines = self.field.along_velocity if axis == "velocity" else self.field.along_load
+        lines = find_lines(line_values, levels)
+        critical, is_outside = self._inside(axis, points, lines)
         turns_back = axis == "velocity" and self.conditions.has_friction_curve
         codes = lines.outcomes(self.ranges[axis], turns_back)
-        codes = np.where(outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
+        codes = np.where(is_outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
         if len(self.field.velocities if axis == "velocity" else self.field.loads) == 1:
             codes[:] = Outcome.NO_LINE
-        whole = {
-            f"critical_{axis}": found, f"outcome_along_{axis}": codes,
-            "crossings": lines.places, "severe_at_start": lines.severe_at_start,
+        columns = {
+            f"critical_{axis}": critical, f"outcome_along_{axis}": codes,
+            "crossings": lines.crossings, "severe_at_start": lines.severe_at_start,
         }  # fmt: skip
-        return {name: one[back.ravel()] for name, one in whole.items()}
+        return {name: column[inverse.ravel()] for name, column in columns.items()}
 
-    def _inside(self, axis: str, at: Operation, lines: Lines) -> tuple[Array, Mask]:
-        """Critical values, NaN where a film carries too much; and which lines are outside."""
+    def _inside(self, axis: str, points: Operation, lines: Lines) -> tuple[Array, Mask]:
+        """Critical values, NaN where a film carries too much load; mask of lines outside."""
 
-        def outside(values: Array) -> Mask:
-            known, found = np.isfinite(values), np.zeros(values.shape, bool)
-            found[known] = self.films(at._replace(**{axis: values}).take(known))[0]
-            return found
+        def is_outside_model(values: Array) -> Mask:
+            is_known, is_outside = np.isfinite(values), np.zeros(values.shape, bool)
+            is_outside[is_known] = self.films(points._replace(**{axis: values}).take(is_known))[0]
+            return is_outside
 
-        gone = outside(lines.critical)
-        ends = outside(lines.low) & outside(lines.high)
-        return (
-            np.where(gone, np.nan, lines.critical), gone | (np.isnan(lines.critical) & ends),
-        )  # fmt: skip
+        is_critical_outside = is_outside_model(lines.critical)
+        are_ends_outside = is_outside_model(lines.low) & is_outside_model(lines.high)
+        is_line_outside = is_critical_outside | (np.isnan(lines.critical) & are_ends_outside)
+        return np.where(is_critical_outside, np.nan, lines.critical), is_line_outside
 
-    def velocity_of_probability(self, at: Operation, probability: float = 0.5) -> Array:
-        """Velocities (k,) at which severe wear has this probability, at the loads of points [m/s].
+    def velocity_of_probability(self, points: Operation, probability: float = 0.5) -> Array:
+        """Velocities (k,) [m/s] at which severe wear has this probability, at the loads of points.
 
-        It is the first such velocity, for a probability above a half the last. NaN where there is
-        none among the velocities of the sweep, or where a film carries too much.
+        It is the lowest such velocity, for a probability above 0.5 the highest. NaN for none
+        among the velocities of the sweep, or if a film carries too much load.
         """
-        levels = self.limits(at) + self.evidence.log_rise_ratio_quantiles(
-            probability, at.bulk_temperature
+        levels = self.limits(points) + self.evidence.log_rise_ratio_quantiles(
+            probability, points.bulk_temperature
         )
-        lines = self.field.along_velocity(at.load, levels, FARTHEST)
-        last = np.where(lines.ends_severe, np.fmax.reduce(lines.places, axis=1), np.nan)
-        found = last if probability > 0.5 else lines.critical
+        lines = self.field.along_velocity(points.load, levels, FARTHEST)
+        last = np.where(lines.ends_severe, np.fmax.reduce(lines.crossings, axis=1), np.nan)
+        velocities = last if probability > 0.5 else lines.critical
         low, high = self.ranges["velocity"]
         with np.errstate(invalid="ignore"):
-            known = np.isfinite(found) & (low <= found) & (found <= high)
-        known[known] = ~self.films(at._replace(velocity=found).take(known))[0]
-        return np.where(known, found, np.nan)
+            is_known = np.isfinite(velocities) & (low <= velocities) & (velocities <= high)
+        is_known[is_known] = ~self.films(points._replace(velocity=velocities).take(is_known))[0]
+        return np.where(is_known, velocities, np.nan)
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.answers.conditions import judged as judged_by
+from pipeline.answers.conditions import override_conditions as judged_by
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.scene.build import Files
 from pipeline.scene.faults import Faults

@@ -132,7 +132,7 @@ def flags_around(plane, loads, velocities):
     ends = after - 1, np.minimum(after, len(plane.field.velocities) - 1)
     own = np.isin(velocities, plane.field.velocities)
     columns = [np.where(own, np.searchsorted(plane.field.velocities, velocities), k) for k in ends]
-    rows = plane.field.beside(loads)
+    rows = plane.field.bracketing_rows(loads)
     return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 

@@ -180,7 +180,7 @@ class Planes:
                 self.tell(search, batch)
             level = self.loads, np.full(len(self.loads), search.limit)
             lines = [one.specimen.field.along_velocity(*level) for one in (every, search)]
-            counts = [np.isfinite(one.places).sum(axis=1) for one in lines]
+            counts = [np.isfinite(one.crossings).sum(axis=1) for one in lines]
             for number in np.flatnonzero(search.asked[0].any(axis=1)):
                 if not _touches(every, self.loads[number]):
                     found.append([int(count[number]) for count in counts])

@@ -97,7 +97,7 @@ def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
         search = specimen.search(0.02, realizations=1)
         asked += len(specimen.run(search))
         levels = np.full(len(specimen.loads), search.limit)
-        found = search.specimen.field.along_velocity(specimen.loads, levels).places
+        found = search.specimen.field.along_velocity(specimen.loads, levels).crossings
         for number in np.flatnonzero(search.asked[0].any(axis=1)):
             whole, touches = specimen.crossings(specimen.loads[number])
             if not touches:
