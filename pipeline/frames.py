@@ -33,14 +33,14 @@ _FEWEST_LETTERS = 20  # least width of a broken last column
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
     """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
     units = [_split_heading(head)[1] for head in heads]
-    shown = [
+    converted = [
         tuple(
             shown_in(value, unit) if unit and _is_number(value) else value
             for value, unit in zip(row, units, strict=True)
         )
         for row in rows
     ]
-    return pd.DataFrame(shown, columns=pd.Index(heads))
+    return pd.DataFrame(converted, columns=pd.Index(heads))
 
 
 def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
@@ -48,9 +48,9 @@ def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.Data
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
 
-def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
-    """Pick at most `most` rows of a frame, evenly spaced, with the first and the last row."""
-    return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
+def some_rows(frame: pd.DataFrame, max_rows: int) -> pd.DataFrame:
+    """Pick at most `max_rows` rows of a frame, evenly spaced, with the first and the last row."""
+    return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, max_rows).round().astype(int))]
 
 
 def transposed(frame: pd.DataFrame) -> pd.DataFrame:
@@ -72,12 +72,12 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
         rows = [[_broken(text, letters) for text in row] for row in texts]
         columns = (itertools.chain(*column) for column in zip(heads, *rows, strict=True))
         widths = [max(map(len, column), default=0) for column in columns]
-        room = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
-        if room >= min(widths[-1], _FEWEST_LETTERS):
+        last_width = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
+        if last_width >= min(widths[-1], _FEWEST_LETTERS):
             break
     lines = [*itertools.zip_longest(*heads, fillvalue="")]
     for row in texts:
-        parts = map(_broken, row, [*widths[:-1], max(room, _FEWEST_LETTERS)])
+        parts = map(_broken, row, [*widths[:-1], max(last_width, _FEWEST_LETTERS)])
         lines += itertools.zip_longest(*parts, fillvalue="")
     return [
         gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
@@ -203,8 +203,8 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     try:
         if not path.parent.is_dir():
             raise InputError(f"cannot write {out}: the folder {path.parent} does not exist")
-        places = (path.parent, path) if path.exists() else (path.parent,)
-        if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
+        targets = (path.parent, path) if path.exists() else (path.parent,)
+        if path.is_dir() or not all(os.access(target, os.W_OK) for target in targets):
             problem = "it is a folder, or it or its folder is not writable"
             raise InputError(f"cannot write {out}: {problem}")
     except OSError as error:  # such as a name that is too long

@@ -19,7 +19,7 @@ _LIKE = {
     "load": "200 N", "velocity": "1.25 m/s",
     "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
 }  # fmt: skip
-_PLACE = "load", "velocity"
+_LOAD_AND_VELOCITY = "load", "velocity"
 
 
 class OperatingPoints(NamedTuple):
@@ -45,22 +45,22 @@ class OperatingPoints(NamedTuple):
         out. Columns of words, and of quantities such as angles, are labels, which are passed on.
         Raises an `InputError` with all faults of the table.
         """
-        given = Path(source) if isinstance(source, str | os.PathLike) else source
+        path_or_columns = Path(source) if isinstance(source, str | os.PathLike) else source
         entries = {path: name for name, path in CONDITION_ENTRIES.items()}
-        sheet = read_table(given, MOST_PLACES, decimal, ignore).renamed(entries)
-        names = *_PLACE, *CONDITION_ENTRIES
-        rows = rows_of(sheet, names, _faults_in, _PLACE, labels=True)
+        sheet = read_table(path_or_columns, MOST_PLACES, decimal, ignore).renamed(entries)
+        names = *_LOAD_AND_VELOCITY, *CONDITION_ENTRIES
+        rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY, labels=True)
         columns = {
             name: [_value(name, row[name]) if name in row else None for row in rows]
             for name in names
             if any(name in row for row in rows)
         }
-        others = (one for one in sheet.columns if one.name not in names)
-        return cls(columns, {one.head: one.cells for one in others})
+        label_columns = (column for column in sheet.columns if column.name not in names)
+        return cls(columns, {column.head: column.cells for column in label_columns})
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    yield from ((name, "empty; give a value") for name in _PLACE if name not in row)
+    yield from ((name, "empty; give a value") for name in _LOAD_AND_VELOCITY if name not in row)
     for name, cell in row.items():
         try:
             _value(name, cell)
@@ -82,6 +82,6 @@ def _value(name: str, cell: Any) -> float:
             low, high = (to_si(end, "1 K") for end in OIL_WORKS)
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
-        advice = f"; give a {name} above 0" * (name in _PLACE)
+        advice = f"; give a {name} above 0" * (name in _LOAD_AND_VELOCITY)
         raise InputError(f"{quoted(cell)} is outside the allowed range{advice}")
     return value

@@ -24,9 +24,9 @@ def user_path(path: str | PathLike[str]) -> Path:
 
 
 def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
-    """Path of a store that is to be read: ``results/NAME.zarr`` for the name of a scene alone.
+    """Path of a store to read; the name of a scene without a path becomes ``results/NAME.zarr``.
 
-    A path that exists comes first.
+    An existing path of this name has precedence.
     """
     name, folder = Path(path), Path("results")
     is_name = str(path) == name.name and not name.suffix
@@ -38,9 +38,9 @@ def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
 
 
 def open_regular(path: str | PathLike[str], flags: int = os.O_RDONLY) -> int:
-    """Open a file without waiting for anybody, and return its descriptor.
+    """Open a file without blocking, and return its descriptor.
 
-    `OSError` for what is no regular file, such as a FIFO, a device or a folder.
+    Raises an `OSError` unless it is a regular file, not a FIFO, a device or a folder.
     """
     descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
     mode = os.fstat(descriptor).st_mode
@@ -51,12 +51,12 @@ def open_regular(path: str | PathLike[str], flags: int = os.O_RDONLY) -> int:
     return descriptor
 
 
-def read_file(path: str | PathLike[str], most: int | None = None) -> bytes:
-    """Content of a regular file; `OSError` for anything else, or more than `most` bytes."""
+def read_file(path: str | PathLike[str], max_bytes: int | None = None) -> bytes:
+    """Content of a regular file; `OSError` for anything else, or a longer file than `max_bytes`."""
     with open(path, "rb", opener=open_regular) as stream:
         size = os.fstat(stream.fileno()).st_size
-        if most is not None and size > most:
-            reason = f"it has {size / 1e6:.4g} MB; at most {most / 1e6:.4g} MB are read"
+        if max_bytes is not None and size > max_bytes:
+            reason = f"it has {size / 1e6:.4g} MB; at most {max_bytes / 1e6:.4g} MB are read"
             raise OSError(errno.EFBIG, reason, os.fspath(path))
         return stream.read()
 
@@ -69,19 +69,19 @@ def reason_of(error: OSError, path: Path) -> str:
 
 def path_hint(path: Path) -> str:
     """Words for an error message that suggest an existing path of similar name; empty if none."""
-    wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
+    missing = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
     with suppress(OSError):
-        names = sorted(entry.name for entry in wrong.parent.iterdir())
-        longer = [name for name in names if name.startswith(f"{wrong.name}.")]
-        for name in longer or get_close_matches(wrong.name, names, 1, 0.8):
-            near = wrong.with_name(name) / path.relative_to(wrong)
-            return f' (did you mean "{near}"?)' if near.exists() else ""
+        names = sorted(entry.name for entry in missing.parent.iterdir())
+        longer = [name for name in names if name.startswith(f"{missing.name}.")]
+        for name in longer or get_close_matches(missing.name, names, 1, 0.8):
+            suggestion = missing.with_name(name) / path.relative_to(missing)
+            return f' (did you mean "{suggestion}"?)' if suggestion.exists() else ""
     return ""
 
 
-_MOST_CONTROLS = 0.01  # share of control characters in a text
+_MAX_CONTROL_SHARE = 0.01  # share of control characters in a text
 _CONTROLS = {*range(32), 127} - {*b"\t\n\r\f\x1a\x1b\0"}
-_SHOWN_BYTES = 4096  # from which the kind of a file follows
+_INSPECTED_BYTES = 4096  # at the beginning of a file, which tell its kind
 
 
 def kind_of(content: bytes) -> str:
@@ -92,14 +92,14 @@ def kind_of(content: bytes) -> str:
     >>> kind_of(b"load [N],velocity [m/s]"), kind_of(bytes(range(32)))
     ('', 'binary')
     """
-    part = content[:_SHOWN_BYTES]
+    part = content[:_INSPECTED_BYTES]
     if content.startswith(b"PK"):
         return ""
     if _is_wide(content):
         part = part.decode("utf-16-le", errors="replace").encode(errors="replace")
     # Texts in UTF-16 have nulls.
     count = sum(byte in _CONTROLS for byte in part) + part.count(0)
-    return "binary" if count > max(2, _MOST_CONTROLS * len(part)) else ""
+    return "binary" if count > max(2, _MAX_CONTROL_SHARE * len(part)) else ""
 
 
 def _is_wide(content: bytes) -> bool:

@@ -50,11 +50,11 @@ The limits are far beyond any machine, and far from where products of them leave
 """
 ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
 """Temperatures at which these units are 0 [K]."""
-_OTHERS = {
+_OUTPUT_SIZES = {
     "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9",
     "MJ/(m³ K)": "1e6", "N m": "1", "°": "0.017453292519943295",
 }  # fmt: skip
-"""Units that no scene uses, and their sizes in SI."""
+"""Sizes in SI of units that only output uses, not scenes."""
 UNITS = {
     "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
     "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
@@ -66,7 +66,9 @@ UNITS = {
     "pressure_coefficient": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, by the names of columns and fields; empty for a number."""
-SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
+SIZES = _OUTPUT_SIZES | {
+    unit: size for dimension in DIMENSIONS.values() for unit, size in dimension.units.items()
+}
 """Size of each unit in SI."""
 ALIKE = 5e-6
 """Relative difference up to which numbers agree in the six digits that are printed."""
@@ -85,7 +87,7 @@ def shown_in(value: Any, unit: str) -> Any:
 
 
 def snap(value: float, low: float, high: float) -> float:
-    """Return a value, or `low` or `high` if the value is beyond it by rounding alone.
+    """Return a value, or `low` or `high` if the value exceeds it only by rounding.
 
     Examples
     --------

@@ -44,9 +44,9 @@ PAGES_BY_TASK = {
 
 def shipped_pages() -> dict[str, Path]:
     """File of each page that ``irg help`` prints, by name, in the order of `PAGES_BY_TASK`."""
-    named = {page_name(path): path for path in WORKFLOWS.glob("*.md")}
+    pages = {page_name(path): path for path in WORKFLOWS.glob("*.md")}
     ordered = (name for names in PAGES_BY_TASK.values() for name in names)
-    return {name: named[name] for name in ordered if name in named}
+    return {name: pages[name] for name in ordered if name in pages}
 
 
 def page_name(path: Path) -> str:

@@ -1,8 +1,8 @@
 """Tables of tests, operating points, rows and loads: CSV or Excel, with headings like "load [N]".
 
-Cells are text here, and nothing is guessed. A row that has not as many cells as there are headings,
-a heading that stands twice, a column that nobody knows, and a cell that may mean two numbers are
-refused: all faults at once, each with its row and column.
+Cells are text here, and nothing is guessed. A row with more or fewer cells than headings, a
+repeated heading, an unknown column and an ambiguous number are refused: all faults at once, each
+with its row and column.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
 """Units of columns of numbers that are given in Python without one."""
-_MANY = 12  # names that a message lists
+_MAX_LISTED = 12  # names that a message lists
 _QUANTITIES = {"N", "m/s", "K"}
 """SI units of columns that are hardly labels."""
 
@@ -56,10 +56,10 @@ class Column(NamedTuple):
     cells: list[str]
 
     @classmethod
-    def of(cls, head: str, cells: Sequence[str] = ()) -> Column:
+    def from_heading(cls, head: str, cells: Sequence[str] = ()) -> Column:
         """A column by its heading, such as "load [N]"."""
-        found = _HEADING.fullmatch(head.strip())
-        name, unit = (found[1], found[2]) if found else (head.strip(), "")
+        match = _HEADING.fullmatch(head.strip())
+        name, unit = (match[1], match[2]) if match else (head.strip(), "")
         bare = name if "." in name else name.lower().replace(" ", "_")
         return cls(head.strip(), _SAME.get(bare, bare), unit, [cell.strip() for cell in cells])
 
@@ -92,23 +92,23 @@ class Column(NamedTuple):
 class Sheet:
     """Columns of a table, the numbers of its rows in the file, and its faults.
 
-    Whoever reads the cells raises these faults together with those that it finds.
+    The reader of the cells raises these faults together with its own.
     """
 
     name: str
     columns: list[Column]
     lines: list[int]
     faults: list[str]
-    decimal: str | None = None  # the mark that was given
+    decimal: str | None = None  # decimal mark given by the user
     is_local: bool = False  # True if points of numbers may divide thousands
 
     def renamed(self, names: Mapping[str, str]) -> Sheet:
-        """The sheet with columns by other names, which stand once each."""
+        """The sheet with renamed columns; a repeated name is a fault."""
         columns, faults = list[Column](), [*self.faults]
-        for one in self.columns:
-            column = one._replace(name=names.get(one.name, one.name))
+        for original in self.columns:
+            column = original._replace(name=names.get(original.name, original.name))
             if column.name in {other.name for other in columns}:
-                faults.append(f"the heading {quoted(one.head)} stands twice; leave one out")
+                faults.append(f"the heading {quoted(original.head)} stands twice; leave one out")
             else:
                 columns.append(column)
         return Sheet(self.name, columns, self.lines, faults, self.decimal, self.is_local)
@@ -121,26 +121,30 @@ class Sheet:
         A column of another name is a fault, unless `labels` are allowed and it is one; these are
         among the columns, too.
         """
-        faults, taken = [*self.faults], list[Column]()
-        names = {one.name for one in self.columns}
-        for one in self.columns:
-            near = did_you_mean(one.name, {*known} - names)
-            if one.name in known or (labels and one.is_label and not near):
-                taken.append(one)
+        faults, selected = [*self.faults], list[Column]()
+        names = {column.name for column in self.columns}
+        for column in self.columns:
+            hint = did_you_mean(column.name, {*known} - names)
+            if column.name in known or (labels and column.is_label and not hint):
+                selected.append(column)
                 continue
-            into = "the path of an entry" if len(known) > _MANY else f"one of {', '.join(known)}"
-            faults.append(
-                f"the column {quoted(one.head)} is unknown{near}; rename it to {into}, or ignore "
-                "it (--ignore)"
+            into = (
+                "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
             )
-        heads = ", ".join(quoted(one.head) for one in self.columns)
+            faults.append(
+                f"the column {quoted(column.head)} is unknown{hint}; rename it to {into}, or "
+                "ignore it (--ignore)"
+            )
+        heads = ", ".join(quoted(column.head) for column in self.columns)
         missing = [name for name in needed if name not in names]
         faults += [f"no column {name} in {heads}; add it, with its unit" for name in missing]
-        made = [
-            one if one.name not in known else one._replace(cells=[*self._points(one, faults)])
-            for one in taken
+        columns = [
+            column
+            if column.name not in known
+            else column._replace(cells=[*self._points(column, faults)])
+            for column in selected
         ]
-        return made, faults
+        return columns, faults
 
     def _points(self, column: Column, faults: list[str]) -> Iterator[str]:
         """Yield the cells of a column with decimal points; those with two meanings are faults."""
@@ -160,12 +164,12 @@ class Sheet:
 
 def _split(cell: str) -> tuple[str, str]:
     """A cell as its number, with all of its marks, and what follows; no number is empty."""
-    found = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
-    return (found[1], found[2] or "") if found else ("", cell)
+    match = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
+    return (match[1], match[2] or "") if match else ("", cell)
 
 
 def read_table(
-    source: Source, most: int, decimal: str | None = None, ignore: Collection[str] = ()
+    source: Source, max_rows: int, decimal: str | None = None, ignore: Collection[str] = ()
 ) -> Sheet:
     """Read a .csv or .xlsx file, or columns by heading such as a data frame.
 
@@ -186,11 +190,11 @@ def read_table(
         path, rows, is_local = Path("the table"), _rows_of_frame(source), False
     if len(rows) < 2:
         raise InputError(f"{path} has no rows below its headings; add one")
-    if len(rows) - 1 > most:
-        raise InputError(f"{path} has {len(rows) - 1} rows; at most {most} are read")
+    if len(rows) - 1 > max_rows:
+        raise InputError(f"{path} has {len(rows) - 1} rows; at most {max_rows} are read")
     sheet = _sheet(str(path), rows, ignore)
-    cells = [cell for one in sheet.columns for cell in one.cells]
-    # One number with a point and other than three decimals shows what all points are.
+    cells = [cell for column in sheet.columns for cell in column.cells]
+    # A number with a point and not three decimals shows that points are decimal marks.
     points = [number for number, _ in map(_split, cells) if "." in number]
     is_local = is_local and all(map(_GROUPED.fullmatch, points))
     return Sheet(sheet.name, sheet.columns, sheet.lines, sheet.faults, decimal, is_local)
@@ -209,7 +213,7 @@ def _rows_of_frame(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[
         raise InputError(f"columns differ in their numbers of rows: {sizes}; give each as many")
     frame = pd.DataFrame(columns)
     numeric = frame.select_dtypes("number")
-    heads = [f"{one} [{_SI[one]}]" if one in numeric and one in _SI else one for one in frame]
+    heads = [f"{name} [{_SI[name]}]" if name in numeric and name in _SI else name for name in frame]
     cells = ["" if pd.isna(cell) else str(cell) for cell in frame.to_numpy(object).ravel()]
     width = len(heads)
     return [*enumerate([heads, *(cells[k : k + width] for k in range(0, len(cells), width or 1))])]
@@ -223,7 +227,7 @@ def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
     content = read_file(path)
     if content.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(content)) as book:
-            size = sum(one.file_size for one in book.infolist())
+            size = sum(member.file_size for member in book.infolist())
             if "[Content_Types].xml" not in book.namelist() or size > MOST_BYTES_OF_BOOK:
                 raise InputError(
                     f"{path} is no workbook, or unpacks to {size / 1e6:.3g} MB, of which "
@@ -231,8 +235,8 @@ def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
                 )
         filled = {title: rows for title, rows in _sheets(path, content) if rows}
         if len(filled) != 1:
-            named = f": {', '.join(map(quoted, filled))}" * bool(filled)
-            raise InputError(f"{path} has {len(filled)} sheets with cells{named}; keep one")
+            titles = f": {', '.join(map(quoted, filled))}" * bool(filled)
+            raise InputError(f"{path} has {len(filled)} sheets with cells{titles}; keep one")
         rows, mark = [*enumerate(next(iter(filled.values())), start=1)], ","
     elif kind := kind_of(content):
         raise InputError(f"{path} is {kind}; save the table as .csv")
@@ -242,21 +246,21 @@ def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
 
 
 def _decoded(content: bytes) -> str:
-    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     try:
-        return content.decode("utf-16" if wide else "utf-8-sig")
+        return content.decode("utf-16" if is_utf16 else "utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")  # as Excel writes in the west
 
 
 def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Rows of CSV with their numbers, and what divides their cells."""
+    """Rows of CSV with their numbers, and the delimiter of cells."""
     if "\0" in text:
         raise InputError(f"{path} is binary; save the table as .csv")
     lines = text.splitlines()
-    above = next((k for k, one in enumerate(lines) if one.strip() and one[0] != "#"), len(lines))
+    above = next((k for k, row in enumerate(lines) if row.strip() and row[0] != "#"), len(lines))
     head = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
-    mark = next((one for one in "\t;," if one in head), ",")
+    mark = next((delimiter for delimiter in "\t;," if delimiter in head), ",")
     reader = csv.reader(lines[above:], delimiter=mark, strict=True)
     try:
         return [(above + reader.line_num, row) for row in reader], mark
@@ -268,7 +272,7 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
 
 def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:
     """Yield the title and the rows of each sheet of a workbook, all of one length."""
-    import openpyxl  # here, as few tables are workbooks
+    import openpyxl  # imported here, since few tables are workbooks
 
     for sheet in openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True):
         sheet.reset_dimensions()  # those in the file may be wrong
@@ -292,7 +296,7 @@ def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]
 
 
 def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
-    """Columns of rows; those of rows whose cells do not fit the headings are left out."""
+    """Columns of a table; rows with more or fewer cells than headings are faults, and left out."""
     (first, heads), *body = rows
     width = max((k + 1 for k, head in enumerate(heads) if head.strip()), default=0)
     faults, fit = list[str](), list[tuple[int, list[str]]]()
@@ -308,10 +312,10 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
     if len(faults) == len(body) and width == 1:
         faults = [f"row {first} has one cell, and rows below have more; leave out the title"]
     columns, names = list[Column](), set[str]()
-    left, skipped = {one.strip().lower(): one for one in ignore}, set[str]()
+    ignored, skipped = {heading.strip().lower(): heading for heading in ignore}, set[str]()
     for k in range(width):
-        column = Column.of(heads[k], [row[k] for _, row in fit])
-        keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & left.keys()
+        column = Column.from_heading(heads[k], [row[k] for _, row in fit])
+        keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & ignored.keys()
         if keys:
             skipped |= keys
         elif not column.head:
@@ -321,10 +325,11 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         else:
             columns.append(column)
             names.add(column.name)
-    shown = ", ".join(quoted(one.head) for one in columns)
+    listed = ", ".join(quoted(column.head) for column in columns)
     faults += [
-        f"there is no column {quoted(left[key])} to ignore in {shown}; give a heading of the table"
-        for key in left.keys() - skipped
+        f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
+        "of the table"
+        for key in ignored.keys() - skipped
     ]
     return Sheet(name, columns, [line for line, _ in fit], faults)
 
@@ -347,18 +352,18 @@ def rows_of(
     Raises an `InputError` with all faults: of the sheet, and pairs (name, reason) that `faults_in`
     finds in a row, each with its row and column.
     """
-    columns, said = sheet.select(names, needed, labels)
-    rows, heads = list[dict[str, Any]](), {one.name: one.head for one in columns}
-    faulty = {one.partition(": ")[0] for one in said}  # cells among them
+    columns, faults = sheet.select(names, needed, labels)
+    rows, heads = list[dict[str, Any]](), {column.name: column.head for column in columns}
+    faulty = {fault.partition(": ")[0] for fault in faults}  # includes locations of cells
     for number, line in enumerate(sheet.lines):
-        own = [one for one in columns if one.cells[number] and one.name in names]
-        rows.append({one.name: one.entry(number) for one in own})
-        for name, why, *_ in faults_in(rows[-1]):
-            place = f"row {line}, {heads.get(name, name)}"
-            if place not in faulty and (name in heads or name not in needed):
-                said.append(f"{place}: {why}")
-    if said:
-        raise TableError(sheet.name, said)
+        filled = [column for column in columns if column.cells[number] and column.name in names]
+        rows.append({column.name: column.entry(number) for column in filled})
+        for name, reason, *_ in faults_in(rows[-1]):
+            location = f"row {line}, {heads.get(name, name)}"
+            if location not in faulty and (name in heads or name not in needed):
+                faults.append(f"{location}: {reason}")
+    if faults:
+        raise TableError(sheet.name, faults)
     return rows
 
 

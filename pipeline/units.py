@@ -108,9 +108,9 @@ def exact_si(text: str, like: str) -> Decimal:
             raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give a length above 0")
         return Decimal(turns["number"]) * Decimal(TURNS[turns["unit"]]) * radius
     if needed == "rad s-1":
-        turned, of_turns = _parts(text)
-        if of_turns in TURNS:
-            return Decimal(turned) * Decimal(TURNS[of_turns])
+        revolutions, speed_unit = _parts(text)
+        if speed_unit in TURNS:
+            return Decimal(revolutions) * Decimal(TURNS[speed_unit])
     number, unit = _read(text)
     if unit.dimension != needed:
         raise UnitError(f"{_quoted(text)} {_misfit(text, unit, like)}")
@@ -199,9 +199,9 @@ def _unit(unit: str) -> Unit:
     """Find a unit that is written as in data sheets; `InputError` if it is unknown."""
     for pattern, read in _PRINTED:
         unit = pattern.sub(read, unit)
-    for cf, one in DIMENSIONS.items():  # known without pint
-        if unit in one.units:
-            return Unit(cf, Decimal(one.units[unit]), Decimal(ZERO.get(unit, 0)))
+    for cf, dimension in DIMENSIONS.items():  # known without pint
+        if unit in dimension.units:
+            return Unit(cf, Decimal(dimension.units[unit]), Decimal(ZERO.get(unit, 0)))
     import pint
 
     registry = _registry()
@@ -213,8 +213,8 @@ def _unit(unit: str) -> Unit:
     except Exception as error:  # pint raises errors that are not its own
         raise InputError("has a unit that cannot be read") from error
     size = one_unit.magnitude - zero.magnitude
-    for cf, one in DIMENSIONS.items():
-        if one_unit.check(registry.parse_units(next(iter(one.units))).dimensionality):
+    for cf, dimension in DIMENSIONS.items():
+        if one_unit.check(registry.parse_units(next(iter(dimension.units))).dimensionality):
             return Unit(cf, size, zero.magnitude)
     parts: Any = one_unit.unit_items()
     powers = [(registry.get_symbol(name), int(power)) for name, power in parts]
@@ -280,8 +280,8 @@ def in_si(name: str, value: float | str, like: str) -> float:
         return to_si(value, like) if isinstance(value, str) else float(value)
     except (UnitError, OverflowError, TypeError, ValueError) as error:
         is_type = isinstance(error, TypeError)
-        why = f"a value of type {type(value).__name__} is no number" if is_type else error
-        raise InputError(f'{name}: {why}; give one such as "{like}"') from error
+        reason = f"a value of type {type(value).__name__} is no number" if is_type else error
+        raise InputError(f'{name}: {reason}; give one such as "{like}"') from error
 
 
 def require_count(name: str, value: float) -> None:
@@ -318,7 +318,10 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     None, no value is unusual.
     """
     (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
-    shown, of = shown_in(value, unit), f" {unit}" if unit else ""
-    if low <= shown <= high:
+    converted, suffix = shown_in(value, unit), f" {unit}" if unit else ""
+    if low <= converted <= high:
         return ""
-    return f"{shown:.3g}{of} is unusual ({low:g} to {high:g}{of} is common): check number and unit"
+    return (
+        f"{converted:.3g}{suffix} is unusual ({low:g} to {high:g}{suffix} is common): "
+        "check number and unit"
+    )

@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
-_SHOWN = 18  # faults that are shown, where there are thousands
+_MAX_FAULTS = 18  # that a message lists
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
@@ -32,8 +32,8 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     """Join faults to a message that names the file; several have a line each, 20 at most."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
-    lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
-    if (more := len(faults) - _SHOWN) > 0:
+    lines = [f"{name}: {len(faults)} faults", *faults[:_MAX_FAULTS]]
+    if (more := len(faults) - _MAX_FAULTS) > 0:
         lines.append(f"and {more} more")
     return "\n  ".join(lines)
 
@@ -43,14 +43,14 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     word, known = word[:80].lower(), {other.lower(): other for other in words}
     ends = [other for other in known if other.endswith(f".{word}")]
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    near = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
-    return f' (did you mean "{known[near[0]]}"?)' if near else ""
+    matches = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
+    return f' (did you mean "{known[matches[0]]}"?)' if matches else ""
 
 
-def key_path(place: str, key: str) -> str:
-    """Path of a key within the table `place`, quoted as TOML needs it."""
+def key_path(table: str, key: str) -> str:
+    """Path of a key within the table at path `table`, quoted as TOML needs it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-    return f"{place}.{bare}" if place else bare
+    return f"{table}.{bare}" if table else bare
 
 
 def join_notes(notes: Iterable[str]) -> str:
@@ -60,4 +60,4 @@ def join_notes(notes: Iterable[str]) -> str:
 
 def split_notes(cells: Iterable[str]) -> list[str]:
     """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
-    return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]
+    return [*dict.fromkeys(note for cell in cells if cell for note in cell.split(_SEPARATOR))]
