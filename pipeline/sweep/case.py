@@ -35,8 +35,7 @@ class Case:
     friction_band : pair of float or None
         Lowest and highest friction that the diagram shows.
     model_bias, model_scatter : float
-        How far the model may be off, as parts of the rise: shared by all specimens, and each one's
-        own.
+        Model error as a fraction of the rise: common to all specimens, and differing between them.
     lubricant : Oil or None
         The oil between the bodies, which does not affect simulations.
     preset : str or None
@@ -69,7 +68,7 @@ class Case:
 
     @property
     def has_film(self) -> bool:
-        """True if the film of an oil is judged: between line contacts, of an oil that is known."""
+        """True if its film is judged: a line contact, and an oil with a pressure coefficient."""
         oil = self.lubricant
         return bool(oil and oil.pressure_coefficient) and self.scene.pin.length is not None
 
@@ -81,7 +80,7 @@ class Case:
         return replace(self, scene=replace(self.scene, roughness=replace(rough, seed=seed)))
 
     def held(self, duration: float | None) -> Self:
-        """The case with another time at the full load [s], which the heat of its tracks takes."""
+        """The case with another hold at the full load [s], also for the heat of its tracks."""
         loading = self.scene.loading
         if duration is None or getattr(loading, "hold", None) == duration:
             return self
@@ -94,17 +93,17 @@ class Case:
         scene = replace(self.scene, loading=loading)
         return replace(self, scene=scene, conditions=self.conditions.under(loading))
 
-    def with_fidelity(self, made: Fidelity, preset: str | None = None) -> Self:
+    def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The case with other numerical choices; `preset` is their name, or None."""
-        return replace(self, scene=replace(self.scene, fidelity=made), preset=preset)
+        return replace(self, scene=replace(self.scene, fidelity=fidelity), preset=preset)
 
 
 @dataclass(frozen=True, slots=True)
 class SpecimenTest:
     """A test on a rig: a point with its outcome, or with a transition to severe wear.
 
-    Its case is the scene on its first surface, with what the test itself changes. The conditions
-    leave out the critical temperature: it is the oil's.
+    Its case is the scene on its first surface, with the changes of the test. Its conditions have no
+    critical temperature: that of the oil applies.
     """
 
     normal_load: float  # on the whole pin [N]
@@ -129,6 +128,6 @@ class SpecimenTest:
         There are two for a transition with a step: the last where wear was mild, and the first
         where it was severe.
         """
-        here = self.normal_load, self.velocity
-        before = self.normal_load - self.load_step, self.velocity - self.velocity_step
-        return (here,) if before == here else (before, here)
+        end = self.normal_load, self.velocity
+        step_before = self.normal_load - self.load_step, self.velocity - self.velocity_step
+        return (end,) if step_before == end else (step_before, end)

@@ -19,11 +19,11 @@ ROWS = {
 }
 """Dimensions that number rows, without an entry of the scene, and their meanings."""
 PLACE_UNITS = {"load": "N", "velocity": "m/s"}
-"""Columns with a load or a velocity of each row's own, and their units."""
+"""Columns with the load or velocity of each row, and their units."""
 Label = float | int | str
 """Value of a row in a column."""
 CaseRow = Mapping[str, Label]
-"""A row: its labels by column [SI]."""
+"""A row: its labels [SI] by column."""
 CaseName = tuple[tuple[str, Label], ...]
 """Name of a case: the dimensions in front of load and velocity, each with the row's label."""
 SEED = "disk.roughness.seed"
@@ -46,10 +46,10 @@ class Column:
     name: str
     unit: str | None = "1"  # in SI; None for words
     along: str = ""  # dimension that determines the values; empty for a dimension
-    is_seed: bool = False  # rows that differ here alone are equally likely surfaces
+    is_seed: bool = False  # rows that differ only in this column are equally likely surfaces
     meaning: str = ""
-    entry: str = ""  # path of the entry that the column sets, if the name is another
-    shown: str = ""  # unit in which people are shown the labels
+    entry: str = ""  # path of the entry that the column sets, unless it is the name
+    shown: str = ""  # unit of the labels in output
 
     @property
     def key(self) -> str:
@@ -79,7 +79,7 @@ class CaseTable:
     rows: tuple[CaseRow, ...] = ({},)
 
     def __post_init__(self) -> None:
-        if any(row.keys() != {one.name for one in self.columns} for row in self.rows):
+        if any(row.keys() != {column.name for column in self.columns} for row in self.rows):
             raise InputError("a row of the sweep has other columns than its table")
         _ = self.by_name  # raises for two rows with the same name
 
@@ -94,7 +94,7 @@ class CaseTable:
     @cached_property
     def by_name(self) -> dict[CaseName, CaseRow]:
         """Rows of the table by the names of cases; `InputError` if two have the same name."""
-        dims = [one.name for one in self.columns if not one.along]
+        dims = [column.name for column in self.columns if not column.along]
         rows = {tuple([(dim, row[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):
             raise InputError("two cases of the sweep have the same values; list each once")
@@ -108,7 +108,7 @@ class CaseTable:
     @cached_property
     def axes(self) -> dict[str, tuple[Label, ...]]:
         """Labels along each dimension of the table."""
-        dims = [one.name for one in self.columns if not one.along]
+        dims = [column.name for column in self.columns if not column.along]
         return {dim: tuple(dict.fromkeys(row[dim] for row in self.rows)) for dim in dims}
 
     @cached_property
@@ -118,48 +118,48 @@ class CaseTable:
         For example, a row's own load follows from the number of the row.
         """
         return {
-            one: {row[one.along]: row[one.name] for row in self.rows}
-            for one in self.columns
-            if one.along
+            column: {row[column.along]: row[column.name] for row in self.rows}
+            for column in self.columns
+            if column.along
         }
 
     @property
     def chosen(self) -> tuple[Column, ...]:
         """Dimensions whose labels the user chose: all but seeds of random surfaces."""
-        return tuple(one for one in self.columns if not (one.along or one.is_seed))
+        return tuple(column for column in self.columns if not (column.along or column.is_seed))
 
     @property
     def without_surfaces(self) -> CaseTable:
         """Table of the cases that the user chose, without random surfaces."""
-        seeds = {one.name for one in self.columns if one.is_seed}
-        columns = tuple(one for one in self.columns if not one.is_seed)
+        seeds = {column.name for column in self.columns if column.is_seed}
+        columns = tuple(column for column in self.columns if not column.is_seed)
         rows = dict[CaseName, CaseRow]()
         for row in self.rows:
-            own = {name: label for name, label in row.items() if name not in seeds}
-            rows.setdefault((*own.items(),), own)
+            labels = {name: label for name, label in row.items() if name not in seeds}
+            rows.setdefault((*labels.items(),), labels)
         return CaseTable(columns, tuple(rows.values()))
 
     def column(self, name: str) -> tuple[Any, ...] | None:
         """Label of each case in a column; None if there is no such column."""
-        is_there = any(one.name == name for one in self.columns)
+        is_there = any(column.name == name for column in self.columns)
         return tuple(row[name] for row in self.rows) if is_there else None
 
     def unknown(self, name: CaseName) -> InputError:
         """The error for a case that the sweep does not have."""
-        wanted = " and ".join(f"{key} {value}" for key, value in name)
-        ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
-        return InputError(f"the sweep has no {wanted}; it has {ends or 'one case'}")
+        requested = " and ".join(f"{key} {value}" for key, value in name)
+        ends = "; ".join(f"{key} {labels[0]} to {labels[-1]}" for key, labels in self.axes.items())
+        return InputError(f"the sweep has no {requested}; it has {ends or 'one case'}")
 
     def to_text(self, name: CaseName) -> dict[str, Label]:
         """Labels of a name by dimension, each with its unit, such as "2 mm"."""
-        columns = {one.name: one for one in self.columns}
+        columns = {column.name: column for column in self.columns}
         return {dim: columns[dim].to_text(label) for dim, label in name}
 
     def surfaces_of(self, name: CaseName) -> CaseTable:
         """Table of the random surfaces of one case; a single row if it has none."""
-        columns = tuple(one for one in self.columns if one.is_seed)
-        own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
-        rows = ({one.name: row[one.name] for one in columns} for row in own)
+        columns = tuple(column for column in self.columns if column.is_seed)
+        case_rows = [row for full, row in self.by_name.items() if {*name} <= {*full}]
+        rows = ({column.name: row[column.name] for column in columns} for row in case_rows)
         return CaseTable(columns, tuple(rows)) if columns else CaseTable()
 
     def union(self, other: CaseTable) -> CaseTable:
@@ -190,9 +190,9 @@ def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[CaseName, ...]:
 
 def in_order(labels: Iterable[Any]) -> list[Any]:
     """Return labels, each once: numbers in ascending order, texts in the order given."""
-    once = dict.fromkeys(labels)
-    is_text = any(isinstance(label, str) for label in once)
-    return [*once] if is_text else sorted(once)
+    unique = dict.fromkeys(labels)
+    is_text = any(isinstance(label, str) for label in unique)
+    return [*unique] if is_text else sorted(unique)
 
 
 def surfaces(seeds: Sequence[int]) -> CaseTable:
@@ -205,5 +205,5 @@ def surfaces(seeds: Sequence[int]) -> CaseTable:
 def numbered_cases(columns: Iterable[Column], rows: Iterable[CaseRow]) -> CaseTable:
     """Table of cases numbered from 0, with `columns`."""
     number = Column(CASE, meaning=ROWS[CASE])
-    along = (replace(one, along=CASE) for one in columns)
+    along = (replace(column, along=CASE) for column in columns)
     return CaseTable((number, *along), tuple({CASE: k, **row} for k, row in enumerate(rows)))

@@ -1,4 +1,4 @@
-"""Objects as plain data for JSON, and back: dataclasses and named tuples of known classes alone."""
+"""Objects as plain data for JSON, and back: only dataclasses and named tuples of known classes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tribo.surface import UnknownHeights, array_digest
 from tribo.types import Array
 
 NOT_STORED = {"stored": False}
-"""Metadata of a field that plain data lack; decoded objects have its default."""
+"""Metadata of a field that is not stored; decoded objects have its default."""
 _CLASS = "is"  # key with the name of an object's class
 
 
@@ -46,45 +46,45 @@ def encode(value: Any, arrays: dict[str, Array] | None = None) -> Any:
     if isinstance(value, UnknownHeights):  # counts as the surface itself
         array = {_CLASS: "array", "digest": value.digest, "shape": [*value.shape]}
         return {_CLASS: "MeasuredRoughness", "array": array}
-    made: Any = type(value)
-    if names := _fields(made):
-        own = {name: encode(getattr(value, name), arrays) for name in names}
-        return {_CLASS: made.__name__, **own}
-    return [encode(one, arrays) for one in value]
+    cls: Any = type(value)
+    if names := _fields(cls):
+        values = {name: encode(getattr(value, name), arrays) for name in names}
+        return {_CLASS: cls.__name__, **values}
+    return [encode(item, arrays) for item in value]
 
 
 def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array]) -> Any:
-    """Make the object of plain data from `encode`; `CodecError` for any other data.
+    """Build the object of plain data from `encode`; `CodecError` for any other data.
 
-    Only objects of `classes`, by name, are made. `arrays` has the arrays by SHA-256.
+    Only objects of `classes`, by name, are built. `arrays` has the arrays by SHA-256.
     """
 
-    def made(own: dict[str, Any]) -> Any:
-        name = own.pop(_CLASS, None)
-        own = {key: _tuples(one) for key, one in own.items()}
+    def build(values: dict[str, Any]) -> Any:
+        name = values.pop(_CLASS, None)
+        values = {key: _tuples(value) for key, value in values.items()}
         match name:
             case "number":
-                return float(own["text"])
+                return float(values["text"])
             case "mapping":
-                return dict(own["items"])
-            case "array" if own["digest"] in arrays:
-                array = arrays[own["digest"]].reshape(own["shape"])
-                if array_digest(array) != own["digest"]:
+                return dict(values["items"])
+            case "array" if values["digest"] in arrays:
+                array = arrays[values["digest"]].reshape(values["shape"])
+                if array_digest(array) != values["digest"]:
                     raise CodecError("an array is not what was written: its numbers are others")
                 return array
             case "array":
                 name = "MissingSurface"
-            case "MeasuredRoughness" if isinstance(own["array"], UnknownHeights):
-                return own["array"]
+            case "MeasuredRoughness" if isinstance(values["array"], UnknownHeights):
+                return values["array"]
         if name not in classes:
             raise CodecError(f"there is no class {name!r:.60}")
-        if other := own.keys() ^ {*_fields(classes[name])}:
+        if other := values.keys() ^ {*_fields(classes[name])}:
             raise CodecError(f"{name}.{min(other)} is missing, or unknown")
-        return classes[name](**own)
+        return classes[name](**values)
 
-    # Written and read once more: the reader of JSON makes inner objects first, without a frame for
-    # each level.
-    return json.loads(json.dumps(plain), object_hook=made)
+    # Written and read again, since the JSON reader builds inner objects first and does not recurse
+    # in Python.
+    return json.loads(json.dumps(plain), object_hook=build)
 
 
 def _tuples(value: Any) -> Any:
@@ -101,36 +101,36 @@ def _float_if_equal(text: str) -> float | str:
     return float(text) if int(float(text)) == int(text) else text
 
 
-def differences(one: Any, other: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:
+def differences(first: Any, second: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Yield the paths at which plain data differ, with both values."""
-    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
-        for key in one:
-            yield from differences(one[key], other[key], f"{place}.{key}" if place else key)
-    elif one != other:
-        yield place.removesuffix(f".{_CLASS}"), one, other
+    if isinstance(first, dict) and isinstance(second, dict) and first.keys() == second.keys():
+        for key in first:
+            yield from differences(first[key], second[key], f"{path}.{key}" if path else key)
+    elif first != second:
+        yield path.removesuffix(f".{_CLASS}"), first, second
 
 
 def change(base: Any, plain: Any) -> Any:
-    """Plain data of an object as its differences from a `base`; whole if it is of another class."""
+    """Differences of an object's plain data from a `base`; all of them if its class is another."""
     if not (isinstance(base, dict) and isinstance(plain, dict) and base.keys() == plain.keys()):
         return plain
     if base[_CLASS] != plain[_CLASS]:
         return plain
-    return {key: change(base[key], one) for key, one in plain.items() if one != base[key]}
+    return {key: change(base[key], value) for key, value in plain.items() if value != base[key]}
 
 
 def changed(base: Any, difference: Any) -> Any:
-    """Plain data of an object from its `difference` from a `base`, as `change` gives it."""
+    """Plain data of an object from a `base` and the `difference` that `change` returned."""
     if not (isinstance(base, dict) and isinstance(difference, dict)) or _CLASS in difference:
         return difference
     if wrong := difference.keys() - base.keys():
         raise CodecError(f"{base.get(_CLASS)} has no {min(wrong)}")
-    return base | {key: changed(base[key], one) for key, one in difference.items()}
+    return base | {key: changed(base[key], value) for key, value in difference.items()}
 
 
 @functools.cache
 def _fields(cls: Any) -> tuple[str, ...]:
     if is_dataclass(cls):
-        stored = (one for one in fields(cls) if one.metadata.get("stored", one.init))
-        return tuple(one.name for one in stored)
+        stored = (field for field in fields(cls) if field.metadata.get("stored", field.init))
+        return tuple(field.name for field in stored)
     return tuple(getattr(cls, "_fields", ()))

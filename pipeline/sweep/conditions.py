@@ -21,7 +21,7 @@ PATHS = {
 CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "added_rise_fraction"}
 """Conditions that rows of tables may set, and their entries in a scene."""
 OF_TESTS = "friction", "bulk_temperature", "corrections"
-"""Conditions that each test has of its own; all others are the oil's."""
+"""Conditions that each test sets; all others are those of the oil."""
 
 
 def known_critical_temperature(conditions: Conditions) -> float:
@@ -45,6 +45,6 @@ def allowable_rise(conditions: Conditions) -> float:
     return verdict.allowable_rise(conditions)
 
 
-def with_own(conditions: Conditions, own: Conditions) -> Conditions:
-    """The `conditions` with what each test has of its own taken from `own`."""
-    return replace(conditions, **{name: getattr(own, name) for name in OF_TESTS})
+def with_own(conditions: Conditions, test_conditions: Conditions) -> Conditions:
+    """The `conditions` with those named in `OF_TESTS` taken from `test_conditions`."""
+    return replace(conditions, **{name: getattr(test_conditions, name) for name in OF_TESTS})

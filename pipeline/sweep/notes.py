@@ -43,7 +43,7 @@ class SceneWarning(NamedTuple):
 
 
 def unusual_warning(
-    place: str, value: float, usual: tuple[float, float] | None, unit: str
+    path: str, value: float, usual: tuple[float, float] | None, unit: str
 ) -> list[SceneWarning]:
     """Warning that a value [SI] is outside its usual range, which is in `unit`; empty if it is not.
 
@@ -51,7 +51,7 @@ def unusual_warning(
     """
     if usual is None or not unusual(value, usual, unit):
         return []
-    return [SceneWarning("unusual", place, (float(value), *map(float, usual), unit))]
+    return [SceneWarning("unusual", path, (float(value), *map(float, usual), unit))]
 
 
 class FromLibrary(NamedTuple):
@@ -62,13 +62,13 @@ class FromLibrary(NamedTuple):
     source: str
 
 
-def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+def library_tables(library_values: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Yield pairs (text, source) for `library_values`, by table of the scene and source.
 
     The text names the table and its values, such as "pin: density 7800 kg/m³".
     """
     tables: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in taken:
+    for key, value, source in library_values:
         table, _, name = key.rpartition(".")
         tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
     for (table, source), values in tables.items():

@@ -42,8 +42,9 @@ from tribo.types import Array
 Moment = Mapping[str, float | Array]
 
 NOT_KNOWN = -1.0
-"""What is stored at the end of a point in place of NaN, such as the film of a ball."""
-_MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
+"""Stored at the end of a point instead of NaN, such as for the film of a ball."""
+# Not stored, since they follow from the scene.
+_DERIVED = ("time", "normal_load", "sliding_distance")
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
@@ -65,7 +66,7 @@ class PointResult:
     warnings: tuple[PointWarning, ...]  #: Reasons for caution about the result.
     wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
     #: Integral of the inlet [1/m] and mean pressure [Pa], by which an oil's film is judged; NaN if
-    #: they were not asked for, and under a ball.
+    #: not computed, and under a ball.
     film: Mapping[str, Any] = field(default_factory=lambda: _NO_FILM)
 
     @property
@@ -86,7 +87,7 @@ class PointResult:
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields and "pressure" not in self.columns else {}
-        columns = {name: v.copy() for name, v in self.columns.items() if name not in _MADE}
+        columns = {name: v.copy() for name, v in self.columns.items() if name not in _DERIVED}
         for values in columns.values():
             values[-1] = _known(values[-1])
         return PointRecord(
@@ -121,13 +122,13 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     return tuple(
         Point(load, velocity, name)
         for name, row in sweep.case_table.by_name.items()
-        for velocity in _places(row, "velocity", sweep.velocities)
-        for load in _places(row, "load", sweep.loads)
+        for velocity in _axis_values(row, "velocity", sweep.velocities)
+        for load in _axis_values(row, "load", sweep.loads)
     )
 
 
-def _places(row: CaseRow, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities (`axis`) of a case: its own single value, else `usual`."""
+def _axis_values(row: CaseRow, axis: str, usual: Sequence[float]) -> Sequence[Any]:
+    """Loads or velocities (`axis`) of a case: the single value of its row, else `usual`."""
     return (row[axis],) if axis in row else usual
 
 
@@ -154,8 +155,8 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
         return number, *ramp_key(scene, load, velocity)
 
     order = sorted(todo, key=lambda point: point.case)
-    found = [Task(point, ramp(point.case, point.velocity, point.load)) for point in order]
-    yield from sorted(found, key=lambda task: (task.ramp, task.point.load, task.point.case))
+    unsorted = [Task(point, ramp(point.case, point.velocity, point.load)) for point in order]
+    yield from sorted(unsorted, key=lambda task: (task.ramp, task.point.load, task.point.case))
 
 
 def run_point(
@@ -179,31 +180,35 @@ def run_point(
     ramp_cache = ramp_cache or RampCache()
     fitted = fit_elements(scene, load)
     heat_steps = stored_steps.heat_steps(scene, load)
-    kept = stored_steps.kept(scene, load, velocity)
+    stored = stored_steps.kept(scene, load, velocity)
     record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
-    note, own = None, {step.index for step in kept}
+    note, indices = None, {step.index for step in stored}
     if stored_steps.steps == "course":
         name = fitted, velocity, fields
         note = Note(name, lambda state: _increment_values(record, fitted, velocity, state))
-        own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
+        indices = {
+            step.index for step in stored if step.index in heat_steps or step.normal_load >= load
+        }
     memo = ramp_cache.last(contact_key(fitted, load, velocity, heat_steps))
-    found = memo.get(asked := (fitted, stored_steps, with_film, fields))
-    if found is None:  # no row with this heat came before
+    results = memo.get(memo_key := (fitted, stored_steps, with_film, fields))
+    if results is None:  # no point before it had this heat
         states: list[State] = []
         if isinstance(fitted.loading, Stages):
             states += stages_of(scene, load, velocity, ramp_cache)
-            own = set()
-        for contact in contacts(scene, load, velocity, ramp_cache, heat_steps, note) if own else ():
-            if contact.index in own:
-                is_last = contact.index == kept[-1].index
+            indices = set()
+        for contact in (
+            contacts(scene, load, velocity, ramp_cache, heat_steps, note) if indices else ()
+        ):
+            if contact.index in indices:
+                is_last = contact.index == stored[-1].index
                 states.append(_heated(fitted, velocity, contact, is_last))
-            progress(Progress(done=contact.index, total=kept[-1].index))
-        course = states[-1].course[: len(kept) - len(states)]  # the end may be one of its steps
+            progress(Progress(done=contact.index, total=stored[-1].index))
+        course = states[-1].course[: len(stored) - len(states)]  # the end may be one of its steps
         records = [*course, *map(record, states)]
         columns = {key: np.array([record[key] for record in records]) for key in records[0]}
         film = _film_of(fitted, states[-1]) if with_film else _NO_FILM
-        found = memo[asked] = columns, states[-1], film
-    columns, state, film = found
+        results = memo[memo_key] = columns, states[-1], film
+    columns, state, film = results
     return PointResult(
         point=point,
         columns=columns,
@@ -237,13 +242,13 @@ def _increment_values(
 ) -> Moment:
     """Values to record of a contact after an increment, by variable."""
     try:
-        found = record(_heated(scene, velocity, contact))
-    except TriboError:  # no temperature here: the end of a point does not need it
-        found = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
+        values = record(_heated(scene, velocity, contact))
+    except TriboError:  # without a temperature, which the end of a point does not need
+        values = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
     if contact.is_requested or not contact.pressure.any():
-        return found
-    # Its contact on the point's own grid has no solution: all but time and load is not known.
-    return {name: one if name in _MADE else one * np.nan for name, one in found.items()}
+        return values
+    # Not solved on the grid of the point: only time and load are known.
+    return {name: value if name in _DERIVED else value * np.nan for name, value in values.items()}
 
 
 def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> Moment:
@@ -256,7 +261,7 @@ def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) 
         "rise_quantile": state.heat.rise_quantile if state.heat else _NO_QUANTILES,
     }
     if shape:
-        record |= {k: one.astype(np.float32) for k, one in _fields_of(state, shape).items()}
+        record |= {k: values.astype(np.float32) for k, values in _fields_of(state, shape).items()}
     return record
 
 
@@ -283,7 +288,9 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
     if not steps:
         # Cases that share contacts would take 2.9 to 4.4 times as long with temperatures at all
         # steps of the course.
-        are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
+        are_ramps = all(
+            isinstance(scene.loading, Ramp) and not scene.loading.hold for scene in scenes
+        )
         contacts = [
             (mechanics(sweep.case(name).scene), row.get("velocity"))
             for name, row in sweep.case_table.by_name.items()
@@ -291,8 +298,10 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
         wears = any(scene.wears for scene in scenes)
         are_distinct = len({*contacts}) == len(contacts)
         steps = "course" if are_ramps and wears and are_distinct else "end"
-    # A disc or a track that keeps heat gets warmer while the load is held.
-    loading, kept = sweep.scene.loading, [case.conditions.corrections for case in cases]
-    holds = isinstance(loading, Ramp) and bool(loading.hold)
-    warms = holds and any(corrections.keeps_heat for corrections in kept if corrections)
+    # A disc or a track that stores heat warms up during the hold.
+    loading, case_corrections = sweep.scene.loading, [case.conditions.corrections for case in cases]
+    has_hold = isinstance(loading, Ramp) and bool(loading.hold)
+    warms = has_hold and any(
+        corrections.keeps_heat for corrections in case_corrections if corrections
+    )
     return StoredSteps(steps, warms)

@@ -13,13 +13,13 @@ from pipeline.sweep.sweep import Sweep
 TEST_POINT = "test_point"
 """Dimension of the points of tests."""
 NO_TEST = -1
-"""Number of the test of a point that a scene asked for earlier."""
+"""Number of the test of a point that only an earlier version of the scene has."""
 SCENE_HASH = "scene_hash"
 """Column with the hash of the scene that each point is of."""
 
 
 class PointOfTest(NamedTuple):
-    """A point of a test in a store: what is simulated there, and the test that asks for it."""
+    """A point of a test in a store: what is simulated there, and for which test."""
 
     scene_hash: str
     load: float  # [N]
@@ -33,12 +33,12 @@ def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
 
 
 def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
-    """The points of a scene's tests, in their order, then those of tests that it has no more."""
+    """The points of a scene's tests, in their order, then those of its former tests."""
     numbers = [*range(len(sweep.tests)), *[NO_TEST] * len(sweep.former)]
     return [
-        PointOfTest(sweep._hash_scene(one.case.scene), *place, number)
-        for number, one in zip(numbers, (*sweep.tests, *sweep.former), strict=True)
-        for place in one.places
+        PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
+        for number, test in zip(numbers, (*sweep.tests, *sweep.former), strict=True)
+        for point in test.places
     ]
 
 
@@ -55,7 +55,7 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
         ),
     )
     rows = tuple({TEST_POINT: k, **slot._asdict()} for k, slot in enumerate(slots))
-    cases = (one.case for one in (*sweep.tests, *sweep.former) for _ in one.places)
+    cases = (test.case for test in (*sweep.tests, *sweep.former) for _ in test.places)
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -71,5 +71,5 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
 
 def judges_holds(sweep: Sweep) -> bool:
     """True if the holds of tests are judged at each step, since a body gets warmer in them."""
-    kept = (one.case.conditions.corrections for one in (*sweep.tests, *sweep.former))
-    return any(corrections.keeps_heat for corrections in kept if corrections)
+    all_corrections = (test.case.conditions.corrections for test in (*sweep.tests, *sweep.former))
+    return any(corrections.keeps_heat for corrections in all_corrections if corrections)

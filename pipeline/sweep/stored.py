@@ -1,6 +1,6 @@
 """A sweep as a store keeps it: plain data in SI, of which cases and tests are changes of the base.
 
-Nothing is read from the text of the scene, which stands beside it for people.
+The text of the scene is stored for people, too, but never read.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class MissingSurface(UnknownHeights):
 
 
 _CLASSES: dict[str, type] = {
-    one.__name__: one
-    for one in (
+    cls.__name__: cls
+    for cls in (
         Sweep, Case, SpecimenTest, CaseTable, Column, StoredSteps, SceneWarning, FromLibrary,
         MissingSurface, Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
@@ -75,6 +75,6 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
             for name in ("tests", "former")
         }
         sweep: Sweep = decode({**plain, "cases": cases, **tests}, _CLASSES, arrays)
-    except (CodecError, TriboError, KeyError) as error:  # no other: a fault of this program
+    except (CodecError, TriboError, KeyError) as error:  # other errors are faults of this program
         raise CodecError(f"the data of the sweep cannot be read: {error}") from error
     return sweep

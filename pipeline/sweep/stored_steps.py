@@ -32,21 +32,21 @@ class StoredSteps:
         """
         if isinstance(scene.loading, Stages):
             return frozenset()  # onset and end of each stage always have one
-        way = list(scene.all_load_steps(load))
-        holding = [step for step in way if step.holding]
+        load_steps = list(scene.all_load_steps(load))
+        holding = [step for step in load_steps if step.holding]
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
-            return frozenset(step.index for step in (way if is_own else holding))
+            return frozenset(step.index for step in (load_steps if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
     def kept(self, scene: Scene, load: float, velocity: float | None = None) -> list[LoadStep]:
-        """Stations of a point at a load [N] that are stored; the last is the point's end.
+        """Load steps of a point at a load [N] that are stored; the last is the point's end.
 
-        Of a specimen in stages they are onset and end of each. `velocity` [m/s] tells the last of
-        stages of velocity.
+        With load stages they are the onset and end of each stage. `velocity` [m/s] is that of the
+        last stage, if the velocity rises in stages.
         """
         if isinstance(scene.loading, Stages):
-            return [one for one in scene.load_steps(load, (), velocity) if one.is_shown]
+            return [step for step in scene.load_steps(load, (), velocity) if step.is_shown]
         heated = self.heat_steps(scene, load)
         steps = list(scene.load_steps(load, heated))
         return [
@@ -60,7 +60,7 @@ class StoredSteps:
 
 
 def least_load_evaluated(scene: Scene, load: float) -> float:
-    """Load from which on steps can decide [N]: that of the point; of a specimen in stages any."""
+    """Least load at which a step can govern the verdict [N]: that of the point; 0 with stages."""
     return 0.0 if isinstance(scene.loading, Stages) else load
 
 

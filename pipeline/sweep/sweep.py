@@ -80,7 +80,7 @@ class Sweep:
     fields: Fields  # of the contact, to store
     steps: Steps | None  # to store; None for the default
     tests: tuple[SpecimenTest, ...]
-    warnings: tuple[SceneWarning, ...] = ()  # found on reading; those of a store are all
+    warnings: tuple[SceneWarning, ...] = ()  # found on reading; from a store, all warnings
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
     field_surface: int | None = None  # realization with fields in an existing store; or the first
@@ -118,10 +118,10 @@ class Sweep:
     @cached_property
     def all_warnings(self) -> tuple[SceneWarning, ...]:
         """Warnings of probable mistakes in the scene, of all cases, the gravest first."""
-        if self.source is None:  # they were found when the store was made
+        if self.source is None:  # read from a store, with all warnings
             return self.warnings
-        found: tuple[SceneWarning, ...] = self.source.warnings(self)
-        return found
+        warnings: tuple[SceneWarning, ...] = self.source.warnings(self)
+        return warnings
 
     @property
     def scene(self) -> Scene:
@@ -160,7 +160,7 @@ class Sweep:
         """Cases that the user chose, each on its first surface."""
         if not self.case_table.chosen:
             return (self.base,)
-        chosen = {one.name for one in self.case_table.chosen}
+        chosen = {column.name for column in self.case_table.chosen}
         first: dict[CaseName, Case] = {}
         for case in self.cases:
             first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
@@ -173,11 +173,13 @@ class Sweep:
 
     def _select_case(self, name: CaseName) -> Self:
         """The sweep of the random surfaces of one case, named without them."""
-        table, wanted = self.case_table.surfaces_of(name), {*name}
-        own = [case for case in self.cases if wanted <= {*case.name}]
-        if not own:
+        table, labels = self.case_table.surfaces_of(name), {*name}
+        selected = [case for case in self.cases if labels <= {*case.name}]
+        if not selected:
             raise self.case_table.unknown(name)
-        cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
+        cases = [
+            replace(case, name=label) for case, label in zip(selected, table.names, strict=True)
+        ]
         return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), case_table=table)
 
     def _hash_scene(self, scene: Scene) -> str:
@@ -212,32 +214,32 @@ class Sweep:
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
                 "the scene with another value: pipeline.load_scene(..., overrides={...})"
             )
-        made: Self = self.source.changed(path, value)
-        return made.judge(self.judged)
+        sweep: Self = self.source.changed(path, value)
+        return sweep.judge(self.judged)
 
-    def with_fidelity(self, made: Fidelity, preset: str | None = None) -> Self:
+    def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
-        base, *cases = (one.with_fidelity(made, preset) for one in (self.base, *self.cases))
-        tests = tuple(replace(t, case=t.case.with_fidelity(made, preset)) for t in self.tests)
+        base, *cases = (case.with_fidelity(fidelity, preset) for case in (self.base, *self.cases))
+        tests = tuple(replace(t, case=t.case.with_fidelity(fidelity, preset)) for t in self.tests)
         return replace(self, base=base, cases=tuple(cases), tests=tests)
 
     def _with_realizations(self, count: int) -> Self:
-        """The sweep on this many random surfaces, counted from its own seed on."""
+        """The sweep on `count` random surfaces, with ascending seeds from that of the scene on."""
         rough = self.scene.roughness
         assert isinstance(rough, SelfAffineRoughness)
         chosen = self.case_table.without_surfaces
         table = chosen * surfaces(range(rough.seed, rough.seed + count))
         first = dict(zip(chosen.names, self._on_first_surface, strict=True))
         cases = tuple(
-            replace(first[(*others,)].on_surface(int(seed)), name=(*others, (dim, seed)))
-            for *others, (dim, seed) in table.names
+            replace(first[(*labels,)].on_surface(int(seed)), name=(*labels, (dim, seed)))
+            for *labels, (dim, seed) in table.names
         )
         return replace(self, cases=cases, case_table=table)
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced by `changes`, values by name.
 
-        Tests keep their own: answers take the oil's limit for them too.
+        Tests keep their conditions; answers apply the oil's critical temperature to them, too.
         """
         if not changes:
             return self
@@ -249,7 +251,7 @@ class Sweep:
         return replace(self, base=base, cases=tuple(cases), judged=judged)
 
     def _take_surface(self, seed: int | None) -> Self:
-        """The sweep of the scene itself on the random surface of a seed; itself for None."""
+        """The sweep of the scene alone, on the random surface of a seed; unchanged for None."""
         if seed is None:
             return self
         if self.scene.roughness is None:
