@@ -60,7 +60,7 @@ class Files:
         return self.folders.get(entry, Path()) / user_path(name)
 
     def read_once(self, key: Any, read: Callable[[], Any]) -> Any:
-        """What `read` returns, which is called once for each `key`."""
+        """Result of `read`, which is called only once for each `key`."""
         if key not in self.known:
             self.known[key] = read()
         return self.known[key]
@@ -78,10 +78,10 @@ class Built:
 def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     """Make the case of a scene's entries; None if an entry is faulty, with all faults added.
 
-    The case is returned despite a fault that only it shows, such as a too short track.
+    A fault that is found in the case itself, such as a too short track, does not make it None.
     """
-    whole, taken = resolve_library(dict(entries), faults)
-    tables = expand_tests(table_of(SceneFile).read(whole, "", faults), faults)
+    resolved, sources = resolve_library(dict(entries), faults)
+    tables = expand_tests(table_of(SceneFile).read(resolved, "", faults), faults)
     fidelity, preset = fidelity_of(tables.fidelity, faults)
     make = partial(_make, tables, faults)
     parts = {
@@ -94,7 +94,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     }
     oil = make(oil_of, "oil")
     for body in ("pin", "disk"):
-        make(disc_of, body)  # called for the faults that it notes
+        make(disc_of, body)  # only to find faults
     check_tables(replace(tables, fidelity=fidelity), faults)
     if faults:
         return None
@@ -115,20 +115,20 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     )
     for path, fault in track_faults(tables, case):
         faults.refuse(path, fault)
-    return Built(tables, case, taken)
+    return Built(tables, case, sources)
 
 
 def _make(tables: Any, faults: Faults, make: Callable[..., Any], *paths: str) -> Any:
     """Make a part of the tables at `paths`; None if one is faulty, or the first is missing."""
-    found = [entry_at(tables, path) for path in paths]
-    if found[0] is None or any(map(faults.touches, paths)):
+    arguments = [entry_at(tables, path) for path in paths]
+    if arguments[0] is None or any(map(faults.touches, paths)):
         return None
-    with faults.at(f"{paths[0]}.file" if hasattr(found[0], "file") else paths[0]):
-        return make(*found)
+    with faults.at(f"{paths[0]}.file" if hasattr(arguments[0], "file") else paths[0]):
+        return make(*arguments)
     return None
 
 
-def given(table: Declared) -> dict[str, Any]:
+def set_entries(table: Declared) -> dict[str, Any]:
     """Entries of a table that have a value, by name."""
     return {name: value for name, value in vars(table).items() if value is not None}
 
@@ -148,7 +148,9 @@ def scene_of(tables: Any, **parts: Any) -> tribo.Scene:
 
 def material_of(table: MaterialTable) -> tribo.Material:
     """Material of its table."""
-    return tribo.Material(**{name: one for name, one in given(table).items() if name != "like"})
+    return tribo.Material(
+        **{name: value for name, value in set_entries(table).items() if name != "like"}
+    )
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
@@ -170,7 +172,7 @@ def loading_of(
     A note on a fit is added to `faults`.
     """
     if isinstance(table, RampTable):
-        return tribo.Ramp(**given(table))
+        return tribo.Ramp(**set_entries(table))
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
@@ -216,17 +218,17 @@ def roughness_of(
     return tribo.MeasuredRoughness(heights)
 
 
-def realizations_of(wanted: int | Sequence[int] | None, first: int) -> Sequence[int]:
+def realizations_of(choice: int | Sequence[int] | None, first: int) -> Sequence[int]:
     """Labels of the surface realizations that a scene asks for, counted from `first` on."""
-    return range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted or ())
+    return range(first, first + choice) if isinstance(choice, int) else sorted(choice or ())
 
 
 def _scanned(
     files: Files, path: Path, table: Any, window: Window, areas: Sequence[int]
 ) -> tuple[Array, list[str]]:
     """Heights (nx, ny) [m] of the first of `areas` of a scan, and notes on them."""
-    given = table.height_unit, table.pixel_size
-    scan = files.read_once((path, *given), partial(read_scan, path, *given))
+    scan_options = table.height_unit, table.pixel_size
+    scan = files.read_once((path, *scan_options), partial(read_scan, path, *scan_options))
     return window_heights(scan, vars(table), window.pixels, window.pixel_size, areas)
 
 
@@ -244,10 +246,10 @@ def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
     values = {name: entry_at(tables, path) for name, path in PATHS.items()}
     values["corrections"] = corrections_of(tables, scene)
-    # Of a scene without [model], the rise beside it has its default.
+    # Without [model], the added rise has its default.
     if math.isnan(values["critical_temperature"] or 0.0):  # from tests
         values["critical_temperature"] = None
-    known = {name: one for name, one in values.items() if one is not None}
+    known = {name: value for name, value in values.items() if value is not None}
     return Conditions(**known).under(scene.loading)
 
 
@@ -255,7 +257,7 @@ def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
     """Friction by velocity, and tracks that earlier turns have warmed; None without any."""
     friction, pin = tables.friction, scene.pin
     curve = sorted(
-        (one.velocity, one.coefficient / friction.coefficient) for one in friction.by_velocity or ()
+        (row.velocity, row.coefficient / friction.coefficient) for row in friction.by_velocity or ()
     )
     tracks: dict[str, Any] = {
         "track": _track_of(tables.disk, pin, scene.disk),
@@ -279,7 +281,7 @@ def fidelity_of(table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]
     """Numerical choices, and the name of the preset that has them, or None."""
     name = (table and table.preset) or USUAL_PRESET
     fidelity = tribo.PRESETS[name]
-    for key, value in (given(table) if table else {}).items():
+    for key, value in (set_entries(table) if table else {}).items():
         if key != "preset":
             with faults.at(f"fidelity.{key}"):
                 fidelity = replace(fidelity, **{key: value})

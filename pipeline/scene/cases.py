@@ -39,7 +39,7 @@ from tribo import InputError, SelfAffineRoughness
 
 _FIXED = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
-_PLACE = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
+_POINT = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
 CaseRow = dict[str, Any]
 
 
@@ -65,20 +65,22 @@ def with_first_case(
     """
     over = entry_at(entries, "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
-    first = {path: one[0] for path, one in listed if isinstance(one, list) and one}
+    first = {path: values[0] for path, values in listed if isinstance(values, list) and values}
     entries = merged(replace_values({}, first), entries)
     before, rows = len(faults), _listed_rows(entry_at(entries, "sweep.along"), files, faults)
-    places = [_place_of(k, row, rows[0], faults) for k, row in enumerate(rows)]
+    row_points = [_read_point(k, row, rows[0], faults) for k, row in enumerate(rows)]
     if len(faults) > before:
         return replace_values(entries, {"sweep.along": None}), []
     if not rows:
         return entries, []
     axes = {
-        f"sweep.{name}": [f"{one!r} {unit}" for one in sorted({place[head] for place in places})]
+        f"sweep.{name}": [
+            f"{value!r} {unit}" for value in sorted({point[head] for point in row_points})
+        ]
         for name, head, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
     }
-    own = {path: value for path, value in rows[0].items() if "." in path}  # no labels
-    return merged(replace_values({}, own), replace_values(entries, axes)), rows
+    row_entries = {path: value for path, value in rows[0].items() if "." in path}  # no labels
+    return merged(replace_values({}, row_entries), replace_values(entries, axes)), rows
 
 
 def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
@@ -94,39 +96,42 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
         sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], [])
         with faults.at("sweep.along"):
             _read_columns(sheet, ())
-            return [{CONDITION_ENTRIES.get(k, k): one for k, one in row.items()} for row in rows]
+            return [{CONDITION_ENTRIES.get(k, k): cell for k, cell in row.items()} for row in rows]
         return []
     table = {"file": written} if isinstance(written, str) else written
     before = len(faults)
-    own = table and table_of(TableFile).read(table, "sweep.along", faults)
-    if not own or len(faults) > before:
+    table_file = table and table_of(TableFile).read(table, "sweep.along", faults)
+    if not table_file or len(faults) > before:
         return []
     with faults.at("sweep.along"):
-        path = files.path("sweep.along", own.file)
-        sheet = read_table(path, MOST_SCENES, own.decimal, own.ignore)
-        columns = _read_columns(sheet, tuple(_PLACE.keys))
-        return [{one.name: one.entry(k) for one in columns} for k in range(len(columns[0].cells))]
+        path = files.path("sweep.along", table_file.file)
+        sheet = read_table(path, MOST_SCENES, table_file.decimal, table_file.ignore)
+        columns = _read_columns(sheet, tuple(_POINT.keys))
+        return [
+            {column.name: column.entry(k) for column in columns}
+            for k in range(len(columns[0].cells))
+        ]
     return []
 
 
 def _read_columns(sheet: Sheet, needed: tuple[str, ...]) -> list[TableColumn]:
-    """Columns of rows: place, entries by their paths, and labels; an `InputError` for others."""
+    """Columns of rows: point, entries by their paths, and labels; an `InputError` for others."""
     sheet = sheet.renamed(CONDITION_ENTRIES)
     entries = [path for path in keys_of(SceneFile) if path.partition(".")[0] not in _FIXED]
-    own = [one.name for one in sheet.columns if "." in one.name]
-    columns, faults = sheet.select([*_PLACE.keys, *own, *entries], needed, labels=True)
+    paths = [column.name for column in sheet.columns if "." in column.name]
+    columns, faults = sheet.select([*_POINT.keys, *paths, *entries], needed, labels=True)
     if faults:
         raise TableError(sheet.name, faults)
     return columns
 
 
-def _place_of(number: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
+def _read_point(number: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
     """Load and velocity of a row."""
     if other := row.keys() ^ first.keys():
         problem = f"not every row has {', '.join(sorted(other))}; add it to all rows"
         faults.refuse(f"sweep.along[{number}]", problem)
-    place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
-    read: CaseRow = _PLACE.read(place, f"sweep.along[{number}]", faults)
+    values = {name: row[name] for name in _POINT.keys.keys() & row.keys()}
+    read: CaseRow = _POINT.read(values, f"sweep.along[{number}]", faults)
     return read
 
 
@@ -163,7 +168,7 @@ def _cases_over(over: dict[str, Any]) -> Cases:
 
 def _cases_along(rows: list[CaseRow]) -> Cases:
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
-    found = {head: labels_of([row[head] for row in rows]) for head in heads}
+    parsed = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = {
         head: _column(
             dimension_of(head) if "." in head else head,
@@ -171,19 +176,19 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
             f"{head} of the row",
             head if "." in head else "",
         )
-        for head, (_, unit) in found.items()
+        for head, (_, unit) in parsed.items()
     }
-    labels = [{columns[head].name: found[head][0][k] for head in heads} for k in range(len(rows))]
-    # A friction measured at one place replaces curves of friction.
-    curves = {CURVE: None} if FRICTION in found else {}
-    changes = [curves | {path: one for path, one in row.items() if "." in path} for row in rows]
+    labels = [{columns[head].name: parsed[head][0][k] for head in heads} for k in range(len(rows))]
+    # A friction measured at a point replaces the friction curve.
+    curves = {CURVE: None} if FRICTION in parsed else {}
+    changes = [curves | {path: value for path, value in row.items() if "." in path} for row in rows]
     return Cases(numbered_cases(columns.values(), labels), changes)
 
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
-    shown = number_at(SceneFile, entry).unit if entry and unit is not None else ""
-    shown = "°" if unit == "rad" else shown
-    return Column(name, unit, meaning=meaning, entry=entry, shown=shown)
+    display_unit = number_at(SceneFile, entry).unit if entry and unit is not None else ""
+    display_unit = "°" if unit == "rad" else display_unit
+    return Column(name, unit, meaning=meaning, entry=entry, shown=display_unit)
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
@@ -214,9 +219,9 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
         )
     known, cases = dict[str, Case](), list[Case]()
     for name, changes in zip(listed.table.names, listed.changes, strict=True):
-        others = {path: value for path, value in changes.items() if path != SEED}
-        if (text := repr(others)) not in known:
-            known[text] = _case_of(entries, files, scene, others, key)
+        unseeded = {path: value for path, value in changes.items() if path != SEED}
+        if (text := repr(unseeded)) not in known:
+            known[text] = _build_case(entries, files, scene, unseeded, key)
         case = replace(known[text], name=name)
         if SEED in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
             case = case.on_surface(changes[SEED])
@@ -227,23 +232,25 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     return cases
 
 
-def _case_of(entries: Entries, files: Files, base: Built, changes: Entries, key: str) -> Case:
+def _build_case(entries: Entries, files: Files, base: Built, changes: Entries, key: str) -> Case:
     if not changes:
         return base.case
-    found = Faults()
+    faults = Faults()
     try:
-        row = build(replace_values(entries, changes), files, found)
-        found.raise_first()
+        row = build(replace_values(entries, changes), files, faults)
+        faults.raise_first()
         assert row
-        _require_alike(row, base)
+        _require_same_grid(row, base)
     except InputError as error:
         key = AREAS if changes.keys() == {AREAS} else key
-        given = (f"{path} = {quoted(one)}" for path, one in changes.items() if one is not None)
-        raise InputError(f"{key}: {', '.join(given)}: {error}") from error
+        changed = (
+            f"{path} = {quoted(value)}" for path, value in changes.items() if value is not None
+        )
+        raise InputError(f"{key}: {', '.join(changed)}: {error}") from error
     return row.case
 
 
-def _require_alike(row: Built, base: Built) -> None:
+def _require_same_grid(row: Built, base: Built) -> None:
     """Raise an `InputError` if a row stores other variables than the scene itself (`base`)."""
     if base.tables.sweep.fields and row.case.scene.grid != base.case.scene.grid:
         raise InputError(

@@ -17,9 +17,11 @@ from pipeline.sweep.case import Case
 from pipeline.words import did_you_mean, quoted
 from tribo.simulation.pins import sizes_of
 
-_OF_BODY = "diameter", "width", "track_length"
-_ALIKE = 0.01  # relative difference allowed between two lengths of one track
-_FEWEST_WIDTHS = 10.0  # of a track in contact widths: passes are short beside the time between them
+_BODY_SIZES = "diameter", "width", "track_length"
+_LENGTH_TOLERANCE = 0.01  # relative difference allowed between two lengths of one track
+# Least length of a track in contact widths, so that a pass is short compared with the time between
+# passes.
+_MIN_TRACK_WIDTHS = 10.0
 _SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
 Misfits = Iterator[tuple[str, str]]
 """Paths of entries that do not fit others, and why."""
@@ -49,26 +51,26 @@ def track_faults(scene: Any, case: Case) -> Misfits:
     corrections, width = case.conditions.corrections or tribo.Corrections(), 0.0
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     if any(tracks.values()):
-        # Of smooth bodies, since to describe a surface is slow.
+        # For smooth bodies, since measuring a surface is slow.
         expected = expect_contacts(case.scene, scene.sweep.loads, scene.sweep.velocities)
         width = float(expected["contact_width"].max())
     for name, track in tracks.items():
-        if track and track.length < _FEWEST_WIDTHS * width:
+        if track and track.length < _MIN_TRACK_WIDTHS * width:
             key = "diameter" if getattr(scene, name).diameter else "track_length"
             yield (
                 f"{name}.{key}",
                 f"the track is {display(track.length, 'mm', 4)} long, shorter than "
-                f"{_FEWEST_WIDTHS:g} contact widths ({display(width, 'mm', 3)}); give the full "
+                f"{_MIN_TRACK_WIDTHS:g} contact widths ({display(width, 'mm', 3)}); give the full "
                 f"circumference of the {name}",
             )
 
 
 @_check("materials", "pin.material", "disk.material")
 def _unknown_materials(scene: Any) -> Misfits:
-    own = scene.materials or {}
+    scene_materials = scene.materials or {}
     for body in ("pin", "disk"):
-        if (name := getattr(scene, body).material) and name not in own:
-            known = {**own, **library()["materials"]}
+        if (name := getattr(scene, body).material) and name not in scene_materials:
+            known = {**scene_materials, **library()["materials"]}
             hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
             problem = (
                 f"{quoted(name)} is neither defined under [materials] nor in the library{hint}"
@@ -86,9 +88,9 @@ def _unfit_pixels(scene: Any) -> Misfits:
 
 @_check("sweep.realizations", "disk.roughness")
 def _realizations_of_a_smooth_disk(scene: Any) -> Misfits:
-    wanted = scene.sweep.realizations
-    if wanted is not None and scene.disk.roughness is None:
-        count = quoted(wanted if isinstance(wanted, int) else list(wanted))
+    realizations = scene.sweep.realizations
+    if realizations is not None and scene.disk.roughness is None:
+        count = quoted(realizations if isinstance(realizations, int) else list(realizations))
         problem = "needs a rough disk, [disk.roughness]; give one, or leave this out"
         yield "sweep.realizations", f"{count} {problem}"
 
@@ -136,12 +138,12 @@ def _unfit_track(scene: Any) -> Misfits:
     if track and motion is None:
         problem = "has no effect: a stationary pin has no earlier revolutions; remove it"
         yield key, f"{problem}, or give a [motion]"
-    elif track and (worn := motion.track_length) and abs(worn / track - 1) > _ALIKE:
+    elif track and (length := motion.track_length) and abs(length / track - 1) > _LENGTH_TOLERANCE:
         problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
-        yield "motion.track_length", f"{display(worn, 'mm')} {problem}"
+        yield "motion.track_length", f"{display(length, 'mm')} {problem}"
 
 
-@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _OF_BODY))
+@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _BODY_SIZES))
 def _unfit_bodies(scene: Any) -> Misfits:
     """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
     for name in ("pin", "disk"):

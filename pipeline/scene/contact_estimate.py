@@ -63,22 +63,25 @@ class CaseEstimate:
     film_parameter: float  # NaN if it is not known
 
 
-def single_cases(sweep: Sweep, most: int) -> list[tuple[str, Sweep]]:
-    """Cases of a sweep, each with its label, at its own place if it has one; at most `most`."""
+def single_cases(sweep: Sweep, max_count: int) -> list[tuple[str, Sweep]]:
+    """At most `max_count` cases of a sweep, each with its label.
+
+    A case with its own load and velocity has only these.
+    """
     names, rows = sweep.case_table.without_surfaces.names, sweep.case_table.rows
     if len(names) == 1:
         return [("", sweep)]
-    labels = [one for one in sweep.case_table.columns if one.along and not one.entry]
-    labels = [one for one in labels if one.name not in PLACE_UNITS]
-    found = list[tuple[str, Sweep]]()
-    for name in names[:: math.ceil(len(names) / most)]:
+    labels = [column for column in sweep.case_table.columns if column.along and not column.entry]
+    labels = [column for column in labels if column.name not in PLACE_UNITS]
+    cases = list[tuple[str, Sweep]]()
+    for name in names[:: math.ceil(len(names) / max_count)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
         case, words = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
         if "load" in row:
             case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
-            words = [one.to_text(row[one.name]) for one in labels] or words
-        found.append((" ".join(map(str, words)), case))
-    return found
+            words = [label.to_text(row[label.name]) for label in labels] or words
+        cases.append((" ".join(map(str, words)), case))
+    return cases
 
 
 def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
@@ -102,10 +105,12 @@ def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
 
 def estimate_contacts(cases: Sequence[tuple[str, Sweep]]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
-    first, *others = (estimate_contact(case) for _, case in cases)
+    first, *later = (estimate_contact(case) for _, case in cases)
     spans: dict[str, Any] = {
-        name: Span.of([end for one in (first, *others) for end in getattr(one, name) or ()])
-        for name in (one.name for one in fields(ContactEstimate))
+        name: Span.of(
+            [end for estimate in (first, *later) for end in getattr(estimate, name) or ()]
+        )
+        for name in (field.name for field in fields(ContactEstimate))
         if isinstance(getattr(first, name), Span)
     }
     return replace(first, **spans)
@@ -167,13 +172,13 @@ def expect_contacts(
     slid, wear = np.outer(durations, velocities), scene.wear
     mean = math.pi / 4 if scene.pin.length is not None else 2 / 3  # over the peak pressure
     rates = np.zeros(slid.shape)
-    for (load, place), end in np.ndenumerate(slid):
+    for (i, j), distance in np.ndenumerate(slid):
         if wear:
-            pressure = mean * hertz[load].peak_pressure
-            whole = wear_over(wear, 0.0, end, pressure, velocities[place])
-            rates[load, place] = whole.specific_wear_rate
+            pressure = mean * hertz[i].peak_pressure
+            total = wear_over(wear, 0.0, distance, pressure, velocities[j])
+            rates[i, j] = total.specific_wear_rate
     worn = rates * np.outer(impulses, velocities)
-    if scene.velocities_at(max(velocities)).pin:  # it rolls: it wears all around, and stays round
+    if scene.velocities_at(max(velocities)).pin:  # a rolling pin wears all around, and stays round
         unworn = 2 * half_widths[:, None]
         along_y = unworn / 1.5 if scene.pin.length is None else scene.pin.length
         widths, depths = unworn + 0 * worn, worn / (scene.track_length * along_y)
@@ -182,14 +187,14 @@ def expect_contacts(
         widths, depths = widen(half_widths[:, None], worn)
     if rms_height:
         widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)
-    made = {
+    estimates = {
         "hertz_pressure": np.array([contact.peak_pressure for contact in hertz]),
         "hertz_half_width": half_widths,
         "contact_width": widths,
         "duration": durations,
         "sliding_distance": slid,
     }
-    return made | ({"wear_depth": depths} if wear else {})
+    return estimates | ({"wear_depth": depths} if wear else {})
 
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:

@@ -34,11 +34,11 @@ def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
 def merged(lower: Entries, upper: Entries, levels: int = _LEVELS) -> dict[str, Any]:
     """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
     replaced = {_REPLACED.get(key) for key in upper}
-    both = {key: value for key, value in lower.items() if key not in replaced}
+    tables = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():
         are_tables = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
-        both[key] = merged(lower[key], value, levels - 1) if are_tables else value
-    return both
+        tables[key] = merged(lower[key], value, levels - 1) if are_tables else value
+    return tables
 
 
 def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
     table = inner if isinstance(inner, dict) else {}
     other = replace_value(table, rest, value) if rest else value
     if other is None or (value is None and not other):  # an empty table goes, too
-        return {key: one for key, one in tables.items() if key != first}
+        return {key: entry for key, entry in tables.items() if key != first}
     return {**tables, first: other}
 
 

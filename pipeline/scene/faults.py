@@ -39,9 +39,9 @@ class Faults(list[Fault]):
         """Add a fault of the entry at a key path; `problem` also says what to do."""
         self.append(Fault(key, problem))
 
-    def note(self, place: str, words: str) -> None:
-        """Add a note on the entry at the key path `place`."""
-        self.notes.append(SceneNote(place, words))
+    def note(self, key: str, words: str) -> None:
+        """Add a note on the entry at the key path `key`."""
+        self.notes.append(SceneNote(key, words))
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
@@ -49,8 +49,8 @@ class Faults(list[Fault]):
         try:
             yield
         except TableError as error:
-            for one in error.faults if len(error.faults) > 1 else [str(error)]:
-                self.refuse(key, one)
+            for fault in error.faults if len(error.faults) > 1 else [str(error)]:
+                self.refuse(key, fault)
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 

@@ -15,13 +15,14 @@ from pipeline.scene.kinds import (
     CRITICAL,
     DURATION,
     FRICTION,
-    HELD,
+    HOLD,
     LEVEL,
     LOAD,
     SIZE,
     SPEED,
     VELOCITY,
     Flag,
+    Integer,
     Kind,
     Number,
     OneOf,
@@ -32,15 +33,14 @@ from pipeline.scene.kinds import (
     Spread,
     Text,
     UnitText,
-    Whole,
 )
 from pipeline.scene.tables import (
     ByPath,
     Changes,
     Declared,
-    Each,
     Either,
     List,
+    MixedList,
     Range,
     Sorted,
     kind_of,
@@ -48,7 +48,7 @@ from pipeline.scene.tables import (
 )
 from pipeline.sweep.case import OUTCOMES
 
-SEED = Whole(at_least=0)
+SEED = Integer(at_least=0)
 LATER = "Acts after the simulation."
 
 
@@ -58,7 +58,7 @@ def one_or_two(kind: Kind) -> Either:
 
 
 # fmt: off
-NAME = Either(Text(), Whole(at_least=0))
+NAME = Either(Text(), Integer(at_least=0))
 
 
 class TableFile(Declared):
@@ -74,7 +74,7 @@ class EvenLevels(Declared):
     form_name = "even stages"
     first: A[Any, LEVEL, "Load or velocity of the first stage."]
     step: A[Any, LEVEL, "Difference between one stage and the next."]
-    hold: A[float, HELD, "Time for which each stage is held."]
+    hold: A[float, HOLD, "Time for which each stage is held."]
 
 class Test(Declared):
     form_name = "entries"
@@ -88,7 +88,7 @@ class Test(Declared):
     step: A[Any, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
         "Step of velocity or of load by which a transition was reached: wear was still mild one "
         "step before."] = None
-    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
+    stages: A[Any, Either(List(MixedList((LEVEL, HOLD))), table_of(EvenLevels)),
         "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
         "default those of `[loading]`, whose rate leads from stage to stage."] = None
     mild_up_to: A[Any, Scalar(),
@@ -124,8 +124,8 @@ _CHOICES = {
 USUAL_PRESET = "standard"
 
 class _Preset(OneOf):
-    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
-        return super().read(value, place, faults, f"{self}, or irg run --accuracy 5%")
+    def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
+        return super().read(value, path, faults, f"{self}, or irg run --accuracy 5%")
 
 class _FidelityTable(Declared):
     preset: A[str, _Preset(tuple(tribo.PRESETS)),
@@ -205,7 +205,7 @@ class Disk(Body):
         "Surface of the disk, random or measured; smooth without the table."] = None
 
 class Window(Declared):
-    pixels: A[tuple[int, int], List(Whole(at_least=1, at_most=100_000), length=2),
+    pixels: A[tuple[int, int], List(Integer(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y."]
     pixel_size: A[tuple[float, float], List(Quantity("0.95 um"), length=2),
         "Sides of a pixel along x and y; for a measured surface, those of its pixels."]
@@ -217,7 +217,7 @@ _REFERENCE_LOAD = (
 class EvenStages(Declared):
     first: A[float, LOAD, "Load of the first stage."]
     step: A[float, LOAD, "Difference between one stage and the next."]
-    hold: A[float, HELD, "Time for which each stage is held."]
+    hold: A[float, HOLD, "Time for which each stage is held."]
 
 class RampTable(Declared):
     rate: A[float, Quantity("150 N/s"),
@@ -232,7 +232,7 @@ class StagesTable(Declared):
         "hold": "each of the stages has its own; leave this one out",
         "file": "a record is no stages; give stages, or the record alone",
     }
-    stages: A[Any, Either(List(Each((LOAD, HELD))), table_of(EvenStages)),
+    stages: A[Any, Either(List(MixedList((LOAD, HOLD))), table_of(EvenStages)),
         "Load stages of one specimen, each held for a time: equal steps up to the highest load "
         'of the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of '
         "the sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]
@@ -309,12 +309,12 @@ class Model(Declared):
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],
-        Sorted(List(LOAD, distinct=True, most=MOST_ON_AXIS), Range(LOAD)), "Normal loads."]
+        Sorted(List(LOAD, distinct=True, max_length=MOST_ON_AXIS), Range(LOAD)), "Normal loads."]
     velocities: A[tuple[float, ...],
-        Sorted(List(VELOCITY, distinct=True, most=MOST_ON_AXIS), Range(VELOCITY)),
+        Sorted(List(VELOCITY, distinct=True, max_length=MOST_ON_AXIS), Range(VELOCITY)),
         "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
-        Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
+        Either(Integer(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
         "Surface realizations, their number or a list: seeds of random surfaces, counted from "
         "`seed` on; or areas of a scan of the window's size, counted from 0 on."] = None
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),

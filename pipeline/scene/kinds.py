@@ -1,6 +1,6 @@
-"""Kinds of single values: how each is read, and in words (``str(kind)``) what is allowed.
+"""Kinds of single values: how each is read, and what is allowed, as text (``str(kind)``).
 
-At the end stand the kinds that several tables share, such as a load.
+The kinds that several tables share, such as a load, are at the end.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pipeline.words import did_you_mean, quoted
 from tribo import InputError
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
-_MOST = 2**63 - 1  # largest whole number that a store keeps
+_LARGEST_INTEGER = 2**63 - 1  # largest whole number that a store keeps
 
 
 class InvalidValueError(Exception):
@@ -39,24 +39,24 @@ class Kind:
     """Base class of kinds of scene entry: reads a value, and states what is allowed."""
 
     words: ClassVar[str] = ""
-    holds: ClassVar[type | tuple[type, ...]] = ()
-    """Types of values by which this kind is chosen among several kinds."""
+    value_types: ClassVar[type | tuple[type, ...]] = ()
+    """Types of values that select this kind among several."""
 
     def __str__(self) -> str:
         return self.words
 
-    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
-        """Read the value of the entry at path `place`; None, with a fault added, if it is wrong.
+    def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
+        """Read the value of the entry at path `path`; None, with a fault added, if it is wrong.
 
         The fault says what is allowed: this kind, or `allowed` if it is given.
         """
         try:
-            return self._read(value, place, faults)
+            return self._read(value, path, faults)
         except (InvalidValueError, UnitError) as problem:
-            faults.refuse(place, f"{problem}; give {allowed or self}")
+            faults.refuse(path, f"{problem}; give {allowed or self}")
             return None
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Any:
+    def _read(self, value: Any, path: str, faults: Faults) -> Any:
         """Read a value or raise an `InvalidValueError`; faults in a list are added to `faults`."""
         raise NotImplementedError
 
@@ -66,7 +66,7 @@ class Text(Kind):
 
     words = "text in quotes"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> str:
+    def _read(self, value: Any, path: str, faults: Faults) -> str:
         require(value, str, "is not text")
         if not value:
             raise InvalidValueError("the text is empty")
@@ -80,7 +80,7 @@ class Flag(Kind):
 
     words = "true or false"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> bool:
+    def _read(self, value: Any, path: str, faults: Faults) -> bool:
         require(value, bool, "is neither true nor false")
         return bool(value)
 
@@ -89,14 +89,14 @@ class Flag(Kind):
 class OneOf(Kind):
     """Kind of scene entry: one of a few words."""
 
-    holds = str
+    value_types = str
     options: tuple[str, ...]
 
     def __str__(self) -> str:
-        *others, last = map(quoted, self.options)
-        return f"{', '.join(others)} or {last}" if others else last
+        *first, last = map(quoted, self.options)
+        return f"{', '.join(first)} or {last}" if first else last
 
-    def _read(self, value: Any, place: str, faults: Faults) -> str:
+    def _read(self, value: Any, path: str, faults: Faults) -> str:
         require(value, str, "is not text")
         if value not in self.options:
             raise InvalidValueError(
@@ -110,7 +110,7 @@ class Number(Kind):
     """Kind of scene entry: a number without a unit."""
 
     words = "a number without a unit"
-    holds = (int, float)
+    value_types = (int, float)
     unit = ""
     above: float = -math.inf
     at_least: float = -math.inf
@@ -119,18 +119,18 @@ class Number(Kind):
     usual: tuple[float, float] | None = None
 
     def __str__(self) -> str:
-        named = ((name, getattr(self, name)) for name in ("above", "at_least", "below", "at_most"))
-        bounds = (f"{name.replace('_', ' ')} {x:g}" for name, x in named if math.isfinite(x))
+        limits = ((name, getattr(self, name)) for name in ("above", "at_least", "below", "at_most"))
+        bounds = (f"{name.replace('_', ' ')} {x:g}" for name, x in limits if math.isfinite(x))
         return ", ".join(filter(None, (self.words, " and ".join(bounds))))
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
         require(value, (int, float), "is not a number")
         self._require_fit(value, _SMALLEST, _LARGEST)
-        faults.warnings += unusual_warning(place, value, self.usual, self.unit)
+        faults.warnings += unusual_warning(path, value, self.usual, self.unit)
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `InvalidValueError` if a value is outside the kind's bounds, or its size is."""
+        """Raise `InvalidValueError` if a value is outside its bounds, or too small or large."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         if value and not smallest <= abs(value) <= largest:
@@ -143,10 +143,10 @@ class Share(Number):
 
     words = 'a share such as 0.1 or "10%"'
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
         with suppress(InputError):
             value = share_of(value)
-        return super()._read(value, place, faults)
+        return super()._read(value, path, faults)
 
 
 class Spread(Share):
@@ -154,19 +154,19 @@ class Spread(Share):
 
     words = 'a share such as 0.05 or "± 5 %"'
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
         plain = value.strip().removeprefix("±") if isinstance(value, str) else value
-        return super()._read(plain, place, faults)
+        return super()._read(plain, path, faults)
 
 
-class Whole(Number):
+class Integer(Number):
     """Kind of scene entry: a whole number."""
 
     words = "a whole number"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> int:
+    def _read(self, value: Any, path: str, faults: Faults) -> int:
         require(value, int, "is not a whole number")
-        self._require_fit(value, 0, _MOST)
+        self._require_fit(value, 0, _LARGEST_INTEGER)
         return int(value)
 
 
@@ -175,7 +175,7 @@ class Scalar(Kind):
 
     words = "a number, or a quantity in quotes"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Any:
+    def _read(self, value: Any, path: str, faults: Faults) -> Any:
         require(value, (int, float, str), "is neither a number nor a quantity")
         return value
 
@@ -203,7 +203,7 @@ class Quantity(Kind):
         """Unit of the kind's example of a value, such as "mm" of "2 mm"."""
         return self.example.partition(" ")[2]
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
         if not isinstance(value, str):
             raise InvalidValueError(f"{quoted(value)} has no unit")
         exact = exact_si(value, like=self.example)
@@ -216,12 +216,12 @@ class Quantity(Kind):
             raise InvalidValueError(
                 f"{quoted(value)} is outside the allowed range, which is {low} to {high}"
             )
-        faults.warnings += unusual_warning(place, float(exact), self.usual, self.unit)
+        faults.warnings += unusual_warning(path, float(exact), self.usual, self.unit)
         return float(exact)
 
 
 FROM_TESTS = "from tests"
-"""In place of a critical temperature: answers find it by the tests of the scene."""
+"""Value of a critical temperature that answers find from the tests of the scene."""
 
 
 @dataclass(frozen=True)
@@ -231,8 +231,8 @@ class QuantityOrTests(Quantity):
     def __str__(self) -> str:
         return f"{super().__str__()}, or {quoted(FROM_TESTS)}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
-        return math.nan if value == FROM_TESTS else super()._read(value, place, faults)
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
+        return math.nan if value == FROM_TESTS else super()._read(value, path, faults)
 
 
 class Level(NamedTuple):
@@ -254,17 +254,17 @@ class OneQuantity(Kind):
     def __str__(self) -> str:
         return " or ".join(map(str, self.kinds))
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Level:
+    def _read(self, value: Any, path: str, faults: Faults) -> Level:
         require(value, str, "has no unit")
-        of = {si_unit(kind.example): kind for kind in self.kinds}.get(unit := si_unit(value))
-        if of is None:
+        kind = {si_unit(kind.example): kind for kind in self.kinds}.get(unit := si_unit(value))
+        if kind is None:
             raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
-        return Level(_AXES[unit], of._read(value, place, faults))
+        return Level(_AXES[unit], kind._read(value, path, faults))
 
 
 @dataclass(frozen=True)
 class UnitText(Kind):
-    """Kind of scene entry: a unit alone, such as "um", read as its size in SI."""
+    """Kind of scene entry: a unit without a number, such as "um", read as its size in SI."""
 
     name: str
     example: str
@@ -272,7 +272,7 @@ class UnitText(Kind):
     def __str__(self) -> str:
         return f"{self.name}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
+    def _read(self, value: Any, path: str, faults: Faults) -> float:
         try:
             text = f"{value}" if f"{value}"[:1].isdigit() else f"1 {value}"  # also of "2 nm"
             return to_si(text, like=f"1 {self.example}")
@@ -282,7 +282,7 @@ class UnitText(Kind):
 
 LOAD = Quantity("200 N")
 DURATION = Quantity("4 s", zero=True)
-HELD = Quantity("60 s")
+HOLD = Quantity("60 s")
 VELOCITY = Quantity("1.25 m/s", zero=True, usual=(0, 100))
 SPEED = Quantity("1.25 m/s")
 LEVEL = OneQuantity((LOAD, SPEED))

@@ -36,51 +36,51 @@ def library() -> dict[str, Any]:
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
     """Add values of the library to a scene's entries; return the entries, and the added values."""
-    taken: list[FromLibrary] = []
+    library_values: list[FromLibrary] = []
     entries = dict(entries)
     if isinstance(oil := entries.get("oil"), str):
-        entries["oil"] = _added(oil, "oils", "oil", "oil", {}, taken, faults)
+        entries["oil"] = _added(oil, "oils", "oil", "oil", {}, library_values, faults)
     tables = entries.get("materials", {})
     if not isinstance(tables, dict):
-        return entries, tuple(taken)
+        return entries, tuple(library_values)
     for body in ("pin", "disk"):
         name = entry_at(entries, f"{body}.material")
         if isinstance(name, str) and name in library()["materials"] and name not in tables:
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
-            name: _filled(table, name, taken, faults) for name, table in tables.items()
+            name: _filled(table, name, library_values, faults) for name, table in tables.items()
         }
-    return entries, tuple(taken)
+    return entries, tuple(library_values)
 
 
-def _filled(table: Any, name: str, taken: list[FromLibrary], faults: Faults) -> Any:
+def _filled(table: Any, name: str, library_values: list[FromLibrary], faults: Faults) -> Any:
     """The table of a material with the entries that it lacks, from the library."""
     if not isinstance(table, dict):
         return table
     # Without `like`, an incomplete table takes the material of its own name.
     is_whole = table.keys() >= {*table_of(MaterialTable).needed}
     usual = name if name in library()["materials"] and not is_whole else None
-    like, place = table.get("like", usual), key_path("materials", name)
+    like, path = table.get("like", usual), key_path("materials", name)
     if not isinstance(like, str) or not like:
         return table
-    return _added(like, "materials", place, f"{place}.like", table, taken, faults)
+    return _added(like, "materials", path, f"{path}.like", table, library_values, faults)
 
 
 def _added(
-    name: str, kind: str, place: str, entry: str, table: Entries, taken: list[FromLibrary],
+    name: str, kind: str, path: str, entry: str, table: Entries, library_values: list[FromLibrary],
     faults: Faults,
 ) -> Entries:  # fmt: skip
-    """The table at `place` with what the library has of `name`, which `entry` gives."""
+    """The table at `path` with what the library has of `name`, which `entry` gives."""
     known = library()[kind]
     if name not in known:
         problem = f"{quoted(name)} is not in the library; available {kind}: "
         faults.refuse(entry, problem + ", ".join(map(quoted, known)))
-        name = next(iter(known))  # so that nothing else seems to be missing
+        name = next(iter(known))  # so that its entries do not count as missing
     added = {}
     for key, (value, source) in known[name].items():
         if key not in table:
             added[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)
-            taken.append(FromLibrary(f"{place}.{key}", text, library()["sources"][source]))
+            library_values.append(FromLibrary(f"{path}.{key}", text, library()["sources"][source]))
     return added | table

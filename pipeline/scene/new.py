@@ -80,4 +80,4 @@ def _files_of(entries: Entries) -> Iterator[str]:
     tables = [rows] if isinstance(rows, dict) else [{"file": rows}] if isinstance(rows, str) else []
     tables += [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
     tables += entries.get("tests", [])
-    yield from (str(one["file"]) for one in tables if "file" in one)
+    yield from (str(table["file"]) for table in tables if "file" in table)

@@ -106,7 +106,7 @@ class Source:
         listed = listed_cases(scene, along)
         seeds = listed.table.column("realization")
         if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
-            seed = seeds[0]  # the scene itself is on the first of them, as it is of a scan
+            seed = seeds[0]  # the scene itself has the first surface, as with areas of a scan
             entries = replace_values(entries, {SEED: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)
@@ -154,7 +154,7 @@ def _with_path(words: str, entries: Entries) -> str:
 
 
 def _require_few_points(sweep: Sweep) -> None:
-    """Raise an `InputError` if a sweep has too many points, before they are made."""
+    """Raise an `InputError` if a sweep has too many points, before they are listed."""
     table = sweep.case_table
     loads = len(sweep.loads) if table.column("load") is None else 1
     velocities = len(sweep.velocities) if table.column("velocity") is None else 1
@@ -227,8 +227,10 @@ def run_point(
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
     (False, '158 °C')
     """
-    place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
+    load_and_velocity = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     case = () if realization is None else (("realization", realization),)
     sweep = sweep_of(sweep)
     scene, stored_steps = sweep.case(case).scene, choose_stored_steps(sweep)
-    return plan.run_point(scene, stored_steps, Point(*place, case), progress=progress or silent)
+    return plan.run_point(
+        scene, stored_steps, Point(*load_and_velocity, case), progress=progress or silent
+    )

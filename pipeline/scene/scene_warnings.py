@@ -24,9 +24,9 @@ from tribo import Ramp, SelfAffineRoughness
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
 _REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
-_MOST_CASES = 12  # cases that are looked at, each in some 0.1 s
+_MOST_CASES = 12  # cases that are checked, each in some 0.1 s
 Warnings = Iterator[SceneWarning]
-_MANY = 3  # numbers of tests that are named
+_MAX_LISTED = 3  # numbers of tests in a warning
 
 
 def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
@@ -34,7 +34,7 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
 
     `facts` are the numbers of the case from `estimate_contact`.
     """
-    found = [
+    warnings = [
         *_unusual(sweep, facts),
         *_narrow_window(sweep, facts),
         *_surface_warnings(sweep, facts),
@@ -44,40 +44,40 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
         *_cold_tracks(sweep),
         *([SceneWarning("sharp_ends", "pin.length")] if has_sharp_ends(sweep) else []),
     ]
-    return tuple(dict.fromkeys(found))  # pin and disk may be of one material
+    return tuple(dict.fromkeys(warnings))  # pin and disk may be of one material
 
 
 def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     """Warnings of all cases of a sweep, those of values first; each says which cases have it.
 
-    Of many cases a few are looked at, evenly spaced; of the values of an entry all are.
+    Of many cases a few are checked, evenly spaced; the values of an entry are all checked.
     """
     values = [*_unusual_values(sweep)]
-    valued = {one.place for one in values}
-    noted = [one for one in sweep.warnings if one.place not in valued]
+    valued = {warning.place for warning in values}
+    noted = [warning for warning in sweep.warnings if warning.place not in valued]
     chosen = single_cases(sweep, _MOST_CASES)
-    found = dict[tuple[str, str], dict[str, SceneWarning]]()
+    by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
     for label, case in chosen:
-        for one in warnings_of_case(case, estimate_contact(case)):
+        for warning in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
-            found.setdefault((one.code, one.place), {})[label] = one
-    of_cases = (_in_cases(held, len(chosen)) for held in found.values())
+            by_entry.setdefault((warning.code, warning.place), {})[label] = warning
+    of_cases = (_in_cases(by_label, len(chosen)) for by_label in by_entry.values())
     return *values, *noted, *of_cases
 
 
-def _in_cases(held: Mapping[str, SceneWarning], count: int) -> SceneWarning:
-    """The first of the warnings `held` by label, which says in which of `count` cases it is."""
-    labels, first = [*held], next(iter(held.values()))
-    cases = tuple(labels) if len(held) < count else ()
-    is_shared = all(_same_values(first, one) for one in held.values())
+def _in_cases(by_label: Mapping[str, SceneWarning], count: int) -> SceneWarning:
+    """The first of the warnings in `by_label`, which says in which of `count` cases it is."""
+    labels, first = [*by_label], next(iter(by_label.values()))
+    cases = tuple(labels) if len(by_label) < count else ()
+    is_shared = all(_same_values(first, warning) for warning in by_label.values())
     return first._replace(cases=cases, of_case="" if is_shared else labels[0])
 
 
-def _same_values(one: SceneWarning, other: SceneWarning) -> bool:
+def _same_values(first: SceneWarning, second: SceneWarning) -> bool:
     """True if the values of two warnings of one code are equal within rounding."""
     return all(
         a == b or (isinstance(a, float) and isinstance(b, float) and math.isclose(a, b))
-        for a, b in zip(one.values, other.values, strict=True)
+        for a, b in zip(first.values, second.values, strict=True)
     )
 
 
@@ -86,11 +86,11 @@ def _unusual_values(sweep: Sweep) -> Warnings:
     for column in sweep.case_table.columns:
         kind = number_at(SceneFile, column.key)
         labels = (row[column.name] for row in sweep.case_table.rows)
-        known = [*dict.fromkeys(one for one in labels if isinstance(one, int | float))]
+        known = [*dict.fromkeys(value for value in labels if isinstance(value, int | float))]
         odd = [
             warning
-            for one in known
-            for warning in unusual_warning(column.key, one, kind.usual, kind.unit)
+            for value in known
+            for warning in unusual_warning(column.key, value, kind.usual, kind.unit)
         ]
         if len(known) == 1 or not odd:
             yield from odd
@@ -105,17 +105,17 @@ def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
         share = material.hardness / material.elastic_modulus
         usual = USUAL_HARDNESS if math.isfinite(share) else None
         name = sweep.source.entries[body]["material"]
-        place = key_path(key_path("materials", name), "hardness")
-        yield from unusual_warning(place, share, usual, "times the elastic modulus")
+        path = key_path(key_path("materials", name), "hardness")
+        yield from unusual_warning(path, share, usual, "times the elastic modulus")
     yield from unusual_warning("loading", facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps
         span = highest / 100, highest * 100
         yield from unusual_warning("loading.reference_load", loading.reference_load, span, "N")
     if facts.surface and facts.surface.measured:
-        place = "disk.roughness.ra"
-        kind = number_at(SceneFile, place)
-        yield from unusual_warning(place, facts.surface.ra, kind.usual, kind.unit)
+        path = "disk.roughness.ra"
+        kind = number_at(SceneFile, path)
+        yield from unusual_warning(path, facts.surface.ra, kind.usual, kind.unit)
 
 
 def _narrow_window(sweep: Sweep, facts: ContactEstimate) -> Warnings:
@@ -132,10 +132,10 @@ def _far_tests(sweep: Sweep) -> Warnings:
     """Warning of the first test that is so far outside the sweep that its units may be wrong."""
     loads, velocities = Span.of(sweep.loads), Span.of(sweep.velocities)
     for test in sweep.tests:
-        place = test.normal_load, test.velocity
-        pairs = zip(place, (loads, velocities), strict=True)
+        point = test.normal_load, test.velocity
+        pairs = zip(point, (loads, velocities), strict=True)
         if any(not low / _REACH <= value <= high * _REACH for value, (low, high) in pairs):
-            yield SceneWarning("far_test", "", place)
+            yield SceneWarning("far_test", "", point)
             return
 
 
@@ -148,8 +148,8 @@ def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
         sides = zip("xy", scene.roughness.correlation_length, facts.window, strict=True)
         for axis, length, side in sides:
             if length > _LONGEST * side:
-                place = "disk.roughness.correlation_length"
-                yield SceneWarning("long_correlation", place, (axis, length))
+                path = "disk.roughness.correlation_length"
+                yield SceneWarning("long_correlation", path, (axis, length))
 
 
 def _cold_tracks(sweep: Sweep) -> Warnings:
@@ -163,12 +163,12 @@ def _cold_tracks(sweep: Sweep) -> Warnings:
 def _fresh_specimens(sweep: Sweep) -> Warnings:
     """Warning of runs by stages that are simulated as fresh specimens.
 
-    Both ends of such a run had a past that no entry states.
+    The stages before its two ends are stated by no entry.
     """
     runs = dict[str, list[SpecimenTest]]()
     for test in sweep.tests:
         if isinstance(test.case.scene.loading, Ramp):
             runs.setdefault(str(test.number), []).append(test)
     if names := [name for name, tests in runs.items() if len(tests) > 1]:
-        more = float(max(0, len(names) - _MANY))
-        yield SceneWarning("fresh_specimens", "", (", ".join(names[:_MANY]), more))
+        unlisted = float(max(0, len(names) - _MAX_LISTED))
+        yield SceneWarning("fresh_specimens", "", (", ".join(names[:_MAX_LISTED]), unlisted))

@@ -33,13 +33,13 @@ def stages_of(stages: Any, highest: float) -> Levels:
 def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
     """Stages of a test: "load" or "velocity", levels in SI and holds; even ones up to `end`."""
     is_even = isinstance(stages, EvenLevels)
-    found = [stages.first, stages.step] if is_even else [level for level, _ in stages]
-    axis, *others = dict.fromkeys(level.axis for level in found)
-    if others:
+    levels = [stages.first, stages.step] if is_even else [level for level, _ in stages]
+    axis, *other_axes = dict.fromkeys(level.axis for level in levels)
+    if other_axes:
         raise InputError("the stages are of load and of velocity; give one of them")
     if is_even:
-        return axis, *_even(found[0].value, found[1].value, stages.hold, end)
-    return axis, tuple(level.value for level in found), tuple(hold for _, hold in stages)
+        return axis, *_even(levels[0].value, levels[1].value, stages.hold, end)
+    return axis, tuple(level.value for level in levels), tuple(hold for _, hold in stages)
 
 
 def _even(first: float, step: float, hold: float, highest: float) -> Levels:
@@ -57,34 +57,34 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     by a test at its last mild stage and a test at its first severe stage, if the run states these
     stages. Faulty tests are added to `faults`, and left out.
     """
-    given = {str(one.number) for one in scene.tests or ()}
-    free = (number for number in itertools.count(1) if str(number) not in given)
-    named_before, tests = set[str](), list[Test]()
+    numbers = {str(test.number) for test in scene.tests or ()}
+    free = (number for number in itertools.count(1) if str(number) not in numbers)
+    used_names, tests = set[str](), list[Test]()
     for index, entry in enumerate(scene.tests or ()):
-        place = f"tests[{index}]"
-        named = replace(entry, number=next(free)) if entry.number is None else entry
-        if (name := str(named.number)) in named_before:
+        path = f"tests[{index}]"
+        numbered = replace(entry, number=next(free)) if entry.number is None else entry
+        if (name := str(numbered.number)) in used_names:
             problem = f"{name} is the number of two tests; give each its own, or leave it out"
-            faults.refuse(f"{place}.number", problem)
-        named_before.add(name)
-        if faults.touches(place):
+            faults.refuse(f"{path}.number", problem)
+        used_names.add(name)
+        if faults.touches(path):
             continue
-        if problems := [*test_faults(named)]:
+        if problems := [*test_faults(numbered)]:
             for key, problem in problems:
-                faults.refuse(f"{place}.{key}", problem)
-        elif ends := _ends_of(named):
-            tests += _read_stages(named, ends, place, faults)
+                faults.refuse(f"{path}.{key}", problem)
+        elif ends := _ends_of(numbered):
+            tests += _read_stages(numbered, ends, path, faults)
         else:
-            tests.append(named)
+            tests.append(numbered)
     return replace(scene, tests=scene.tests and tuple(tests))
 
 
 def test_faults(test: Test) -> Iterator[tuple[str, str]]:
     """Yield the entries of a test that are missing or do not fit others, and why."""
     if ends := _ends_of(test):
-        given = [name for name in _KINDS if getattr(test, name) is not None]
-        if len(given) != 1:
-            problem = "both load and velocity are" if given else "neither load nor velocity is"
+        axes = [name for name in _KINDS if getattr(test, name) is not None]
+        if len(axes) != 1:
+            problem = "both load and velocity are" if axes else "neither load nor velocity is"
             yield "load", f"{problem} given together with stages; give the one that is constant"
         for key in ("outcome", "step"):
             if getattr(test, key) is not None:
@@ -104,7 +104,7 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
         return
     axis, step = test.step
     if (value := getattr(test, axis)) is not None and step >= value:
-        step, value = (display(one, UNITS[axis]) for one in (step, value))
+        step, value = (display(level, UNITS[axis]) for level in (step, value))
         yield "step", f"{step} must be less than the {axis} ({value})"
 
 
@@ -113,24 +113,24 @@ def _ends_of(test: Test) -> dict[str, str]:
     return {outcome: key for outcome, key in _STAGES if getattr(test, key) is not None}
 
 
-def _read_stages(entry: Test, given: dict[str, str], place: str, faults: Faults) -> Iterator[Test]:
+def _read_stages(entry: Test, keys: dict[str, str], path: str, faults: Faults) -> Iterator[Test]:
     """Tests at the last mild and the first severe stage of a run, which `entry` states."""
     (name,) = (name for name in _KINDS if getattr(entry, name) is None)
     read = _KINDS[name].read
-    ends = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
+    ends = {o: read(getattr(entry, key), f"{path}.{key}", faults) for o, key in keys.items()}
     if None in ends.values():
         return
     if len(ends) > 1 and not ends["mild"] < ends["severe"]:
         low, high = (display(ends[outcome], UNITS[name]) for outcome in ("severe", "mild"))
-        faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
+        faults.refuse(f"{path}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
-    common = {key: one for key, one in vars(entry).items() if key not in given.values()}
+    common = {key: value for key, value in vars(entry).items() if key not in keys.values()}
     if entry.stages is not None:
-        last = max(ends.values())  # the last stage that is named ends the specimen
-        with faults.at(f"{place}.stages"):
-            found, levels, holds = levels_of(entry.stages, last)
-            if found != name:
-                problem = f"these are stages of {found}, which the test gives, too; leave out one"
+        last = max(ends.values())  # the specimen ends at the last stage that the entry states
+        with faults.at(f"{path}.stages"):
+            axis, levels, holds = levels_of(entry.stages, last)
+            if axis != name:
+                problem = f"these are stages of {axis}, which the test gives, too; leave out one"
                 raise InputError(problem)
             common["stages"] = tuple(
                 (Level(name, level), hold)

@@ -2,8 +2,8 @@
 
     radius: A[float, Quantity("2 mm", usual=(0.1, 1000)), "Radius in the plane of sliding."]
 
-One line for each entry: type, kind, meaning, and its default if it may be left out. Reader, faults,
-doubts of unusual values, reference and template follow from it.
+Each entry has a type, a kind, a meaning, and a default if it may be left out. Reader, faults,
+warnings of unusual values, reference and template follow from these.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
     Flag,
+    Integer,
     InvalidValueError,
     Kind,
     Number,
     OneOf,
     Quantity,
     Text,
-    Whole,
     require,
 )
 from pipeline.units import exact_decimals, exact_si
@@ -77,13 +77,13 @@ def table_of(table: Any) -> Table:
     """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
     keys = dict[str, Entry]()
-    for one in fields(table):
-        hint, is_needed = hints[one.name], one.default is MISSING
+    for field in fields(table):
+        hint, is_needed = hints[field.name], field.default is MISSING
         notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-        keys[one.name.rstrip("_")] = Entry(
+        keys[field.name.rstrip("_")] = Entry(
             kind_of(hint),
             meaning=next((note for note in notes if isinstance(note, str)), ""),
-            default=None if is_needed else one.default,
+            default=None if is_needed else field.default,
             is_needed=is_needed,
         )
     name = table.__name__.removesuffix("Table")
@@ -103,7 +103,7 @@ def kind_of(hint: Any) -> Kind:
         annotated = (note for note in args[1:] if isinstance(note, Kind))
         return next(annotated, None) or kind_of(args[0])
     if origin in (Union, UnionType):
-        kinds = [kind_of(one) for one in args if one is not NoneType]
+        kinds = [kind_of(member) for member in args if member is not NoneType]
         return Either(*kinds) if len(kinds) > 1 else kinds[0]
     if origin is Literal:
         return OneOf(args)
@@ -113,65 +113,65 @@ def kind_of(hint: Any) -> Kind:
         return Tables(kind_of(args[1]))
     if isinstance(hint, type) and is_dataclass(hint):
         return table_of(hint)
-    return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]
+    return {int: Integer(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]
 
 
 @dataclass(frozen=True)
 class List(Kind):
     """Kind of scene entry: a list of one or more values of one kind, read as a tuple."""
 
-    holds = list
-    of: Kind
+    value_types = list
+    item_kind: Kind
     length: int | None = None
     distinct: bool = False
-    most: int = MOST_SCENES
+    max_length: int = MOST_SCENES
 
     def __str__(self) -> str:
-        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.of}"
+        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.item_kind}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
+    def _read(self, value: Any, path: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
-        if len(value) > self.most:
+        if len(value) > self.max_length:
             raise InvalidValueError(
-                f"{len(value)} entries are too many, at most {self.most} are allowed"
+                f"{len(value)} entries are too many, at most {self.max_length} are allowed"
             )
         if len(value) != (self.length or max(len(value), 1)):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
             raise InvalidValueError(f"{quoted(value)} {count if value else 'is empty'}")
-        items = [self.of.read(item, f"{place}[{i}]", faults) for i, item in enumerate(value)]
+        items = [self.item_kind.read(item, f"{path}[{i}]", faults) for i, item in enumerate(value)]
         if self.distinct and None not in items:
             order = sorted(range(len(items)), key=lambda k: (isinstance(items[k], str), items[k]))
             for pair in itertools.pairwise(order):
                 first, index = sorted(pair)
                 if _are_alike(items[first], items[index]):
                     problem = f"{quoted(value[index])} repeats entry [{first}]"
-                    faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
+                    faults.refuse(f"{path}[{index}]", f"{problem}; give each value once")
         return None if None in items else tuple(items)
 
 
 def _are_alike(a: Any, b: Any) -> bool:
-    """True if values are equal, numbers but for rounding."""
+    """True if values are equal, or numbers that differ only by rounding."""
     return a == b or (isinstance(a, float) and math.isclose(a, b, rel_tol=1e-9))
 
 
 @dataclass(frozen=True)
-class Each(Kind):
+class MixedList(Kind):
     """Kind of scene entry: a list of as many values as there are kinds, each of its own kind."""
 
-    holds = list
+    value_types = list
     kinds: tuple[Kind, ...]
 
     def __str__(self) -> str:
         return f"a list of {' and '.join(map(str, self.kinds))}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
+    def _read(self, value: Any, path: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
         if len(value) != len(self.kinds):
             raise InvalidValueError(
                 f"{quoted(value)} needs {len(self.kinds)} values, not {len(value)}"
             )
         pairs = zip(self.kinds, value, strict=True)
-        items = [kind.read(one, f"{place}[{i}]", faults) for i, (kind, one) in enumerate(pairs)]
+        items = [kind.read(item, f"{path}[{i}]", faults) for i, (kind, item) in enumerate(pairs)]
         return None if None in items else tuple(items)
 
 
@@ -179,23 +179,23 @@ class Each(Kind):
 class Range(Kind):
     """Kind of scene entry: a range of quantities, by its ends and either a step or a count."""
 
-    holds = dict
-    of: Quantity
+    value_types = dict
+    item_kind: Quantity
 
     def __str__(self) -> str:
-        return f"a table with from, to, and step or count, each {self.of}"
+        return f"a table with from, to, and step or count, each {self.item_kind}"
 
     @exact_decimals()
-    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        before, end = len(faults), Entry(self.of, is_needed=True)
-        step_apart = Entry(replace(self.of, zero=False))
-        number = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
+    def _read(self, value: Any, path: str, faults: Faults) -> tuple[float, ...] | None:
+        fault_count, end = len(faults), Entry(self.item_kind, is_needed=True)
+        step_apart = Entry(replace(self.item_kind, zero=False))
+        number = Entry(Integer(at_least=2, at_most=MOST_ON_AXIS))
         keys = {"from": end, "to": end, "step": step_apart, "count": number}
-        Table(keys).read(value, place, faults)
-        if len(faults) > before:
+        Table(keys).read(value, path, faults)
+        if len(faults) > fault_count:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
-        first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
+        first, last = (exact_si(value[key], like=self.item_kind.example) for key in ("from", "to"))
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
             raise InvalidValueError(f'{span} is descending; "from" is the lower end')
@@ -204,7 +204,7 @@ class Range(Kind):
         if count := value.get("count"):
             parts = (Decimal(i) / (count - 1) for i in range(count))
             return tuple(float(first + part * (last - first)) for part in parts)
-        step = exact_si(value["step"], like=self.of.example)
+        step = exact_si(value["step"], like=self.item_kind.example)
         steps = (last - first) / step
         if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
             raise InvalidValueError(
@@ -225,41 +225,41 @@ class Either(Kind):
       that knows most of these keys reads the value.
     """
 
-    def __init__(self, usual: Kind, *others: Kind) -> None:
-        self.kinds = (usual, *others)
+    def __init__(self, usual: Kind, *other_kinds: Kind) -> None:
+        self.kinds = (usual, *other_kinds)
 
     def __str__(self) -> str:
         return "; or ".join(map(str, self.kinds))
 
     def kind_for(self, value: Any) -> Kind:
         """Choose the kind by which to read a value."""
-        usual, *others = self.kinds
+        usual, *other_kinds = self.kinds
         if not isinstance(usual, Table):
-            fits = (isinstance(value, other.holds) for other in others)
-            return next(itertools.compress(others, fits), usual)
+            fits = (isinstance(value, other.value_types) for other in other_kinds)
+            return next(itertools.compress(other_kinds, fits), usual)
         if not isinstance(value, dict):
             return usual
-        own = value.keys() - usual.keys.keys()
-        forms = (one for one in others if isinstance(one, Table))
-        best = max(forms, key=lambda form: len(own & form.keys.keys()), default=usual)
-        return best if own & best.keys.keys() else usual
+        unknown_keys = value.keys() - usual.keys.keys()
+        forms = (kind for kind in other_kinds if isinstance(kind, Table))
+        best = max(forms, key=lambda form: len(unknown_keys & form.keys.keys()), default=usual)
+        return best if unknown_keys & best.keys.keys() else usual
 
-    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+    def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
         """Read a value by the kind for it, as `Kind.read` does.
 
-        Faults of a table or list that is not the usual kind name this kind alone.
+        Faults of a table or list that is not of the usual kind name only its kind.
         """
         kind = self.kind_for(value)
-        is_alone = kind is not self.kinds[0] and kind.holds is not str
-        return kind.read(value, place, faults, None if is_alone else self)
+        is_unusual = kind is not self.kinds[0] and kind.value_types is not str
+        return kind.read(value, path, faults, None if is_unusual else self)
 
 
 class Sorted(Either):
     """Kind of scene entry: a list or a range of values, sorted and without duplicates when read."""
 
-    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+    def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
         """Read a list or a range, sorted and without duplicates."""
-        values = super().read(value, place, faults, allowed)
+        values = super().read(value, path, faults, allowed)
         return values and tuple(sorted(set(values)))
 
 
@@ -271,7 +271,7 @@ class Table(Kind):
     the name of this table where an entry may be one of several tables.
     """
 
-    holds = dict
+    value_types = dict
     keys: Mapping[str, Entry]
     make: Callable[..., Any] = dict
     form: str = ""
@@ -284,25 +284,25 @@ class Table(Kind):
         """Keys that may not be left out."""
         return [key for key, entry in self.keys.items() if entry.is_needed]
 
-    def read(self, value: Any, place: str, faults: Faults, allowed: object = None) -> Any:
+    def read(self, value: Any, path: str, faults: Faults, allowed: object = None) -> Any:
         """Read the entries of a table, and make an object of them; None if it is no table."""
         if not isinstance(value, dict):
-            faults.refuse(place, f"{quoted(value)} is not a table; expected {allowed or self}")
+            faults.refuse(path, f"{quoted(value)} is not a table; expected {allowed or self}")
             return None
         for key in value:
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
                 problem = f"unknown key{hint}; allowed: {', '.join(self.keys)}"
                 problem = getattr(self.make, "refused", {}).get(key, problem)
-                faults.refuse(key_path(place, key), problem)
+                faults.refuse(key_path(path, key), problem)
         entries = {}
         for key, entry in self.keys.items():
             name = attribute_of(key)
             entries[name] = entry.default
             if key in value:
-                entries[name] = entry.kind.read(value[key], key_path(place, key), faults)
+                entries[name] = entry.kind.read(value[key], key_path(path, key), faults)
             elif entry.is_needed:
-                faults.refuse(key_path(place, key), f"missing; required: {entry.kind}")
+                faults.refuse(key_path(path, key), f"missing; required: {entry.kind}")
         return self.make(**entries)
 
 
@@ -310,25 +310,28 @@ class Table(Kind):
 class Tables(Kind):
     """Kind of scene entry: one or more tables of one kind, under names of the user's choice."""
 
-    holds = dict
-    of: Kind
+    value_types = dict
+    item_kind: Kind
 
     def __str__(self) -> str:
-        return f"at least one table under a name of your choice, each {self.of}"
+        return f"at least one table under a name of your choice, each {self.item_kind}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+    def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             raise InvalidValueError(f"{quoted(value)} is not a table that holds tables")
-        return {key: self.of.read(one, key_path(place, key), faults) for key, one in value.items()}
+        return {
+            key: self.item_kind.read(item, key_path(path, key), faults)
+            for key, item in value.items()
+        }
 
 
 class Changes(Kind):
-    """Kind of scene entry: other entries of the scene, by paths, which are read in their places."""
+    """Kind of scene entry: other entries of the scene, by paths, which are read there."""
 
     words = 'a table of entries by their paths, such as { "pin.radius" = "3 mm" }'
-    holds = dict
+    value_types = dict
 
-    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+    def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
         return dict(flat(value))
 
@@ -337,20 +340,20 @@ class Changes(Kind):
 class ByPath(Kind):
     """Kind of scene entry: a table of values by the path of another entry, such as "pin.radius"."""
 
-    holds = dict
-    of: Kind
+    value_types = dict
+    item_kind: Kind
     keys: str
 
     def __str__(self) -> str:
-        return f"a table whose keys are {self.keys}, each with {self.of}"
+        return f"a table whose keys are {self.keys}, each with {self.item_kind}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+    def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
         read = {
-            path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
-            for path, leaf in flat(value)
+            entry: self.item_kind.read(leaf, f"{path}.{quoted(entry)}", faults)
+            for entry, leaf in flat(value)
         }
-        return {path: leaf for path, leaf in read.items() if leaf is not None}
+        return {entry: leaf for entry, leaf in read.items() if leaf is not None}
 
 
 def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
@@ -361,16 +364,16 @@ def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
     match kind:
         case Table(keys):
             for key, entry in keys.items():
-                place = f"{path}.{key}" if path else key
-                yield place, entry
-                yield from entries_in(entry.kind, place)
-        case Tables(of):
-            yield from entries_in(of, f"{path}.NAME")
-        case List(of):
-            yield from entries_in(of, path)
+                entry_path = f"{path}.{key}" if path else key
+                yield entry_path, entry
+                yield from entries_in(entry.kind, entry_path)
+        case Tables(item_kind):
+            yield from entries_in(item_kind, f"{path}.NAME")
+        case List(item_kind):
+            yield from entries_in(item_kind, path)
         case Either():
-            for one in kind.kinds:
-                yield from entries_in(one, path)
+            for alternative in kind.kinds:
+                yield from entries_in(alternative, path)
 
 
 @functools.cache
@@ -389,6 +392,6 @@ def _number_in(kind: Kind) -> Quantity | Number | None:
     """The kind of number within a list or among several kinds; None if there is none."""
     if isinstance(kind, Quantity | Number):
         return kind
-    inner = kind.kinds if isinstance(kind, Either) else [getattr(kind, "of", None)]
-    found = (_number_in(one) for one in inner if isinstance(one, Kind))
-    return next((one for one in found if one), None)
+    inner = kind.kinds if isinstance(kind, Either) else [getattr(kind, "item_kind", None)]
+    numbers = (_number_in(item) for item in inner if isinstance(item, Kind))
+    return next((number for number in numbers if number), None)

@@ -22,9 +22,9 @@ from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
 
-_OWN = {"friction": "friction", "bulk_temperature": "temperature.bulk"}
+_REPLACED_ENTRIES = {"friction": "friction", "bulk_temperature": "temperature.bulk"}
 """Entry of the scene that an entry of a test replaces, by the name of the latter."""
-_OF_ALL = (
+_SHARED_ENTRIES = (
     "extends", "without", "title", "note", "sweep", "tests", "oil", "model",
     "temperature.critical", "temperature.critical_area_fraction",
 )  # fmt: skip
@@ -40,24 +40,26 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
         if not (isinstance(entry, dict) and "file" in entry):
             rows.append(entry)
             continue
-        before, place = len(faults), f"tests[{number}]"
-        own = table_of(TableFile).read(entry, place, faults)
+        before, path = len(faults), f"tests[{number}]"
+        listing = table_of(TableFile).read(entry, path, faults)
         if len(faults) > before:
             continue
-        with faults.at(f"{place}.file"):
-            sheet = read_table(files.path("tests", own.file), MOST_ROWS, own.decimal, own.ignore)
-            is_staged = {"mild_up_to", "severe_at"} & {one.name for one in sheet.columns}
+        with faults.at(f"{path}.file"):
+            sheet = read_table(
+                files.path("tests", listing.file), MOST_ROWS, listing.decimal, listing.ignore
+            )
+            is_staged = {"mild_up_to", "severe_at"} & {column.name for column in sheet.columns}
             needed = () if is_staged else ("load", "velocity", "outcome")
             rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed)
-    others = {key: one for key, one in entries.items() if key != "tests"}
-    return others | ({"tests": rows} if rows else {})
+    remaining = {key: value for key, value in entries.items() if key != "tests"}
+    return remaining | ({"tests": rows} if rows else {})
 
 
 def _faults_in(row: Entries) -> Iterator[tuple[str, str]]:
-    made = table_of(TestEntry).read(row, "", found := Faults())
-    yield from ((fault.key, fault.problem) for fault in found)
-    if not found:
-        yield from test_faults(made)
+    test = table_of(TestEntry).read(row, "", faults := Faults())
+    yield from ((fault.key, fault.problem) for fault in faults)
+    if not faults:
+        yield from test_faults(test)
 
 
 def read_tests(
@@ -65,57 +67,61 @@ def read_tests(
 ) -> tuple[SpecimenTest, ...]:
     """Tests of a scene, each with the case to simulate; faults are added to `faults`.
 
-    A test without `with` or a hold of its own shares its scene.
+    The scene is built once for each different `with`.
     """
-    bare = {key: one for key, one in entries.items() if key != "tests"}
-    known, made, base = dict[str, tuple[Built | None, Faults]](), list[SpecimenTest](), scene.case
+    bare = {key: value for key, value in entries.items() if key != "tests"}
+    known, tests, base = dict[str, tuple[Built | None, Faults]](), list[SpecimenTest](), scene.case
     for number, entry in enumerate(scene.tables.tests or ()):
-        place, changes, built = f"tests[{number}]", entry.with_ or {}, scene
-        wrong = [*_misplaced(entry, changes)]
+        path, changes, built = f"tests[{number}]", entry.with_ or {}, scene
+        wrong = [*_path_faults(entry, changes)]
         if changes and not wrong:
             if (key := json.dumps(changes)) not in known:
-                found = Faults()
-                known[key] = build(replace_values(bare, changes), files, found), found
-            other, found = known[key]
-            wrong = [f"{fault.key}: {fault.problem}" for fault in found]
-            faults.notes += [one for one in found.notes if one.place in changes]
-            faults.warnings += [one for one in found.warnings if one.place in changes]
+                case_faults = Faults()
+                known[key] = build(replace_values(bare, changes), files, case_faults), case_faults
+            other, case_faults = known[key]
+            wrong = [f"{fault.key}: {fault.problem}" for fault in case_faults]
+            faults.notes += [note for note in case_faults.notes if note.place in changes]
+            faults.warnings += [
+                warning for warning in case_faults.warnings if warning.place in changes
+            ]
             built = other or scene
         for problem in wrong:
-            faults.refuse(f"{place}.with", problem)
-        with faults.at(place):
-            case = _case_of(built, base)
-            case = replace(case, scene=_staged(case.scene, entry, scene.tables))
-            made.append(_test_of(entry, test_case(case, number, entry)))
-    return tuple(made)
+            faults.refuse(f"{path}.with", problem)
+        with faults.at(path):
+            case = _changed_case(built, base)
+            case = replace(case, scene=_with_stages(case.scene, entry, scene.tables))
+            tests.append(_test_of(entry, test_case(case, number, entry)))
+    return tuple(tests)
 
 
-def _case_of(built: Built, base: Case) -> Case:
+def _changed_case(built: Built, base: Case) -> Case:
     """Case of changed entries; critical temperature, area fraction and `[model]` are of `base`."""
-    own = built.case
-    if own is base:
+    changed = built.case
+    if changed is base:
         return base
-    conditions = with_own(replace(base.conditions, critical_temperature=None), own.conditions)
-    return replace(base, scene=own.scene, preset=own.preset, conditions=conditions)
+    conditions = with_own(replace(base.conditions, critical_temperature=None), changed.conditions)
+    return replace(base, scene=changed.scene, preset=changed.preset, conditions=conditions)
 
 
-def test_case(case: Case, number: int, own: Any) -> Case:
-    """The case of a test: `case` with the friction and bulk of the test itself (`own`)."""
-    made = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
-    if own.bulk_temperature is not None:
-        made = replace(made, bulk_temperature=own.bulk_temperature)
-    made = made.replace_friction(own.friction)
-    loading, parts = case.scene.loading, made.corrections
+def test_case(case: Case, number: int, entry: Any) -> Case:
+    """The case of a test: `case` with the friction and bulk temperature of its `entry`."""
+    conditions = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
+    if entry.bulk_temperature is not None:
+        conditions = replace(conditions, bulk_temperature=entry.bulk_temperature)
+    conditions = conditions.replace_friction(entry.friction)
+    loading, parts = case.scene.loading, conditions.corrections
     rises = isinstance(loading, Stages) and loading.velocities
-    if rises and parts and (parts.keeps_heat or made.has_friction_curve):
+    if rises and parts and (parts.keeps_heat or conditions.has_friction_curve):
         raise InputError(
             "stages of velocity take one friction, and no body with a track_length or a diameter; "
             "give the test its friction, and leave out the others"
         )
     scene = case.scene
-    if made.friction and not scene.friction_heat:
+    if conditions.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)
-    return replace(case, name=((TEST, number),), scene=scene, conditions=made, friction_band=None)
+    return replace(
+        case, name=((TEST, number),), scene=scene, conditions=conditions, friction_band=None
+    )
 
 
 def _test_of(entry: Any, case: Case) -> SpecimenTest:
@@ -133,10 +139,10 @@ def _test_of(entry: Any, case: Case) -> SpecimenTest:
     )
 
 
-def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
-    """The scene with the stages of a test; or with so many of its own that it has the test.
+def _with_stages(scene: Scene, entry: Any, tables: Any) -> Scene:
+    """The scene with the stages of a test, or with its own continued to the load of the test.
 
-    Its window is wide enough for the stages.
+    The window is widened for the stages.
     """
     if (stages := entry.stages) is not None:
         if isinstance(scene.loading, MeasuredLoad):
@@ -145,9 +151,9 @@ def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
         name, _, _ = levels_of(stages, 0.0)
         _, levels, holds = levels_of(stages, entry.load if name == "load" else entry.velocity)
         loads, velocities = (levels, ()) if name == "load" else ((entry.load,), levels)
-        own = Stages(loads, holds, scene.loading.rate, velocities)
-        own.count(entry.load, entry.velocity)  # raises if it is no stage
-        return widen_window(replace(scene, loading=own), entry.velocity)
+        specimen_loading = Stages(loads, holds, scene.loading.rate, velocities)
+        specimen_loading.count(entry.load, entry.velocity)  # raises an error if it is no stage
+        return widen_window(replace(scene, loading=specimen_loading), entry.velocity)
     if not isinstance(scene.loading, Stages):
         return scene
     loading, stages = scene.loading, tables.loading.stages
@@ -155,18 +161,18 @@ def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
         loading = Stages(*stages_of(stages, entry.load), loading.rate)
         scene = widen_window(replace(scene, loading=loading), entry.velocity)
     step = entry.step
-    before = step.value if step and step.axis == "load" else 0.0
-    for load in dict.fromkeys((entry.load - before, entry.load)):
-        loading.count(load)  # raises if it is no stage
+    load_step = step.value if step and step.axis == "load" else 0.0
+    for load in dict.fromkeys((entry.load - load_step, entry.load)):
+        loading.count(load)  # raises an error if it is no stage
     return scene
 
 
-def _misplaced(entry: Any, changes: Mapping[str, Any]) -> Iterator[str]:
-    """Faults of paths in the changes of a test that it states itself, or cannot have."""
+def _path_faults(entry: Any, changes: Mapping[str, Any]) -> Iterator[str]:
+    """Faults of changed paths that other entries of the test set, or that no test may set."""
     for path in changes:
-        if any(_is_in(path, other) for other in _OF_ALL):
+        if any(_is_in(path, other) for other in _SHARED_ENTRIES):
             yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
-        for name, other in _OWN.items():
+        for name, other in _REPLACED_ENTRIES.items():
             if getattr(entry, name) is not None and _is_in(path, other):
                 yield f"{quoted(path)} is set by the {name} of this test; give one of them"
 

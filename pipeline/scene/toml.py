@@ -34,7 +34,7 @@ class Document(NamedTuple):
 
     def under(self, file: Path, entries: dict[str, Any]) -> Document:
         """The document with the entries of a file over its own."""
-        paths = (one for path, _ in flat(entries) for one in _with_tables(path))
+        paths = (table_path for path, _ in flat(entries) for table_path in _with_tables(path))
         files = self.files | dict.fromkeys(paths, file)
         return Document(file, merged(self.entries, entries), files)
 
@@ -47,7 +47,7 @@ class Document(NamedTuple):
     def file_of(self, key: str) -> Path:
         """The file that sets the entry at a key path, or else sets the table around the entry."""
         paths = _with_tables(re.sub(r"\[\d+\]", "", key))
-        return next((self.files[one] for one in paths[::-1] if one in self.files), self.file)
+        return next((self.files[path] for path in paths[::-1] if path in self.files), self.file)
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with its file unless it is the scene file itself."""
@@ -55,8 +55,8 @@ class Document(NamedTuple):
         is_there = entry_at(self.entries, fault.key) is not None
         is_inherited = not fault.file and file != self.file and is_there
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
-        place = "" if file == self.file else f" (in {name_of(file)})"
-        return f"{fault.key}{place}: {fault.problem}{hint}"
+        location = "" if file == self.file else f" (in {name_of(file)})"
+        return f"{fault.key}{location}: {fault.problem}{hint}"
 
 
 def _with_tables(path: str) -> list[str]:
@@ -135,14 +135,14 @@ def _toml(path: Path) -> dict[str, Any]:
     """Read one TOML file; raise `SceneFileError` if that fails."""
     try:
         if path.exists() and not path.is_file():
-            what = "a store" if (path / "zarr.json").exists() else "not a file"
-            raise SceneFileError(path, [f"cannot be read: {what}; give a scene file (TOML)"])
+            kind = "a store" if (path / "zarr.json").exists() else "not a file"
+            raise SceneFileError(path, [f"cannot be read: {kind}; give a scene file (TOML)"])
         content = read_file(path, MOST_BYTES_OF_TEXT)
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
-            near = did_you_mean(path.stem, shipped_scenes())
-            reason += near or "; give a scene file, or a shipped scene (irg new --list)"
+            hint = did_you_mean(path.stem, shipped_scenes())
+            reason += hint or "; give a scene file, or a shipped scene (irg new --list)"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
@@ -160,21 +160,21 @@ def text_of(tables: Entries) -> str:
 
 
 def _lines(tables: Entries, above: str) -> Iterator[str]:
-    inner = {key: one for key, one in tables.items() if isinstance(one, dict) and one}
+    inner = {key: v for key, v in tables.items() if isinstance(v, dict) and v}
     yield from (f"{key_path('', k)} = {_value(v)}" for k, v in tables.items() if k not in inner)
     for key, table in inner.items():
-        place = key_path(above, key)
-        head = [] if all(isinstance(one, dict) for one in table.values()) else ["", f"[{place}]"]
-        yield from (*head, *_lines(table, place))
+        path = key_path(above, key)
+        head = [] if all(isinstance(v, dict) for v in table.values()) else ["", f"[{path}]"]
+        yield from (*head, *_lines(table, path))
 
 
 def _value(value: Any) -> str:
     match value:
         case dict():
-            items = (f"{key_path('', key)} = {_value(one)}" for key, one in value.items())
+            items = (f"{key_path('', key)} = {_value(item)}" for key, item in value.items())
             return f"{{ {', '.join(items)} }}"
         case list() if value and isinstance(value[0], dict):  # a test or a row in each line
-            return "\n".join(["[", *(f"  {_value(one)}," for one in value), "]"])
+            return "\n".join(["[", *(f"  {_value(item)}," for item in value), "]"])
         case list():
             return f"[{', '.join(map(_value, value))}]"
         case float():
