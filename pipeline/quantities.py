@@ -70,7 +70,7 @@ SIZES = _OUTPUT_SIZES | {
     unit: size for dimension in DIMENSIONS.values() for unit, size in dimension.units.items()
 }
 """Size of each unit in SI."""
-ALIKE = 5e-6
+ROUNDING = 5e-6
 """Relative difference up to which numbers agree in the six digits that are printed."""
 _FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
 
@@ -95,7 +95,7 @@ def snap(value: float, low: float, high: float) -> float:
     (400.0, 401.0)
     """
     within = min(max(value, low), high)
-    return within if math.isclose(within, value, rel_tol=ALIKE) else value
+    return within if math.isclose(within, value, rel_tol=ROUNDING) else value
 
 
 def display(value: float, unit: str, form: int | str = 6) -> str:

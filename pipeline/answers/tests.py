@@ -17,7 +17,7 @@ from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.conditions import Conditions, allowable_rise, with_own
+from pipeline.sweep.conditions import Conditions, allowable_rise, with_test_conditions
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
@@ -183,14 +183,14 @@ def _evaluate(
     points: tuple[TestPoint, ...],
 ) -> EvaluatedTest:  # fmt: skip
     try:
-        conditions = with_own(oil, test.case.conditions)
+        conditions = with_test_conditions(oil, test.case.conditions)
         if reason := next((point.missing_reason for point in points if point.missing_reason), ""):
             return EvaluatedTest(test, conditions, reason=reason)
         rises = np.array([point.rise(conditions) for point in points])
     except InputError as error:
         return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
     if len(specimen.apart) > 1:  # tests are simulated only on the first realization
-        rises = rises * np.exp([specimen.offset_at(*pair) for pair in test.places])
+        rises = rises * np.exp([specimen.offset_at(*pair) for pair in test.points])
     with np.errstate(divide="ignore"):
         y = np.clip(np.log(rises / allowable_rise(conditions)), -_MAX_Y, _MAX_Y).tolist()
     return EvaluatedTest(
@@ -244,7 +244,7 @@ def ruled_out(
         test_conditions, test = row.conditions, row.test
         if test_conditions is None or test.case.scene != case.sweep.scene:
             continue
-        for kind, point in (("severe", test.places[-1]), ("mild", test.places[0])):
+        for kind, point in (("severe", test.points[-1]), ("mild", test.points[0])):
             if test.outcome not in (kind, "transition") or (kind == "mild" and row.is_outside):
                 continue
             test_values = [
@@ -255,7 +255,7 @@ def ruled_out(
             signs = np.array([_sign(a, b) for a, b in zip(point_values, test_values, strict=True)])
             signs = signs if kind == "severe" else -signs
             is_ruled_out = (signs >= 0).all(axis=0)
-            if test.outcome == "transition" and len(test.places) == 1:
+            if test.outcome == "transition" and len(test.points) == 1:
                 is_ruled_out &= (signs > 0).any(axis=0)
             masks[kind] |= is_ruled_out
             for k in np.flatnonzero(is_ruled_out).tolist():

@@ -158,7 +158,9 @@ def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
         yield "oil", f"{viscosity}; film thickness unknown without {missing}"
         return
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
-    span = Span.of(parameters or lubrication.film_parameter(loads[:, None], velocities, bulk))
+    span = Span.from_values(
+        parameters or lubrication.film_parameter(loads[:, None], velocities, bulk)
+    )
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
     yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"

@@ -13,7 +13,7 @@ from pipeline.answers.scene_words import value_words
 from pipeline.cli.output import print_note
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
-from pipeline.quantities import ALIKE
+from pipeline.quantities import ROUNDING
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
@@ -114,7 +114,7 @@ def _select_entry(ds: xr.Dataset, path: str, value: str) -> xr.Dataset:
         )
     labels = ds[dim].values
     is_text = labels.dtype.kind not in "if"
-    near = labels == value if is_text else np.isclose(labels, to_si(value, value), ALIKE, 0)
+    near = labels == value if is_text else np.isclose(labels, to_si(value, value), ROUNDING, 0)
     if not near.any():
         known = ", ".join(value_words(ds[dim], one) for one in labels.tolist())
         raise InputError(f"{path} {value} is not in the sweep, which has {known}")

@@ -53,7 +53,7 @@ def point(options: argparse.Namespace) -> Result:
         tests=() if options.without_tests else sweep.tests,
     )
     source = stored_tests_of(sweep) if places.tests else None
-    count = len(velocities) + sum(len(one.places) for one in places.tests)
+    count = len(velocities) + sum(len(one.points) for one in places.tests)
     if source is None and count > _MANY:
         print_note(f"{count} points will be simulated, including those of tests")
     with working("simulating") as progress, writing(None, places) as store:
@@ -150,4 +150,4 @@ def _hold_for(sweep: Sweep, load: float, duration: float) -> Sweep:
             f"--duration is {duration:g} s, shorter than the ramp to {load:g} N, which takes "
             f"{ramp:g} s"
         )
-    return replace(sweep._single_case(), base=sweep.base.held(duration - ramp), tests=())
+    return replace(sweep._single_case(), base=sweep.base.with_hold(duration - ramp), tests=())

@@ -111,7 +111,7 @@ def _seconds_of_tasks(
         load, velocity, case = points[-1]
         scene = sweep.case(case).scene
         steps = len([*scene.load_steps(load, stored.heat_steps(scene, load), velocity)])
-        kept = [len(stored.kept(scene, one.load, velocity)) for one in points]
+        kept = [len(stored.select(scene, one.load, velocity)) for one in points]
         if stored.steps == "course":  # on the grid of the history, and on their own
             solved, heated = 2 * steps + len(points), kept[-1] + len(points)
         else:
@@ -182,6 +182,6 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     stored_steps = choose_stored_steps(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    steps = max(len(stored_steps.kept(sweep.scene, n)) for n in sweep.loads)
+    steps = max(len(stored_steps.select(sweep.scene, n)) for n in sweep.loads)
     fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]
     return 8.0 * numbers * steps + fields * field

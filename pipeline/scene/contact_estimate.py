@@ -28,7 +28,7 @@ class Span(NamedTuple):
     high: float
 
     @classmethod
-    def of(cls, values: Iterable[float] | Array) -> Span:
+    def from_values(cls, values: Iterable[float] | Array) -> Span:
         """Range from the lowest to the highest of `values`."""
         array = np.array(list(values))
         return cls(float(array.min()), float(array.max()))
@@ -107,7 +107,7 @@ def estimate_contacts(cases: Sequence[tuple[str, Sweep]]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
     first, *later = (estimate_contact(case) for _, case in cases)
     spans: dict[str, Any] = {
-        name: Span.of(
+        name: Span.from_values(
             [end for estimate in (first, *later) for end in getattr(estimate, name) or ()]
         )
         for name in (field.name for field in fields(ContactEstimate))
@@ -124,9 +124,9 @@ def estimate_contact(sweep: Sweep) -> ContactEstimate:
     expected = expect_contacts(scene, sweep.loads, velocities, surface.rq if surface else 0.0)
     peclet = np.outer(expected["hertz_half_width"], np.abs(disk)) / (2 * diffusivity)
     return ContactEstimate(
-        **{name: Span.of(values) for name, values in expected.items()},
+        **{name: Span.from_values(values) for name, values in expected.items()},
         window=scene.grid.size,
-        peclet_number=Span.of(peclet),
+        peclet_number=Span.from_values(peclet),
         surface=surface,
     )
 

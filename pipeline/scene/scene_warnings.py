@@ -130,7 +130,7 @@ def _narrow_window(sweep: Sweep, facts: ContactEstimate) -> Warnings:
 
 def _far_tests(sweep: Sweep) -> Warnings:
     """Warning of the first test that is so far outside the sweep that its units may be wrong."""
-    loads, velocities = Span.of(sweep.loads), Span.of(sweep.velocities)
+    loads, velocities = Span.from_values(sweep.loads), Span.from_values(sweep.velocities)
     for test in sweep.tests:
         point = test.normal_load, test.velocity
         pairs = zip(point, (loads, velocities), strict=True)

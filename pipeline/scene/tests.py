@@ -16,7 +16,7 @@ from pipeline.scene.format import Test as TestEntry
 from pipeline.scene.stages import levels_of, stages_of, test_faults
 from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest
-from pipeline.sweep.conditions import with_own
+from pipeline.sweep.conditions import with_test_conditions
 from pipeline.table import read_table, rows_of
 from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
@@ -99,7 +99,9 @@ def _changed_case(built: Built, base: Case) -> Case:
     changed = built.case
     if changed is base:
         return base
-    conditions = with_own(replace(base.conditions, critical_temperature=None), changed.conditions)
+    conditions = with_test_conditions(
+        replace(base.conditions, critical_temperature=None), changed.conditions
+    )
     return replace(base, scene=changed.scene, preset=changed.preset, conditions=conditions)
 
 

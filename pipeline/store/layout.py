@@ -76,12 +76,12 @@ class Group:
         scenes = [case.scene for case in sweep._on_first_surface]
         if self.prefix:
             kept = (
-                stored_steps.kept(sweep.case(name).scene, load, velocity)
+                stored_steps.select(sweep.case(name).scene, load, velocity)
                 for load, velocity, name in self._points
             )
         else:
             ramps = {ramp_of(scene): scene for scene in scenes}.values()
-            kept = (stored_steps.kept(*one) for one in itertools.product(ramps, sweep.loads))
+            kept = (stored_steps.select(*one) for one in itertools.product(ramps, sweep.loads))
         values = {
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
@@ -227,7 +227,7 @@ def _made_coordinates(group: Group) -> dict[str, Array]:
 
     @functools.cache
     def known(name: CaseName, load: float, velocity: float | None) -> list[Any]:
-        kept = stored_steps.kept(sweep.case(name).scene, load, velocity)
+        kept = stored_steps.select(sweep.case(name).scene, load, velocity)
         lacking = [(math.nan,) * 3] * (group.sizes[group.step] - len(kept))
         slid = [math.nan if one.slid is None else one.slid for one in kept]
         steps = zip(kept, slid, strict=True)

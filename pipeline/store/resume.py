@@ -82,7 +82,7 @@ def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that those of a scene lack: what is done stays."""
     known, kept = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former):
-        places = {(sweep._hash_scene(test.case.scene), *place) for place in test.places}
+        places = {(sweep._hash_scene(test.case.scene), *place) for place in test.points}
         kept += [test] if places - known else []
         known |= places
     return tuple(kept)

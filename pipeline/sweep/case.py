@@ -79,7 +79,7 @@ class Case:
             return self
         return replace(self, scene=replace(self.scene, roughness=replace(rough, seed=seed)))
 
-    def held(self, duration: float | None) -> Self:
+    def with_hold(self, duration: float | None) -> Self:
         """The case with another hold at the full load [s], also for the heat of its tracks."""
         loading = self.scene.loading
         if duration is None or getattr(loading, "hold", None) == duration:
@@ -119,10 +119,10 @@ class SpecimenTest:
     def __post_init__(self) -> None:
         pairs = (self.normal_load, self.load_step), (self.velocity, self.velocity_step)
         if not all(0 <= step <= value <= LARGEST for value, step in pairs):
-            raise InputError(f"a test of {self.places} has a step out of range, or no place")
+            raise InputError(f"a test of {self.points} has a step out of range, or no place")
 
     @property
-    def places(self) -> tuple[OperatingPoint, ...]:
+    def points(self) -> tuple[OperatingPoint, ...]:
         """Load [N] and velocity [m/s] of each point of the test.
 
         There are two for a transition with a step: the last where wear was mild, and the first

@@ -45,6 +45,6 @@ def allowable_rise(conditions: Conditions) -> float:
     return verdict.allowable_rise(conditions)
 
 
-def with_own(conditions: Conditions, test_conditions: Conditions) -> Conditions:
+def with_test_conditions(conditions: Conditions, test_conditions: Conditions) -> Conditions:
     """The `conditions` with those named in `OF_TESTS` taken from `test_conditions`."""
     return replace(conditions, **{name: getattr(test_conditions, name) for name in OF_TESTS})

@@ -180,7 +180,7 @@ def run_point(
     ramp_cache = ramp_cache or RampCache()
     fitted = fit_elements(scene, load)
     heat_steps = stored_steps.heat_steps(scene, load)
-    stored = stored_steps.kept(scene, load, velocity)
+    stored = stored_steps.select(scene, load, velocity)
     record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
     note, indices = None, {step.index for step in stored}
     if stored_steps.steps == "course":

@@ -38,7 +38,7 @@ def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     return [
         PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
         for number, test in zip(numbers, (*sweep.tests, *sweep.former), strict=True)
-        for point in test.places
+        for point in test.points
     ]
 
 
@@ -55,7 +55,7 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
         ),
     )
     rows = tuple({TEST_POINT: k, **slot._asdict()} for k, slot in enumerate(slots))
-    cases = (test.case for test in (*sweep.tests, *sweep.former) for _ in test.places)
+    cases = (test.case for test in (*sweep.tests, *sweep.former) for _ in test.points)
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),

@@ -39,7 +39,7 @@ class StoredSteps:
             return frozenset(step.index for step in (load_steps if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
-    def kept(self, scene: Scene, load: float, velocity: float | None = None) -> list[LoadStep]:
+    def select(self, scene: Scene, load: float, velocity: float | None = None) -> list[LoadStep]:
         """Load steps of a point at a load [N] that are stored; the last is the point's end.
 
         With load stages they are the onset and end of each stage. `velocity` [m/s] is that of the

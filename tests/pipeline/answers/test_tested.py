@@ -93,7 +93,7 @@ def test_a_dataset_without_the_points_of_its_tests_says_so():
     assert "has not been simulated yet" in margin.reason
 
 
-HELD = synthetic.scene().base.held(30.0)
+HELD = synthetic.scene().base.with_hold(30.0)
 EASIER = {
     "load": (0.9, 1.0, {}),
     "velocity": (1.0, 0.9, {}),

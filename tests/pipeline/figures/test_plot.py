@@ -129,7 +129,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
 
     drawn = [line.get_xdata() for line in axes.lines if line.get_color() == GREY]
     for test, ends in zip((*tests, mild), drawn, strict=True):
-        places = sorted({velocity for _, velocity in test.places})
+        places = sorted({velocity for _, velocity in test.points})
         expected = [ratio(test, velocity) for velocity in places]
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]

@@ -65,7 +65,7 @@ def test_a_test_has_the_scene_with_its_own_entries(load):
 )
 def test_a_step_leads_from_the_last_mild_place_to_the_transition(load, step, before):
     (test,) = load(transition(*([f'step = "{step}"'] if step else []))).tests
-    assert test.places == ((before,) if before else ()) + ((400.0, 2.0),)
+    assert test.points == ((before,) if before else ()) + ((400.0, 2.0),)
 
 
 def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):

@@ -69,7 +69,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics):
             alone[load] = run_point(sweep, load, 1.0)
         assert same(result, alone[load])
         assert len(result.columns["time"]) == len(
-            choose_stored_steps(sweep).kept(sweep.scene, load)
+            choose_stored_steps(sweep).select(sweep.scene, load)
         )
         assert all(np.isfinite(values).all() for values in result.columns.values())
 

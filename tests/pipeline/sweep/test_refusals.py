@@ -41,7 +41,8 @@ REFUSALS = {
     "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "a critical temperature is needed"),
     # the sweep and its cases
-    "hold": (lambda: tiny.sweep(loading=RECORD).base.held(2.0), "hold is 2 s, but load records"),
+    "hold": (lambda: tiny.sweep(loading=RECORD).base.with_hold(2.0),
+             "hold is 2 s, but load records"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion cannot be changed in"),
     "plane": (lambda: replace(tiny.sweep(), loads=(2.0, 1.0)), "loads are (2.0, 1.0); give"),
     "take": (lambda: tiny.sweep()._select_case((("pin", 1),)), "the sweep has no pin 1"),
