@@ -18,13 +18,13 @@ def run() -> None:
 
     code = main()
     interrupts.handle(lambda number, frame: _end_process(code))
-    if code == 130:  # threads that wait for a disk would be waited for
+    if code == 130:  # an exit would wait for threads that wait for a disk
         _end_process(code)
     sys.exit(code)
 
 
 def _open_streams() -> None:
-    """Lead closed standard streams to nowhere: the next file that is opened took their place."""
+    """Open closed standard streams on the null device, or the next file would get their number."""
     for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is None:
             nowhere = os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free

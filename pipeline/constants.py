@@ -16,7 +16,7 @@ Of 985 places without a warning 99 % err by less than 1.00 and 0.53 %.
 Judged by `python -m tests.promises.front`.
 """
 BOUNDS_OF_HIGHEST = {"standard": 0.05}
-"""Error bounds that presets have where the highest temperature decides, if larger than usual.
+"""Error bounds of presets where the highest temperature governs, if larger than usual.
 
 Critical velocities then err by 3.6 % at 99 % of 811 points, where a tenth decides by 1.3 %.
 
@@ -28,7 +28,7 @@ HIGHEST_SHARE = 0.05
 Judged by `python -m tests.promises.errors`.
 """
 BOUNDS_OF_MOST = {"standard": 0.03}
-"""Error bounds that presets have where most of the contact decides, if larger.
+"""Error bounds of presets where the temperature of most of the contact governs, if larger.
 
 Critical velocities then err by 2.4 % at 99 % of 811 points, where a tenth decides by 1.3 %.
 
@@ -64,16 +64,16 @@ others at 96 %.
 Found by `python -m tests.promises.errors`.
 """
 ALONE_IN_LOCAL_WEAR = 1, 2.0
-"""Degrees of freedom of what a realization states of others where wear is local, and its factor.
+"""Degrees of freedom of the spread estimated from one realization, and its factor, for local wear.
 
-Elsewhere they are 7 and 1. Local wear makes the strips of one contact more alike than realizations
-are, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
+For other wear they are 7 and 1. Local wear makes the strips of one contact more alike than
+realizations are, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
 """
 CORRELATION = 0.7
-"""Correlation of ln(rise) of realizations at two loads that is counted on.
+"""Assumed correlation of ln(rise) of realizations between two loads.
 
-It is 0.6 from 200 to 750 N, and 0.9 between neighbours. Realizations of another load count by this
-share alone, and the bound takes their spread as it is.
+It is 0.6 from 200 to 750 N, and 0.9 between neighbours. Realizations of another load have this
+weight, and the bound takes their spread as it is.
 Judged by `python -m tests.promises.realizations`.
 """
 OF_WARNED = {
@@ -101,7 +101,7 @@ Judged by `python -m tests.promises.errors`.
 # Lines of ln(rise/limit)
 
 FARTHEST = 3.0
-"""Factor beyond the computed velocities up to which a line is continued.
+"""Factor beyond the computed velocities up to which a line is extrapolated.
 
 Judged by `python -m tests.promises.errors`.
 """
@@ -111,7 +111,7 @@ LEAST_SLOPE = 0.05
 Judged by `python -m tests.promises.errors`.
 """
 PARTS = 16
-"""Parts of an interval of velocities at which a line between loads is made.
+"""Parts of an interval of velocities at which a line between loads is interpolated.
 
 Judged by `python -m pytest tests/pipeline/answers`.
 """
@@ -126,7 +126,7 @@ Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 # Search of the boundary
 
 STEEPEST, FLATTEST = 3.0, 0.1
-"""Slopes of y beyond which a computed one is no evidence, as a rise may begin at 0 or turn.
+"""Slopes of y outside which a computed slope is ignored, as a rise may begin at 0 or turn down.
 
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
@@ -141,15 +141,15 @@ ROUGH_LINE = 0.003
 It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 OF_POINTS, OF_LOADS = 1 / 3, 0.65
-"""Shares of what the preset leaves of a goal: for points left out along velocity, and for loads.
+"""Shares of a goal less the preset's error: for interpolation along velocity, and along load.
 
-Above that share a load gets points of its own, which costs less than more realizations beside it.
+Above the latter a load gets its own points, which costs less than more realizations around it.
 
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 
 OF_GAP = 1 / 2
-"""Share of what the preset leaves of a goal, above which a gap of velocities gets one more.
+"""Share of a goal less the preset's error, above which a gap of velocities gets one more point.
 
 With half of it a gap takes a third more realizations.
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
@@ -174,7 +174,7 @@ WORTH = 4
 Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
 """
 UNLIKELY = 0.01
-"""Probability by the others below which a test is named as a misfit.
+"""Leave-one-out probability below which a test is listed as an outlier.
 
 Judged by `python -m pytest tests/pipeline/answers/test_tested.py`.
 """

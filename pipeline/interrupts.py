@@ -21,11 +21,11 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
     """
     if threading.current_thread() is not threading.main_thread():
         return {}
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    before = {n: old for n, old in before.items() if old not in (signal.SIG_IGN, None)}
-    for number in before:
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+    handlers = {n: old for n, old in handlers.items() if old not in (signal.SIG_IGN, None)}
+    for number in handlers:
         signal.signal(number, handler)
-    return before
+    return handlers
 
 
 @contextmanager
@@ -36,23 +36,23 @@ def keyboard_interrupts() -> Iterator[None]:
     signal causes another error, such as that of an interrupted import, this error is replaced by
     `KeyboardInterrupt`.
     """
-    came: list[int] = []
+    received: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        came.append(number)
+        received.append(number)
         if number != signal.SIGINT:  # systemd and terminals send two, one after the other
             signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    before = handle(interrupt)
+    handlers = handle(interrupt)
     try:
         yield
     except Exception as error:
-        if came:  # such as the error of a module whose import was interrupted
+        if received:  # such as the error of a module whose import was interrupted
             raise KeyboardInterrupt from error
         raise
     finally:
-        for number, handler in before.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler)
 
 

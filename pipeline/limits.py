@@ -8,7 +8,7 @@ MOST_POINTS = 10_000_000
 """Most points of a sweep."""
 MOST_ROWS = 1_000_000
 """Most rows of a table in text, which are read within a minute."""
-MOST_PLACES = 100_000
+MOST_OPERATING_POINTS = 100_000
 """Most operating points of a table, which are judged within a minute."""
 MOST_BYTES_OF_TEXT = 100_000_000
 """Most bytes of a table in text: some ten million cells, each an object of 60 bytes."""

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import MOST_PLACES
+from pipeline.limits import MOST_OPERATING_POINTS
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import read_table, rows_of
 from pipeline.units import share_of, to_si
@@ -47,7 +47,7 @@ class OperatingPoints(NamedTuple):
         """
         path_or_columns = Path(source) if isinstance(source, str | os.PathLike) else source
         entries = {path: name for name, path in CONDITION_ENTRIES.items()}
-        sheet = read_table(path_or_columns, MOST_PLACES, decimal, ignore).renamed(entries)
+        sheet = read_table(path_or_columns, MOST_OPERATING_POINTS, decimal, ignore).renamed(entries)
         names = *_LOAD_AND_VELOCITY, *CONDITION_ENTRIES
         rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY, labels=True)
         columns = {

@@ -11,7 +11,7 @@ _PACKAGE = Path(__file__).parent
 _INSTALLED = _PACKAGE / "workflows"
 
 WORKFLOWS = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent / "workflows"
-"""Folder of the shipped scenes: within the package if that was installed, else beside it."""
+"""Folder of the shipped scenes: in the package if it is installed, else next to its source."""
 
 
 def shipped_scenes() -> dict[str, Path]:

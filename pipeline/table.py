@@ -64,7 +64,7 @@ class Column(NamedTuple):
         return cls(head.strip(), _SAME.get(bare, bare), unit, [cell.strip() for cell in cells])
 
     def entry(self, row: int) -> str | float:
-        """The entry of a row; a cell without a unit of its own has that of the column."""
+        """The entry of a row; a cell without a unit has that of the column."""
         cell = self.cells[row]
         return as_entry(cell, self.unit if _NUMBER.fullmatch(cell) else "")
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _LONGEST = 80
 _GRAVITY = Decimal("9.80665")  # [m/s²], of weights
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
-# The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
+# Units have no "_", which excludes delta_degC, with which 25 °C would be read as 25 K.
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
 _PER_MINUTE = ("rpm", "1/min", "/min", "min^-1", "min⁻¹", "min-1", "U/min", "rev/min", "r/min")
 _PER_SECOND = ("Hz", "1/s", "/s", "s^-1", "s⁻¹", "rev/s")
@@ -68,7 +68,7 @@ _PRINTED = tuple(
         (r"\bkp\b", "kgf"),
     )
 )
-"""Ways in which data sheets write units, and how they are read; in this order."""
+"""Patterns of units in data sheets, and their replacements, in this order."""
 
 
 class UnitError(TriboError, ValueError):

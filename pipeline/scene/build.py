@@ -68,7 +68,7 @@ class Files:
 
 @dataclass(frozen=True)
 class Built:
-    """A scene as declared tables, the case that is made of them, and numbers of the library."""
+    """Declared tables of a scene, its case, and the values taken from the library."""
 
     tables: Any
     case: Case

@@ -1,6 +1,6 @@
 """Cases of a sweep: by ``[sweep] over``, ``along`` and ``realizations``.
 
-A case is read as if its values stood in the file, or were set by ``--set``.
+A case is read as if its values were in the file, or set by ``--set``.
 """
 
 from __future__ import annotations
@@ -209,7 +209,7 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key: str) -> list[Case]:
     """Read the listed cases; those that differ in the seed of a random surface are read once.
 
-    Raises an `InputError` for the first faulty case, which names `key`, the entry that asks for
+    Raises an `InputError` for the first faulty case, which names `key`, the entry that lists
     these cases.
     """
     if wrong := [p for p in listed.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:

@@ -18,7 +18,7 @@ from tribo.types import Array
 from tribo.wear import wear_over
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
-_ROUGH_RISE = 3.0  # root mean square heights by which peaks reach beyond the smooth contact
+_ROUGH_RISE = 3.0  # height of peaks above the smooth contact, in root mean square heights
 
 
 class Span(NamedTuple):
@@ -168,7 +168,7 @@ def expect_contacts(
     modulus = contact_modulus(scene.pin.material, scene.disk)
     hertz = [scene.pin.hertz(load, modulus) for load in loads]
     half_widths = np.array([contact.half_width for contact in hertz])
-    durations, impulses = np.transpose([_course(scene, load) for load in loads])
+    durations, impulses = np.transpose([_loading_integrals(scene, load) for load in loads])
     slid, wear = np.outer(durations, velocities), scene.wear
     mean = math.pi / 4 if scene.pin.length is not None else 2 / 3  # over the peak pressure
     rates = np.zeros(slid.shape)
@@ -197,7 +197,7 @@ def expect_contacts(
     return estimates | ({"wear_depth": depths} if wear else {})
 
 
-def _course(scene: Scene, load: float) -> tuple[float, float]:
+def _loading_integrals(scene: Scene, load: float) -> tuple[float, float]:
     """Duration of the loading to a load and of its hold [s], and the load's time integral [N s]."""
     load_steps = list(scene.all_load_steps(load))
     times = np.array([0.0, *(step.time for step in load_steps)])

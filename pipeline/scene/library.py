@@ -1,4 +1,4 @@
-"""The library of materials and oils: what a scene takes from it by name, and from which source.
+"""The library of materials and oils: values that a scene takes by name, and their sources.
 
 A scene's own entries override those of the library.
 """
@@ -58,7 +58,7 @@ def _filled(table: Any, name: str, library_values: list[FromLibrary], faults: Fa
     """The table of a material with the entries that it lacks, from the library."""
     if not isinstance(table, dict):
         return table
-    # Without `like`, an incomplete table takes the material of its own name.
+    # Without `like`, an incomplete table is completed by the material of the same name.
     is_whole = table.keys() >= {*table_of(MaterialTable).needed}
     usual = name if name in library()["materials"] and not is_whole else None
     like, path = table.get("like", usual), key_path("materials", name)
@@ -71,7 +71,7 @@ def _added(
     name: str, kind: str, path: str, entry: str, table: Entries, library_values: list[FromLibrary],
     faults: Faults,
 ) -> Entries:  # fmt: skip
-    """The table at `path` with what the library has of `name`, which `entry` gives."""
+    """The table at `path`, completed by the library's `name`, which stands in `entry`."""
     known = library()[kind]
     if name not in known:
         problem = f"{quoted(name)} is not in the library; available {kind}: "

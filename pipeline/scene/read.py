@@ -32,7 +32,7 @@ from pipeline.units import in_si
 from pipeline.words import did_you_mean
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
-"""Entries that may name a file beside the scene."""
+"""Entries that may name a file, relative to the scene's folder."""
 PresetName = Literal["standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""

@@ -1,4 +1,4 @@
-"""Stages of a specimen: levels of load or velocity, each held; and runs by stages as tests."""
+"""Stages of a specimen, levels of load or velocity with their holds; and tests by stages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
 Levels = tuple[tuple[float, ...], tuple[float, ...]]
-"""Levels in SI, and the times for which they are held [s]."""
+"""Levels in SI, and their holds [s]."""
 
 
 def stages_of(stages: Any, highest: float) -> Levels:

@@ -156,7 +156,7 @@ def _are_alike(a: Any, b: Any) -> bool:
 
 @dataclass(frozen=True)
 class MixedList(Kind):
-    """Kind of scene entry: a list of as many values as there are kinds, each of its own kind."""
+    """Kind of scene entry: a list of values, each of the kind at its position in `kinds`."""
 
     value_types = list
     kinds: tuple[Kind, ...]

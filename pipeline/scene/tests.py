@@ -1,4 +1,4 @@
-"""Tests of a scene as cases of their own: the scene with what each test changes."""
+"""Tests of a scene, each a case: the scene with the changes of the test."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class Document(NamedTuple):
     files: dict[str, Path]  # by path, also those of tables
 
     def under(self, file: Path, entries: dict[str, Any]) -> Document:
-        """The document with the entries of a file over its own."""
+        """The document overridden by the entries of a file."""
         paths = (table_path for path, _ in flat(entries) for table_path in _with_tables(path))
         files = self.files | dict.fromkeys(paths, file)
         return Document(file, merged(self.entries, entries), files)
@@ -45,7 +45,7 @@ class Document(NamedTuple):
         return Document(self.file, replace_value(self.entries, path, None), files)
 
     def file_of(self, key: str) -> Path:
-        """The file that sets the entry at a key path, or else sets the table around the entry."""
+        """The file that sets the entry at a key path, or else the table that contains it."""
         paths = _with_tables(re.sub(r"\[\d+\]", "", key))
         return next((self.files[path] for path in paths[::-1] if path in self.files), self.file)
 
@@ -60,7 +60,7 @@ class Document(NamedTuple):
 
 
 def _with_tables(path: str) -> list[str]:
-    """Paths of the tables around an entry, the outermost first, and its own."""
+    """Paths of the tables that contain an entry, the outermost first, and of the entry."""
     return [*itertools.accumulate(path.split("."), "{}.{}".format)]
 
 

@@ -1,4 +1,4 @@
-"""Cases, each a scene with its conditions; and tests on rigs, each with a case of its own."""
+"""Cases, each a scene with its conditions, and tests on rigs, each with its case."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Case:
 
     @property
     def is_judged(self) -> bool:
-        """True if wear is mild or severe: the critical temperature is known, or found by tests."""
+        """True if there are verdicts: the critical temperature is known, or found by tests."""
         return self.conditions.critical_temperature is not None or self.critical_from_tests
 
     @property

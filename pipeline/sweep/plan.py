@@ -280,7 +280,7 @@ def _fields_of(state: State, shape: tuple[int, int]) -> dict[str, Array]:
 
 
 def choose_stored_steps(sweep: Sweep) -> StoredSteps:
-    """Steps (times of the loading) to store; an existing store keeps its own."""
+    """Steps (times of the loading) to store; those of an existing store do not change."""
     if sweep.stored_steps:
         return sweep.stored_steps
     steps, cases = sweep.steps, sweep._on_first_surface

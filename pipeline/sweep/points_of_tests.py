@@ -1,4 +1,4 @@
-"""Points of the tests of a scene: a sweep of their own."""
+"""The sweep of the points of a scene's tests."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class PointOfTest(NamedTuple):
 
 def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     """The points of a scene's tests, in their order."""
-    return [slot for slot in list_all_points_of_tests(sweep) if slot.test != NO_TEST]
+    return [point for point in list_all_points_of_tests(sweep) if point.test != NO_TEST]
 
 
 def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
@@ -44,7 +44,7 @@ def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
 
 def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
     """The sweep of the points of tests, a row for each of `list_all_points_of_tests`."""
-    slots = list_all_points_of_tests(sweep)
+    points = list_all_points_of_tests(sweep)
     columns = (
         Column(TEST_POINT, meaning="number of the point of a test"),
         Column(TEST, "1", TEST_POINT, meaning="number of the test"),
@@ -54,14 +54,14 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
             for k, unit in PLACE_UNITS.items()
         ),
     )
-    rows = tuple({TEST_POINT: k, **slot._asdict()} for k, slot in enumerate(slots))
+    rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
     cases = (test.case for test in (*sweep.tests, *sweep.former) for _ in test.points)
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
         case_table=CaseTable(columns, rows),
-        loads=tuple(sorted({slot.load for slot in slots})),
-        velocities=tuple(sorted({slot.velocity for slot in slots})),
+        loads=tuple(sorted({point.load for point in points})),
+        velocities=tuple(sorted({point.velocity for point in points})),
         fields=False,
         tests=(),
         former=(),
@@ -70,6 +70,6 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
 
 
 def judges_holds(sweep: Sweep) -> bool:
-    """True if the holds of tests are judged at each step, since a body gets warmer in them."""
+    """True if the holds of tests are judged at each step, since bodies warm up in them."""
     all_corrections = (test.case.conditions.corrections for test in (*sweep.tests, *sweep.former))
     return any(corrections.keeps_heat for corrections in all_corrections if corrections)

@@ -51,7 +51,7 @@ _CLASSES: dict[str, type] = {
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),
     )
 }  # fmt: skip
-"""Classes of which a store may have objects; no other object is made of its data."""
+"""Classes whose objects a store may contain; no others are built from its data."""
 
 
 def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:

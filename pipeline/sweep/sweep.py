@@ -251,7 +251,7 @@ class Sweep:
         return replace(self, base=base, cases=tuple(cases), judged=judged)
 
     def _take_surface(self, seed: int | None) -> Self:
-        """The sweep of the scene alone, on the random surface of a seed; unchanged for None."""
+        """The sweep without cases, on the random surface of a seed; unchanged for None."""
         if seed is None:
             return self
         if self.scene.roughness is None:
