@@ -38,11 +38,11 @@ from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
 _SIZE = 8.0, 5.6  # width and height of a diagram [in]
-_LIGHTEST = 0.8  # end of the colour map used for several cases
+_COLOUR_MAP_END = 0.8  # end of the colour map used for several cases
 _NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
-_STEEPEST = 50.0  # largest |y| of a figure
-_BESIDE = 1e-6  # of a probability, beside the end of a region
-_DOT = 0.6  # size of the mark of a simulated point over the usual one
+_MAX_LOG_RATIO = 50.0  # largest |y| of a figure
+_EDGE_OFFSET = 1e-6  # distance of a probability from the limit of a region
+_DOT_SIZE = 0.6  # size of the mark of a simulated point over the usual one
 _ERROR: dict[str, Any] = {"color": "#C8C8C8"}
 _NAMES = (
     (MILD, "mild wear\n(I and II)", BLUE),
@@ -51,11 +51,11 @@ _NAMES = (
 """Name of each region and its colour, by verdict."""
 COMPUTED = "computed boundary, numerical error"
 """Label in legends."""
-_OF_WORDS = 0.3  # of the width of a figure, for the numbers of an operating point
-_OF_EDGE = 0.08  # of the height of a figure, where numbers would lie over an edge
-_FEW = 6  # operating points up to which each has its numbers beside
-_WIDE = 3.0  # width of a name over its height
-_LEAST_ROOM = 0.1  # around a name, over the width of a usual figure
+_LABEL_WIDTH = 0.3  # width of the numbers of an operating point over that of a figure
+_EDGE_HEIGHT = 0.08  # of an edge of a figure that numbers would cross, over the figure's height
+_MAX_LABELLED = 6  # most operating points that are labelled with their numbers
+_NAME_ASPECT = 3.0  # width of a name over its height
+_MIN_CLEARANCE = 0.1  # least distance of a name from the edge of its region, over the width
 
 Legend = dict[str, Any]
 """Handle of each entry of a legend, by its label; several side by side are a tuple."""
@@ -79,7 +79,7 @@ def diagram(
     makes both axes logarithmic. `load` and `velocity` of an operating point are
     marked, in SI or as text with a unit; lists of equal length are pairs.
     """
-    places = _places(load, velocity)
+    operating_points = _operating_points(load, velocity)
     if not {*PLANE} <= {*ds["status"].dims}:
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no plane of them; "
@@ -89,52 +89,52 @@ def diagram(
     case = cases_of(ds)[0]
     is_plane = min(len(case.loads), len(case.velocities)) > 1
     figure, axes = style.canvas(_SIZE)
-    found = pipeline.boundary(ds, **conditions)
-    several = [str(dim) for dim in found["critical_velocity"].dims if dim not in PLANE]
-    if several and not is_plane:
+    boundary = pipeline.boundary(ds, **conditions)
+    case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
+    if case_dimensions and not is_plane:
         raise InputError(
             "the diagram of several cases needs at least two loads and two velocities; irg "
             "boundary prints their transitions"
         )
-    bulk = float(found["bulk_temperature"].values.flat[0])
-    tests, entry, caption = mark_tests(axes, case, bulk)
-    marked = [*tests, *places]
-    each = [f"conditions: {one}" for one in words.attribute_texts(found, "conditions")]
+    bulk = float(boundary["bulk_temperature"].values.flat[0])
+    tests, tests_entry, caption = mark_tests(axes, case, bulk)
+    marked = [*tests, *operating_points]
+    lines = [f"conditions: {text}" for text in words.attribute_texts(boundary, "conditions")]
     legend = Legend()
-    if several:
+    if case_dimensions:
         x, y, plane = _plane(ds, case, conditions)
-        legend = _draw_cases(axes, plane, x, y, several)
-        by = " and ".join(several).replace("_", " ")
-        each = ["; ".join([f"boundary by {by}", *each * (len(each) == 1)])]
+        legend = _draw_cases(axes, plane, x, y, case_dimensions)
+        by = " and ".join(case_dimensions).replace("_", " ")
+        lines = ["; ".join([f"boundary by {by}", *lines * (len(lines) == 1)])]
     elif is_plane:
         x, y, plane = _plane(ds, case, conditions)
         legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
         _name_regions(axes, x, y, plane["verdict"].values, marked)
-        each += _captions(case, found, x, y, bulk)
+        lines += _captions(case, boundary, x, y, bulk)
         caption[:0] = _mark_simulated(axes, ds, conditions)
     else:
         legend = _mark_points(axes, ds, case, conditions)
         caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
     _set_axes(axes, case, marked, log)
-    _mark_places(axes, places)
+    _mark_operating_points(axes, operating_points)
     surface = f", of which surface sampling {realization}" * (realization is not None)
     style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
-    legend |= entry
-    notes = [*words.not_included_lines(found)][:1] + split_notes(
-        words.attribute_texts(found, "notes")
+    legend |= tests_entry
+    notes = [*words.not_included_lines(boundary)][:1] + split_notes(
+        words.attribute_texts(boundary, "notes")
     )[:1]
     style.legend_below(
         figure,
         2 if len(legend) == 4 else 3,
         handles=[*legend.values()],
         labels=[*legend] or None,
-        caption="\n".join([*each, "; ".join(caption), *notes]),
+        caption="\n".join([*lines, "; ".join(caption), *notes]),
         handler_map={tuple: HandlerTuple(ndivide=None)},
     )
     return figure
 
 
-def _places(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
+def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
     loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
     if len(loads) != len(velocities):
@@ -150,12 +150,12 @@ def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[OperatingPoint], l
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    for limit, ends, at in (
-        (axes.set_ylim, case.loads[[0, -1]], [place[0] for place in marked]),
-        (axes.set_xlim, case.velocities[[0, -1]], [place[1] for place in marked]),
+    for limit, ends, values in (
+        (axes.set_ylim, case.loads[[0, -1]], [point[0] for point in marked]),
+        (axes.set_xlim, case.velocities[[0, -1]], [point[1] for point in marked]),
     ):
         if ends[0] < ends[1]:
-            limit(min([ends[0], *at]), max([ends[1], *at]))
+            limit(min([ends[0], *values]), max([ends[1], *values]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
@@ -175,16 +175,16 @@ def _refined(points: Array, count: int) -> Array:
 
 
 def _captions(
-    case: CaseResults, found: xr.Dataset, x: Array, y: Array, bulk: float
+    case: CaseResults, boundary: xr.Dataset, x: Array, y: Array, bulk: float
 ) -> Iterable[str]:
     """Yield lines on errors, on the oil film, and on tests without a result."""
-    yield from words.error_lines(found)
+    yield from words.error_lines(boundary)
     if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
         film = oil.film_parameter(y[:, None], x, bulk)
         ends = float(film.min()), float(film.max())
         regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
         yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
-    yield from words.withheld_lines(found)
+    yield from words.withheld_lines(boundary)
 
 
 def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
@@ -192,9 +192,9 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     verdict = plane["verdict"].values
     low, high = plane["probability_low"].values, plane["probability_high"].values
     mild, _, severe = DECIDED
-    # Within a region its edge is where the probability passes; a test may cut it at a node.
-    highest = np.where(verdict == MILD, high, np.maximum(high, mild + _BESIDE))
-    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - _BESIDE))
+    # The edge of a region is the contour of its probability; a test may end the region at a node.
+    highest = np.where(verdict == MILD, high, np.maximum(high, mild + _EDGE_OFFSET))
+    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - _EDGE_OFFSET))
     outside, legend = (verdict == OUTSIDE).astype(float), Legend()
     for values, levels, gid in (
         (highest, (-1.0, mild), "mild"),
@@ -226,22 +226,24 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
         has_tests = zero_line(axes, x, y, above, "boundary with tests", **style.BOUNDARY)
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
-    severity = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).where(inside).values
+    severity = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).where(inside).values
     look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
     if zero_line(axes, x, y, severity, "boundary", **look):
-        apart = abs(plane["temperature_margin"]) - plane["temperature_error"].fillna(0.0)
-        beside = apart.where(inside).values
-        if (beside < 0).any():
-            low = np.nanmin(beside) - 1.0
-            axes.contourf(x, y, beside, [low, 0.0], colors=[_ERROR["color"]]).set_gid("error")
+        distance = abs(plane["temperature_margin"]) - plane["temperature_error"].fillna(0.0)
+        drawn_distance = distance.where(inside).values
+        if (drawn_distance < 0).any():
+            low = np.nanmin(drawn_distance) - 1.0
+            axes.contourf(x, y, drawn_distance, [low, 0.0], colors=[_ERROR["color"]]).set_gid(
+                "error"
+            )
         band = [Stroke(linewidth=9, foreground=_ERROR["color"]), Normal()]
         legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
     frictions = case.sweep.base.friction_band or (0.0, 0.0)
     look = {"color": GREY, "lw": style.THIN, "ls": "--"}
     critical = plane["critical_friction"].where(inside).values
     ends = frictions if frictions[0] < frictions[1] else ()
-    drawn = [zero_line(axes, x, y, critical - one, "friction", **look) for one in ends]
-    if any(drawn):
+    is_drawn = [zero_line(axes, x, y, critical - friction, "friction", **look) for friction in ends]
+    if any(is_drawn):
         legend[f"computed at friction {frictions[0]:g} and {frictions[1]:g}"] = Line2D(
             [], [], **look
         )
@@ -265,16 +267,19 @@ def zero_line(
 def _name_regions(
     axes: Axes, x: Array, y: Array, verdicts: Array, marked: Iterable[OperatingPoint]
 ) -> None:
-    """Write the name of each region where it is widest, beside marks; none without room."""
-    free = np.ones(verdicts.shape, bool)
+    """Write the name of each region where it is widest and unmarked; none if it is too narrow."""
+    is_free = np.ones(verdicts.shape, bool)
     for load, velocity in marked:
-        free[np.abs(y - load).argmin(), np.abs(x - velocity).argmin()] = False
-    least = _LEAST_ROOM * (_SIZE[0] / style.wanted_width(_SIZE[0])) ** 0.5
+        is_free[np.abs(y - load).argmin(), np.abs(x - velocity).argmin()] = False
+    min_clearance = _MIN_CLEARANCE * (_SIZE[0] / style.wanted_width(_SIZE[0])) ** 0.5
     for verdict, name, colour in _NAMES:
-        padded = np.pad((verdicts == verdict) & free, 1)  # the edges of the diagram bound it, too
-        room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]
-        row, column = np.unravel_index(int(room.argmax()), room.shape)
-        if room[row, column] > least:
+        # The edges of the diagram are edges of its regions, too.
+        padded = np.pad((verdicts == verdict) & is_free, 1)
+        clearance = distance_transform_edt(padded, sampling=(_NAME_ASPECT / len(y), 1 / len(x)))[
+            1:-1, 1:-1
+        ]
+        row, column = np.unravel_index(int(clearance.argmax()), clearance.shape)
+        if clearance[row, column] > min_clearance:
             axes.text(
                 x[column], y[row], name, ha="center", va="center", fontweight="bold",
                 color=colour, gid="region", path_effects=style.HALO, zorder=3,
@@ -288,8 +293,8 @@ def _mark_points(
     at = (xr.DataArray(case.loads, dims="load"), xr.DataArray(case.velocities, dims="velocity"))
     y = pipeline.margin(ds, *at, **conditions)["log_rise_ratio"].transpose(*PLANE).values
     legend = Legend()
-    for gid, where, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
-        rows, columns = np.nonzero(where)
+    for gid, is_marked, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
+        rows, columns = np.nonzero(is_marked)
         if rows.size:
             look: dict[str, Any] = {"mfc": face, "mec": VERMILION, "gid": gid}
             (marks,) = axes.plot(case.velocities[columns], case.loads[rows], "o", **look)
@@ -302,36 +307,36 @@ def _mark_simulated(
 ) -> Iterable[str]:
     """Mark simulated points (`has_dots`), and those that are pending or failed; yield captions."""
     state = pipeline.points(ds, **conditions)["state"]
-    lacking, done = (
+    is_unfinished, is_done = (
         state.isin(kinds).any("realization").transpose(*PLANE).values
         for kinds in (("failed", "pending"), ("mild", "severe"))
     )
-    simulated = done & ~lacking & has_dots
-    size = _DOT * rcParams["lines.markersize"]
+    is_simulated = is_done & ~is_unfinished & has_dots
+    size = _DOT_SIZE * rcParams["lines.markersize"]
     looks: dict[str, tuple[Array, dict[str, Any]]] = {
-        "simulated": (simulated, {"marker": ".", "ms": size, "zorder": 2.5}),
-        "lacking": (lacking, {"marker": "x"}),
+        "simulated": (is_simulated, {"marker": ".", "ms": size, "zorder": 2.5}),
+        "lacking": (is_unfinished, {"marker": "x"}),
     }
-    for gid, (where, look) in looks.items():
-        rows, columns = np.nonzero(where)
+    for gid, (is_marked, look) in looks.items():
+        rows, columns = np.nonzero(is_marked)
         if rows.size:
             at = state["velocity"].values[columns], state["load"].values[rows]
             axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look)
-    yield from ["dots: simulated points"] * bool(simulated.any())
-    if lacking.any():
-        yield f"×: {lacking.sum()} points are pending or failed"
+    yield from ["dots: simulated points"] * bool(is_simulated.any())
+    if is_unfinished.any():
+        yield f"×: {is_unfinished.sum()} points are pending or failed"
 
 
 def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
     """Draw the transition of each case in its own colour; return the entries of the legend."""
-    planes = plane["log_rise_ratio"].clip(-_STEEPEST, _STEEPEST).stack(line=dims)
+    planes = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).stack(line=dims)
     planes = planes.transpose("line", *PLANE)
-    shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, planes.sizes["line"]))
+    shades = colormaps["viridis"](np.linspace(0.0, _COLOUR_MAP_END, planes.sizes["line"]))
     legend = Legend()
-    for one, shade in zip(planes, shades, strict=True):
-        name = ", ".join(_name(plane[dim], one[dim].item()) for dim in dims)
+    for case_plane, shade in zip(planes, shades, strict=True):
+        name = ", ".join(_name(plane[dim], case_plane[dim].item()) for dim in dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
-        if not zero_line(axes, x, y, one.values, f"boundary {name}", **look):
+        if not zero_line(axes, x, y, case_plane.values, f"boundary {name}", **look):
             name, look = f"{name}: no boundary in the sweep", {"ls": "none"}
         legend[name] = Line2D([], [], **look)
     return legend
@@ -339,22 +344,22 @@ def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequenc
 
 def _name(axis: xr.DataArray, value: Any) -> str:
     """A value of a varied entry or condition, such as "1 mm" or "friction 0.1"."""
-    shown = value_words(axis, value)
-    return f"{axis.name} {shown}" if shown == f"{value:g}" else shown
+    text = value_words(axis, value)
+    return f"{axis.name} {text}" if text == f"{value:g}" else text
 
 
-def _mark_places(axes: Axes, places: Sequence[OperatingPoint]) -> None:
-    """Mark operating points; few have their numbers beside, on the side away from the boundary."""
+def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None:
+    """Mark operating points; write the numbers of a few on the side away from the boundary."""
     look: dict[str, Any] = {"mfc": OPERATING, "mec": "white", "zorder": 5, "clip_on": False}
-    for load, velocity in places:
+    for load, velocity in points:
         size = 2.4 * rcParams["lines.markersize"]
         axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
-        if len(places) > _FEW:
+        if len(points) > _MAX_LABELLED:
             continue
         across, up = axes.transAxes.inverted().transform(axes.transData.transform((velocity, load)))
         is_low = across + up < 1  # boundaries fall from the upper left to the lower right
-        to_left = across > _OF_WORDS if is_low else across > 1 - _OF_WORDS
-        is_below = up > 1 - _OF_EDGE or (is_low and up > _OF_EDGE)
+        to_left = across > _LABEL_WIDTH if is_low else across > 1 - _LABEL_WIDTH
+        is_below = up > 1 - _EDGE_HEIGHT or (is_low and up > _EDGE_HEIGHT)
         axes.annotate(
             f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
             (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",

@@ -31,8 +31,8 @@ PointIndex = tuple[int, int]
 LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
-class Shown(NamedTuple):
-    """What a figure shows: one surface realization of one case, and the conditions."""
+class DrawnCase(NamedTuple):
+    """One surface realization of one case, and the conditions of a figure of it."""
 
     case: CaseResults
     conditions: Conditions
@@ -43,15 +43,15 @@ class Shown(NamedTuple):
 
     def columns(self) -> Mapping[str, Any]:
         """Corrected rises, and all other variables by step (load, velocity, step)."""
-        held = {str(k) for k, one in self.case.ds.items() if {"step"} <= {*one.dims}}
-        return corrected_columns({name: self.values(name) for name in held}, self.conditions)
+        names = {str(k) for k, values in self.case.ds.items() if {"step"} <= {*values.dims}}
+        return corrected_columns({name: self.values(name) for name in names}, self.conditions)
 
     def words(self, point: PointIndex) -> str:
         """The point in words, such as "750 N, 1.25 m/s"."""
         return f"{self.case.loads[point[0]]:g} N, {self.case.velocities[point[1]]:g} m/s"
 
     def rises(self, conditions: Conditions) -> Array:
-        """Rises at the points (load, velocity) [K], NaN where one is not done."""
+        """Rises at the points (load, velocity) [K]; NaN at points that are not done."""
         rises = np.exp(self.case.log_rises(conditions)[0])
         return np.asarray(rises * conditions.friction_factor(self.case.velocities))
 
@@ -60,34 +60,34 @@ class Shown(NamedTuple):
         return "\n".join([style.as_text(self.case.sweep.title), *more])
 
 
-def shown_of(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> Shown:
+def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> DrawnCase:
     """The surface realization of a sweep that a figure shows: by default the one with fields."""
     refuse_cases(ds)
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
             raise InputError(f"realization {realization} is not in the sweep, which has {seeds}")
-        kept = sweep_of(ds).field_surface
-        usual = kept if kept in seeds else seeds[0]
-        ds = ds.sel(realization=[usual if realization is None else realization])
+        field_seed = sweep_of(ds).field_surface
+        default_seed = field_seed if field_seed in seeds else seeds[0]
+        ds = ds.sel(realization=[default_seed if realization is None else realization])
     case = cases_of(ds)[0]
-    return Shown(case, conditions_of(case, conditions))
+    return DrawnCase(case, conditions_of(case, conditions))
 
 
-def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> list[PointIndex]:
+def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) -> list[PointIndex]:
     """Indices (load, velocity) of the points that a figure shows.
 
-    There is one point for each pair of the wanted loads and velocities: the nearest one. By default
+    Each pair of a given load and velocity has the point nearest to it. By default
     the load is the highest with a computed point, and the velocity the nearest to the transition;
     without a transition the contact is hottest there. Raises an `InputError` if a point is not
     done.
     """
-    case, conditions = shown.case, shown.conditions
-    rises = shown.rises(conditions)
+    case, conditions = drawn.case, drawn.conditions
+    rises = drawn.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
-    known = conditions.critical_temperature is not None
-    limit, points = allowable_rise(conditions) if known else math.inf, list[PointIndex]()
+    has_limit = conditions.critical_temperature is not None
+    limit, points = allowable_rise(conditions) if has_limit else math.inf, list[PointIndex]()
     for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
         if not is_done[i].any():
             raise InputError(
@@ -95,12 +95,12 @@ def chosen_points(shown: Shown, load: QuantityLike, velocity: QuantityLike) -> l
                 "irg run"
             )
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        wanted = nearest_indices(case, "velocity", velocity) or [int(np.nanargmin(distance))]
-        points += [(i, j) for j in wanted]
+        columns = nearest_indices(case, "velocity", velocity) or [int(np.nanargmin(distance))]
+        points += [(i, j) for j in columns]
     for point in points:
         if not is_done[point]:
             raise InputError(
-                f"the point {shown.words(point)} is not done; choose another load or velocity, or "
+                f"the point {drawn.words(point)} is not done; choose another load or velocity, or "
                 "continue with irg run; irg status prints why a point failed"
             )
     return points
@@ -111,20 +111,20 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     if values is None or not np.size(values):
         return []
     read = functools.partial(in_si, axis, like=LIKE[axis])
-    found: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
-    if odd := [one for one in found if not math.isfinite(one)]:
+    numbers: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
+    if odd := [number for number in numbers if not math.isfinite(number)]:
         raise InputError(f"{axis} is {odd[0]}; give a number")
-    return found
+    return numbers
 
 
 def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[int]:
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
-    places, found = case.loads if axis == "load" else case.velocities, list[int]()
-    for wanted in wanted_values(axis, values):
-        if said := outside({axis: (places[0], places[-1])}, **{axis: wanted}):
-            raise InputError(said)
-        found.append(int(np.abs(places - wanted).argmin()))
-    return found
+    axis_values, indices = case.loads if axis == "load" else case.velocities, list[int]()
+    for value in wanted_values(axis, values):
+        if refusal := outside({axis: (axis_values[0], axis_values[-1])}, **{axis: value}):
+            raise InputError(refusal)
+        indices.append(int(np.abs(axis_values - value).argmin()))
+    return indices
 
 
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
@@ -154,13 +154,13 @@ def fields(
             "the store has no fields; set 'fields = true' under [sweep], and run the scene into "
             "another store"
         )
-    here = shown_of(ds, conditions, realization)
-    point, *others = chosen_points(here, load, velocity)
-    if others:
-        raise InputError(f"fields shows one point, not {1 + len(others)}; give one")
-    _require_step(here, point, step)
-    shown = _surface_fields(here, point, step)
-    if np.isnan(shown[0]).all():
+    drawn = drawn_case(ds, conditions, realization)
+    point, *more_points = chosen_points(drawn, load, velocity)
+    if more_points:
+        raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
+    _require_step(drawn, point, step)
+    images = _surface_fields(drawn, point, step)
+    if np.isnan(images[0]).all():
         raise InputError(
             "no fields are stored for this point: a store keeps those of one surface realization; "
             "leave out the realization"
@@ -172,7 +172,7 @@ def fields(
     figure = style.Picture((4.6, 1.0 + 3 * panel) if is_stacked else (11.0, 0.5 + panel))
     grid = figure.subplots(*((3, 1) if is_stacked else (1, 3)), sharex=True, sharey=True)
     labels = "contact pressure [GPa]", "contact temperature [°C]", "wear depth of the pin [µm]"
-    for axes, label, field, colours in zip(grid, labels, shown, _COLOURS, strict=True):
+    for axes, label, field, colours in zip(grid, labels, images, _COLOURS, strict=True):
         image = axes.pcolormesh(x, y, field.T, cmap=colours, shading="nearest", rasterized=True)
         axes.set_aspect("equal" if len(y) > 1 else "auto")
         axes.grid(visible=False)
@@ -180,22 +180,24 @@ def fields(
         axes.label_outer()
         bar = axes.inset_axes((0, 1 + _BAR / height, 1, _BAR / height))
         figure.colorbar(image, cax=bar, label=label, location="top")
-    if (critical := here.conditions.critical_temperature) is not None and len(y) > 1:
+    if (critical := drawn.conditions.critical_temperature) is not None and len(y) > 1:
         limit = shown_in(critical, "°C")
-        if shown[1].min() < limit < shown[1].max():
-            grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
+        if images[1].min() < limit < images[1].max():
+            grid[1].contour(x, y, images[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}; outline at {limit:g}")
-    at = f", step {step} at {here.values('normal_load')[point][step - 1]:g} N" if step else ""
-    where = f"{here.words(point)}{at}, {heating_words(here.conditions)}"
-    style.write_title(figure, here.title(where))
+    step_words = (
+        f", step {step} at {drawn.values('normal_load')[point][step - 1]:g} N" if step else ""
+    )
+    where = f"{drawn.words(point)}{step_words}, {heating_words(drawn.conditions)}"
+    style.write_title(figure, drawn.title(where))
     return figure
 
 
-def _require_step(shown: Shown, point: PointIndex, step: int) -> None:
+def _require_step(drawn: DrawnCase, point: PointIndex, step: int) -> None:
     """Raise an `InputError` unless the fields at a `step` of a point are stored."""
-    known = np.flatnonzero(np.isfinite(shown.values("contact_fraction")[point]))
-    steps = (known - shown.case.ds.sizes["step"] + 1).tolist()
-    if "step" not in shown.case.ds["pressure"].dims and step:
+    known_steps = np.flatnonzero(np.isfinite(drawn.values("contact_fraction")[point]))
+    steps = (known_steps - drawn.case.ds.sizes["step"] + 1).tolist()
+    if "step" not in drawn.case.ds["pressure"].dims and step:
         raise InputError(
             f"step is {step}, and the store has the fields at the end of each point alone; set "
             "'fields = \"steps\"' under [sweep] in the scene, and run it into another store"
@@ -204,20 +206,20 @@ def _require_step(shown: Shown, point: PointIndex, step: int) -> None:
         raise InputError(f"step is {step}; the point has the steps {steps[0]} to 0")
 
 
-def _surface_fields(shown: Shown, point: PointIndex, step: int) -> tuple[Array, ...]:
+def _surface_fields(drawn: DrawnCase, point: PointIndex, step: int) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
-    conditions = shown.conditions
-    place = {"realization": 0, "load": point[0], "velocity": point[1], "step": step - 1}
-    here = shown.case.ds.isel(place, missing_dims="ignore")
-    here = here.transpose("x", "y", ...)
-    rise = here["rise"].values
+    conditions = drawn.conditions
+    indexers = {"realization": 0, "load": point[0], "velocity": point[1], "step": step - 1}
+    step_fields = drawn.case.ds.isel(indexers, missing_dims="ignore")
+    step_fields = step_fields.transpose("x", "y", ...)
+    rise = step_fields["rise"].values
     if conditions.corrections:
-        columns = {name: shown.values(name)[point] for name in columns_needed(conditions)}
+        columns = {name: drawn.values(name)[point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-        zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][step - 1]
-        rise = zero + (one - zero) * rise
+        lowest, highest = corrected_columns(columns | line, conditions)["rise_quantile"][step - 1]
+        rise = lowest + (highest - lowest) * rise
     return (
-        np.ma.masked_equal(shown_in(here["pressure"].values, "GPa"), 0.0),
+        np.ma.masked_equal(shown_in(step_fields["pressure"].values, "GPa"), 0.0),
         shown_in(conditions.contact_temperature(rise), "°C"),
-        np.ma.masked_equal(shown_in(here["wear_depth"].values, "µm"), 0.0),
+        np.ma.masked_equal(shown_in(step_fields["wear_depth"].values, "µm"), 0.0),
     )

@@ -111,22 +111,26 @@ def plot(
     'diagram.svg'
     """
     study = getattr(ds, "drawn_by", None)
-    only = study.rpartition("draw_")[2] if study else ""
-    kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
+    study_kind = study.rpartition("draw_")[2] if study else ""
+    kinds = {study_kind: pkgutil.resolve_name(study)} if study else KINDS
     if kind and kind not in kinds:
         raise InputError(f"unknown kind {kind!r}; choose one of {', '.join(kinds)}")
-    asked: dict[str, Any] = {**options}
-    judged = {} if study else {name: asked.pop(name) for name in {*NAMES} & asked.keys()}
+    kind_options: dict[str, Any] = {**options}
+    conditions = (
+        {} if study else {name: kind_options.pop(name) for name in {*NAMES} & kind_options.keys()}
+    )
     ds = ds if study else dataset_of(ds)
-    named: str = kind or only or ("diagram" if {*PLANE} <= {*ds["status"].dims} else "rows")
-    # The first are what is drawn, and conditions.
-    allowed = [*inspect.signature(kinds[named]).parameters][1 if study else 2 :]
-    for name in asked:
+    drawn_kind: str = (
+        kind or study_kind or ("diagram" if {*PLANE} <= {*ds["status"].dims} else "rows")
+    )
+    # The first parameters are the data, and for a sweep the conditions.
+    allowed = [*inspect.signature(kinds[drawn_kind]).parameters][1 if study else 2 :]
+    for name in kind_options:
         if name not in allowed:
-            others = ", ".join(allowed) or "none"
-            raise InputError(f"{named} has no option {name!r}; available: {others}")
+            available = ", ".join(allowed) or "none"
+            raise InputError(f"{drawn_kind} has no option {name!r}; available: {available}")
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain, title, dpi):
-        drawn: Figure = kinds[named](ds, *[judged] * (not study), **asked)
-        return drawn if path is None else style.save_figure(drawn, path)
+        figure: Figure = kinds[drawn_kind](ds, *[conditions] * (not study), **kind_options)
+        return figure if path is None else style.save_figure(figure, path)

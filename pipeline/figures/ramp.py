@@ -15,11 +15,11 @@ from matplotlib.lines import Line2D
 from pipeline.answers.scene_words import governing_words, heating_words, warning_lines
 from pipeline.figures import style
 from pipeline.figures.fields import (
+    DrawnCase,
     PointIndex,
     QuantityLike,
-    Shown,
     chosen_points,
-    shown_of,
+    drawn_case,
 )
 from pipeline.figures.style import BLACK, GREY
 from pipeline.quantities import shown_in
@@ -50,35 +50,35 @@ def ramp(
     and the velocity is the nearest to the transition. `realization` is the seed of the surface; by
     default the first one.
     """
-    shown = shown_of(ds, conditions, realization)
-    points, columns = chosen_points(shown, load, velocity), shown.columns()
+    drawn = drawn_case(ds, conditions, realization)
+    points, columns = chosen_points(drawn, load, velocity), drawn.columns()
     figure = style.Picture((8.0, 8.4))
     top, *below = figure.subplots(3, sharex=True)
-    _temperatures(top, shown, columns, points)
+    _temperatures(top, drawn, columns, points)
     for axes, panel in zip(below, (_CONTACT, _WEAR), strict=True):
         handles = []
         # The right axis has more room, so that proportional curves do not coincide.
-        for (label, name), look, room in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=True):
+        for (label, name), look, headroom in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=True):
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
             values = shown_in(columns[name].astype(float), unit.split()[0])
             _draw(side, columns, values, points, look)
             side.ticklabel_format(axis="y", scilimits=(-2, 3))
-            side.set(ylabel=label, ylim=(0, room * side.get_ylim()[1]))  # room for the legend
+            side.set(ylabel=label, ylim=(0, headroom * side.get_ylim()[1]))  # room for the legend
             handles.append(Line2D([], [], color=BLACK, label=words, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
     below[-1].set_xlabel("time [s]")
     below[-1].set_xlim(left=0)
     _load_axis(top, columns, max(points))
-    style.write_title(figure, shown.title())
+    style.write_title(figure, drawn.title())
     names = [
-        Line2D([], [], color=f"C{k}", lw=3, label=shown.words(point))
+        Line2D([], [], color=f"C{k}", lw=3, label=drawn.words(point))
         for k, point in enumerate(points)
     ]
-    said = [heating_words(shown.conditions)]
-    said += warning_lines(shown.case.sweep, most=1, answered=True)
-    style.legend_below(figure, handles=names, caption="\n".join(said))
+    caption_lines = [heating_words(drawn.conditions)]
+    caption_lines += warning_lines(drawn.case.sweep, most=1, answered=True)
+    style.legend_below(figure, handles=names, caption="\n".join(caption_lines))
     return figure
 
 
@@ -86,23 +86,23 @@ def _draw(
     axes: Axes, columns: Mapping[str, Any], values: Array, points: list[PointIndex], look: Any
 ) -> None:
     """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
-    for number, point in enumerate(points):
-        known = np.isfinite(values[point])
-        time, found = columns["time"][point][known], values[point][known]
-        axes.plot(time, found, color=f"C{number}", markevery=[-1], **look)
+    for index, point in enumerate(points):
+        is_known = np.isfinite(values[point])
+        time, known_values = columns["time"][point][is_known], values[point][is_known]
+        axes.plot(time, known_values, color=f"C{index}", markevery=[-1], **look)
 
 
 def _temperatures(
-    axes: Axes, shown: Shown, columns: Mapping[str, Any], points: list[PointIndex]
+    axes: Axes, drawn: DrawnCase, columns: Mapping[str, Any], points: list[PointIndex]
 ) -> None:
     """Draw the highest, the governing and the critical temperature of points over time."""
-    handles, conditions = [], shown.conditions
-    shares = shown.case.ds["area_fraction_below"].values
-    for judged, look in _line_styles(conditions):
-        rise = judged.governing_rise({**columns, "quantile": shares})
+    handles, conditions = [], drawn.conditions
+    shares = drawn.case.ds["area_fraction_below"].values
+    for line_conditions, look in _line_styles(conditions):
+        rise = line_conditions.governing_rise({**columns, "quantile": shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
         _draw(axes, columns, temperature, points, look)
-        words = governing_words(judged.critical_area_fraction)
+        words = governing_words(line_conditions.critical_area_fraction)
         handles.append(Line2D([], [], color=BLACK, label=words, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
@@ -134,5 +134,5 @@ def _load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> Non
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
         pairs = (time, load), (load, time)
-        there, back = (lambda at, pair=pair: np.interp(at, *pair) for pair in pairs)
-        axes.secondary_xaxis("top", functions=(there, back)).set_xlabel("normal load [N]")
+        to_load, to_time = (lambda x, pair=pair: np.interp(x, *pair) for pair in pairs)
+        axes.secondary_xaxis("top", functions=(to_load, to_time)).set_xlabel("normal load [N]")

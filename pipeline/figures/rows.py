@@ -27,80 +27,82 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
 """Label and mark of a row by its verdict."""
 _WIDTH = 8.0  # usual width [in]
 _LETTERS = 6  # letters of a row's label, for each inch of width
-_HIGHEST = 0.32  # height of a line of a label in a figure of few rows [in]
-_MOST_NAMED = 40  # rows up to which each has its label
+_LINE_HEIGHT = 0.32  # height of a line of a label in a figure of few rows [in]
+_MAX_LABELS = 40  # most rows that are all labelled
 
 
 @style.house_style
 def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     """Draw the temperature margin of each row of a sweep, with its label."""
-    found = pipeline.margin(ds, **conditions)
-    if len(found.sizes) != 1:
-        raise InputError(f"rows under several conditions ({', '.join(map(str, found.sizes))})")
-    return draw_rows(found, style.as_text(sweep_of(ds).title))
+    margins = pipeline.margin(ds, **conditions)
+    if len(margins.sizes) != 1:
+        raise InputError(f"rows under several conditions ({', '.join(map(str, margins.sizes))})")
+    return draw_rows(margins, style.as_text(sweep_of(ds).title))
 
 
 @style.house_style
-def draw_rows(found: xr.Dataset, title: str) -> Figure:
+def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
 
     The temperature margin has its numerical error; at the right stands the probability of severe
     wear. The most critical row is bold: that with the highest probability.
     """
-    margin, error = (found[name].values for name in ("temperature_margin", "temperature_error"))
+    margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
-        raise InputError(f"no row has a verdict: {found['reason'].values[0]}")
-    names = [style.as_text(one) for one in words.row_labels(found, *map(str, found.sizes))]
-    labels = [textwrap.fill(one, int(_LETTERS * style.wanted_width(_WIDTH))) for one in names]
-    lines_of_row = 1 + max(one.count("\n") for one in labels)
-    places = np.arange(len(names))
-    height = 1.6 + _HIGHEST * min(len(names), _MOST_NAMED) * lines_of_row
+        raise InputError(f"no row has a verdict: {margins['reason'].values[0]}")
+    names = [style.as_text(label) for label in words.row_labels(margins, *map(str, margins.sizes))]
+    labels = [textwrap.fill(name, int(_LETTERS * style.wanted_width(_WIDTH))) for name in names]
+    lines_per_row = 1 + max(label.count("\n") for label in labels)
+    positions = np.arange(len(names))
+    height = 1.6 + _LINE_HEIGHT * min(len(names), _MAX_LABELS) * lines_per_row
     figure, axes = style.canvas((_WIDTH, height))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
     low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
-    room = 0.08 * (high - low)
-    axes.axvspan(low - room, 0.0, fc=TINTS["severe"], zorder=0)
+    padding = 0.08 * (high - low)
+    axes.axvspan(low - padding, 0.0, fc=TINTS["severe"], zorder=0)
     axes.errorbar(
-        margin, places, xerr=np.nan_to_num(error), fmt="none", ecolor=GREY, elinewidth=1.2,
+        margin, positions, xerr=np.nan_to_num(error), fmt="none", ecolor=GREY, elinewidth=1.2,
         label="numerical error",
     )  # fmt: skip
     for verdict, (label, look) in MARKS.items():
-        here = found["verdict"].values == verdict
-        if here.any():
-            axes.plot(margin[here], places[here], ls="none", ms=7, label=label, **look)
-    decides = deciding_row(found)
+        is_verdict = margins["verdict"].values == verdict
+        if is_verdict.any():
+            axes.plot(
+                margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
+            )
+    deciding = deciding_row(margins)
     axes.annotate(
         "probability of severe wear", (1.0, 1.0), (60, 5), xycoords="axes fraction", ha="right",
         textcoords="offset points", annotation_clip=False, fontsize="small",
     )  # fmt: skip
-    ticks = places if len(names) <= _MOST_NAMED else places[:: -(-len(names) // _MOST_NAMED)]
-    ticks = np.union1d(ticks, [decides])
-    shown = axes.set_yticks(ticks, [labels[k] for k in ticks])
-    for side in ticks:
-        likely = found["probability"].values[side]
-        text = "" if np.isnan(likely) else words.probability_text(likely)
+    ticks = positions if len(names) <= _MAX_LABELS else positions[:: -(-len(names) // _MAX_LABELS)]
+    ticks = np.union1d(ticks, [deciding])
+    axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
+    for row in ticks:
+        probability = margins["probability"].values[row]
+        text = "" if np.isnan(probability) else words.probability_text(probability)
         axes.annotate(
-            "unknown" if np.isnan(margin[side]) else text, (1.0, side), (4, 0),
+            "unknown" if np.isnan(margin[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
             annotation_clip=False, fontsize="small",
-            fontweight="bold" if side == decides else "normal",
+            fontweight="bold" if row == deciding else "normal",
         )  # fmt: skip
-    for tick, place in zip(shown, ticks, strict=True):
-        tick.label1.set_fontweight("bold" if place == decides else "normal")
-    axes.axhspan(decides - 0.5, decides + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
+    for tick, position in zip(axis_ticks, ticks, strict=True):
+        tick.label1.set_fontweight("bold" if position == deciding else "normal")
+    axes.axhspan(deciding - 0.5, deciding + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
     axes.set(
-        xlim=(low - room, high + room), ylim=(len(names) - 0.5, -0.5),
+        xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
         xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
     style.write_title(axes, title)
-    lines = [f"most critical: {names[decides]}"]
-    lines += words.conditions_lines(found)
-    lines += [f"model error: {one}" for one in words.attribute_texts(found, "model_error")[:1]]
+    lines = [f"most critical: {names[deciding]}"]
+    lines += words.conditions_lines(margins)
+    lines += [f"model error: {text}" for text in words.attribute_texts(margins, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 
 
-def deciding_row(found: xr.Dataset) -> int:
+def deciding_row(margins: xr.Dataset) -> int:
     """Position of the row that is most likely severe; of equal ones that with the least margin."""
-    likely = np.nan_to_num(found["probability"].values, nan=-1.0)
-    return int(np.lexsort((-found["temperature_margin"].values, likely))[-1])
+    probability = np.nan_to_num(margins["probability"].values, nan=-1.0)
+    return int(np.lexsort((-margins["temperature_margin"].values, probability))[-1])

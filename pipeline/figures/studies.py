@@ -14,19 +14,22 @@ def draw_trade(trade: Trade) -> Figure:
     """Draw the whole error of the boundary over processor time, of runs and of whole planes."""
     figure, axes = style.canvas((8.0, 5.6))
     axes.set(xscale="log", yscale="log")
-    for found, label, marker, colour in (
+    for measurements, label, marker, colour in (
         (trade.runs, "runs with a goal, measured", "D", VERMILION),
         (trade.planes, "whole plane, time from some points", "s", BLUE),
     ):
-        x, y = [one.seconds for one in found], [one.error for one in found]
+        x, y = (
+            [measured.seconds for measured in measurements],
+            [measured.error for measured in measurements],
+        )
         axes.plot(x, y, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
-        for one in found:
-            goal = "" if one.accuracy is None else f"{100 * one.accuracy:g} %: "
-            words = f"{goal}{one.points} points" if goal else f"{one.preset}"
-            words += ", all steps" * one.has_steps
-            away = (8, -14) if one.has_steps else (8, 4)  # planes have nearly the same error
+        for measured in measurements:
+            goal = "" if measured.accuracy is None else f"{100 * measured.accuracy:g} %: "
+            words = f"{goal}{measured.points} points" if goal else f"{measured.preset}"
+            words += ", all steps" * measured.has_steps
+            offset = (8, -14) if measured.has_steps else (8, 4)  # planes have nearly the same error
             axes.annotate(
-                words, (one.seconds, one.error), away, textcoords="offset points",
+                words, (measured.seconds, measured.error), offset, textcoords="offset points",
                 path_effects=style.HALO,
             )  # fmt: skip
     axes.margins(0.15)

@@ -49,17 +49,17 @@ _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # limits of the width of a figure [m]
 _COARSEST, _FINEST = 30, 1200  # limits of the resolution of a figure [dpi]
 _LETTER = 0.55  # mean width of a letter over the font size
-_CAPTION = 8  # most lines of a caption in a figure of usual width
-_MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
+_MAX_CAPTION_LINES = 8  # in a figure of usual width
+_MAX_LEGEND_SHARE = 0.2  # share of the height for the legend, above which the figure grows
 
-_one_style = threading.RLock()  # Matplotlib's settings belong to all threads
+_style_lock = threading.RLock()  # Matplotlib's settings belong to all threads
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 class Look(NamedTuple):
-    """What a user asks of a figure, whatever it shows."""
+    """Options of a figure of any kind."""
 
     width: float | None = None  # [in]; None for the usual width of each
     plain: bool = False  # without title and caption
@@ -106,8 +106,8 @@ class Picture(Figure):
 
     def __init__(self, figsize: tuple[float, float] | None = None) -> None:
         width, height = figsize or rcParams["figure.figsize"]
-        wanted = wanted_width(width)
-        super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
+        target_width = wanted_width(width)
+        super().__init__(figsize=(target_width, height * (target_width / width) ** 0.5))
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure, in the house's style, also where a notebook or window asks for it."""
@@ -119,9 +119,9 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         """The figure as PNG bytes, for display in a notebook."""
-        written = io.BytesIO()
-        self.savefig(written, format="png")
-        return written.getvalue()
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
 
 
 def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
@@ -131,16 +131,16 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in one style; of the caller's settings of Matplotlib the resolution acts."""
+    """Decorator: draw in the style of the house; only the resolution is that of the caller."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
-        share = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
-        look: dict[Any, Any] = {**_HOUSE} | {name: share * _HOUSE[name] for name in _SIZES}
-        for name in ("figure.dpi", "savefig.dpi"):  # the user's own, as in a notebook
-            own = _LOOK.get().dpi or rcParams[name]
-            look[name] = look[name] if own == rcParamsDefault[name] else own
-        with _one_style, context(look, after_reset=True):
+        factor = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
+        look: dict[Any, Any] = {**_HOUSE} | {name: factor * _HOUSE[name] for name in _SIZES}
+        for name in ("figure.dpi", "savefig.dpi"):  # as set by the user, for example in a notebook
+            resolution = _LOOK.get().dpi or rcParams[name]
+            look[name] = look[name] if resolution == rcParamsDefault[name] else resolution
+        with _style_lock, context(look, after_reset=True):
             return draw(*args, **kwargs)
 
     return styled
@@ -153,16 +153,16 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     """
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
-    most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
+    max_lines = math.ceil(_MAX_CAPTION_LINES * max(1.0, 72 * _USUAL / width))
     lines = [line for part in caption.splitlines() for line in textwrap.wrap(part, letters)]
-    title = "\n".join(lines[:most]) + " …" * (len(lines) > most)
+    title = "\n".join(lines[:max_lines]) + " …" * (len(lines) > max_lines)
     title = "" if _LOOK.get().plain else title
-    named = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
-    options = {"handles": [*itertools.chain(*named)]} | options  # no warning if there are none
+    handles = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
+    options = {"handles": [*itertools.chain(*handles)]} | options  # no warning if there are none
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
     breadth, height = figure.get_size_inches()
-    growth = legend.get_window_extent().height / figure.dpi - _MOST_LEGEND * height
+    growth = legend.get_window_extent().height / figure.dpi - _MAX_LEGEND_SHARE * height
     figure.set_size_inches(breadth, height + max(0.0, growth))
 
 
@@ -182,9 +182,9 @@ def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
 @house_style
 def save_figure(figure: Figure, out: Path) -> Path:
     """Write a figure to a path that `writable_path` has checked, and return the path."""
-    written = io.BytesIO()
-    figure.savefig(written, format=out.suffix[1:])
-    return write_bytes(written.getvalue(), out)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=out.suffix[1:])
+    return write_bytes(buffer.getvalue(), out)
 
 
 def plain_numbers(axes: Axes) -> None:
