@@ -55,23 +55,23 @@ _MODEL = (
     "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
     "not part of it."
 )
-_NUMERICAL = (
+_NUMERICAL_ERROR = (
     "It comes from the elements and load steps, from interpolation between simulated points, and "
     "from the few surfaces that are simulated; more computing makes it smaller"
 )
-_OF_MODEL = (
+_MODEL_ERROR = (
     "It comes from the physics that is left out and from the inputs; only tests make it smaller"
 )
 _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_NO_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
+_NOT_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
-_BELOW = "The table below has the numbers."
+_TABLE_BELOW = "The table below has the numbers."
 _AS_COMPUTED = "Critical velocity as computed"
-_NARROW = 0.075  # width of figures on a telephone [m]
+_NARROW_WIDTH = 0.075  # width of figures on a telephone [m]
 
 Conditions = Mapping[str, Any]
 
@@ -161,16 +161,16 @@ def report(
     ds = dataset_of(ds)
     if (load is None) != (velocity is None) or (points is not None and load is not None):
         raise InputError("give a load and a velocity, or a table of points, or neither")
-    asked = {"load": points} if load is None else {"load": load, "velocity": velocity}
-    is_plane, found = {*PLANE} <= {*ds["status"].dims}, None
+    operating_points = {"load": points} if load is None else {"load": load, "velocity": velocity}
+    is_plane, margins = {*PLANE} <= {*ds["status"].dims}, None
     if load is not None or points is not None or not is_plane:
-        found = pipeline.margin(ds, **asked, **conditions)
-    if found is None:
-        answer = _of_boundary(ds, conditions)
-    elif not found.sizes:
-        answer = _of_point(ds, conditions, found)
+        margins = pipeline.margin(ds, **operating_points, **conditions)
+    if margins is None:
+        answer = _boundary_answer(ds, conditions)
+    elif not margins.sizes:
+        answer = _point_answer(ds, conditions, margins)
     else:
-        answer = _of_rows(ds, conditions, found)
+        answer = _rows_answer(ds, conditions, margins)
     sweep = sweep_of(ds)
     version = metadata.version("irg-transition")
     date = f"{datetime.now(UTC):%d %B %Y}"
@@ -194,119 +194,124 @@ def report(
     return page if path is None else write_text(page, path)
 
 
-def _of_boundary(ds: xr.Dataset, conditions: Conditions) -> Answer:
+def _boundary_answer(ds: xr.Dataset, conditions: Conditions) -> Answer:
     """The boundary of a plane, without an operating point."""
-    found = pipeline.boundary(ds, **conditions)
-    is_one = found["critical_velocity"].ndim == 1
-    said = [words.next_run_line(found)] * is_one + [*words.not_included_lines(found)]
+    boundary = pipeline.boundary(ds, **conditions)
+    is_single_case = boundary["critical_velocity"].ndim == 1
+    lines = [words.next_run_line(boundary)] * is_single_case + [*words.not_included_lines(boundary)]
     headline = "Boundary between mild and severe wear"
-    return Answer("", headline, [*map(_as_sentence, said)], _plane(ds, conditions))
+    return Answer("", headline, [*map(_as_sentence, lines)], _plane(ds, conditions))
 
 
-def _of_point(ds: xr.Dataset, conditions: Conditions, here: xr.Dataset) -> Answer:
+def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> Answer:
     """The verdict on one operating point."""
-    verdict, reason = here["verdict"].item(), here["reason"].item()
+    verdict, reason = margin["verdict"].item(), margin["reason"].item()
     if verdict not in HEADLINES:
         raise InputError(reason)
-    place = here["load"].item(), here["velocity"].item()
-    facts, decider = dict(words.margin_facts(here)), words.to_decide(here)
-    said = [_verdict(here), *words.not_included_lines(here)]
+    point = margin["load"].item(), margin["velocity"].item()
+    facts, deciding_test = dict(words.margin_facts(margin)), words.to_decide(margin)
+    sentences = [_verdict(margin), *words.not_included_lines(margin)]
     if "critical velocity" in facts:
-        said.append(f"critical velocity at {place[0]:.4g} N: {facts['critical velocity']}")
-    said += [f"The verdict is withheld: {reason}"] * bool(reason)
-    said += [f"To decide it, {decider}"] * bool(decider)
-    said += _without_help(words.common_lines(here))
+        sentences.append(f"critical velocity at {point[0]:.4g} N: {facts['critical velocity']}")
+    sentences += [f"The verdict is withheld: {reason}"] * bool(reason)
+    sentences += [f"To decide it, {deciding_test}"] * bool(deciding_test)
+    sentences += _without_help(words.common_lines(margin))
     rows = [*map(list, facts.items())]
     table = Grid("The operating point in numbers", ["quantity", "value"], rows)
-    warned = [*words.margin_warnings(here)]
-    first, *others = _plane(ds, conditions, [place])
-    sections: list[Section] = [first, ("Operating point", [table, *[warned] * bool(warned)])]
-    headline = f"{HEADLINES[verdict]} at {place[0]:.4g} N and {place[1]:.4g} m/s"
-    lines = [*map(_as_sentence, said)]
-    return Answer(words.verdict_text(here), headline, lines, [*sections, *others])
+    warnings = [*words.margin_warnings(margin)]
+    first, *other_sections = _plane(ds, conditions, [point])
+    sections: list[Section] = [first, ("Operating point", [table, *[warnings] * bool(warnings)])]
+    headline = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
+    lines = [*map(_as_sentence, sentences)]
+    return Answer(words.verdict_text(margin), headline, lines, [*sections, *other_sections])
 
 
-def _of_rows(ds: xr.Dataset, conditions: Conditions, found: xr.Dataset) -> Answer:
+def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> Answer:
     """The verdicts on a table of operating points, or on the rows of the sweep."""
-    if len(found.sizes) > 1:
+    if len(margins.sizes) > 1:
         refuse_cases(ds)
-        raise InputError(f"a report has rows along one dimension, not along {[*found.sizes]}")
-    (row,) = found.sizes
-    decides, names = deciding_row(found), words.row_labels(found, str(row))
-    codes, verdicts = found["verdict"].values.tolist(), words.code_text(found["verdict"]).tolist()
-    verdict, critical = verdicts[decides], f"the most critical operating point: {names[decides]}"
-    headline = f"{HEADLINES.get(codes[decides], 'Unknown')} at {critical}"
-    judged = sum(one in (MILD, UNDECIDED, SEVERE) for one in codes)
-    if codes[decides] == MILD and judged < len(codes):  # the others may be severe
-        headline = f"{judged} of {len(codes)} operating points have a verdict; mild at {critical}"
+        raise InputError(f"a report has rows along one dimension, not along {[*margins.sizes]}")
+    (row,) = margins.sizes
+    deciding, names = deciding_row(margins), words.row_labels(margins, str(row))
+    codes, verdicts = (
+        margins["verdict"].values.tolist(),
+        words.code_text(margins["verdict"]).tolist(),
+    )
+    verdict, critical = verdicts[deciding], f"the most critical operating point: {names[deciding]}"
+    headline = f"{HEADLINES.get(codes[deciding], 'Unknown')} at {critical}"
+    verdict_count = sum(code in (MILD, UNDECIDED, SEVERE) for code in codes)
+    if codes[deciding] == MILD and verdict_count < len(codes):  # the others may be severe
+        headline = (
+            f"{verdict_count} of {len(codes)} operating points have a verdict; mild at {critical}"
+        )
         verdict = ""
     caption = "Temperature margin of each row: critical minus governing temperature."
-    picture = picture_of(lambda: draw_rows(found, ""), caption, f"{caption} {_BELOW}")
-    grid = _table_of(margin_frame(found), "Operating points; the deciding one is bold", decides)
+    picture = picture_of(lambda: draw_rows(margins, ""), caption, f"{caption} {_TABLE_BELOW}")
+    grid = _table_of(margin_frame(margins), "Operating points; the deciding one is bold", deciding)
     notes = [
-        *words.conditions_lines(found), *words.not_included_lines(found),
-        *words.reason_lines(found), *words.row_warnings(found), *words.common_lines(found),
+        *words.conditions_lines(margins), *words.not_included_lines(margins),
+        *words.reason_lines(margins), *words.row_warnings(margins), *words.common_lines(margins),
     ]  # fmt: skip
     notes = [*map(_as_sentence, _without_help(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, notes])]
     if {*PLANE} <= {*ds["status"].dims}:
-        places = xr.broadcast(found["load"], found["velocity"])
-        each = (one.values.ravel().tolist() for one in places)
-        sections += _plane(ds, conditions, dict.fromkeys(zip(*each, strict=True)))
+        points = xr.broadcast(margins["load"], margins["velocity"])
+        coordinates = (values.values.ravel().tolist() for values in points)
+        sections += _plane(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
     else:
-        sections.append(("Errors", [_errors(words.model_error_line(found))]))
-    numbers = ", ".join(f"{number} {one}" for one, number in Counter(verdicts).items())
-    said = [f"Operating points: {numbers}", *words.not_included_lines(found)]
-    if codes[decides] in HEADLINES:
-        said.insert(0, _verdict(found.isel({row: decides})))
-    return Answer(verdict, headline, [*map(_as_sentence, said)], sections)
+        sections.append(("Errors", [_errors(words.model_error_line(margins))]))
+    numbers = ", ".join(f"{number} {text}" for text, number in Counter(verdicts).items())
+    sentences = [f"Operating points: {numbers}", *words.not_included_lines(margins)]
+    if codes[deciding] in HEADLINES:
+        sentences.insert(0, _verdict(margins.isel({row: deciding})))
+    return Answer(verdict, headline, [*map(_as_sentence, sentences)], sections)
 
 
-def _verdict(here: xr.Dataset) -> str:
-    """The sentence on one operating point, whose verdict the headline has."""
-    verdict, _, rest = words.headline(here).partition(": ")
-    begins = "probability of severe wear "
-    return (rest or verdict).replace(begins, f"the {begins}is ", 1)
+def _verdict(margin: xr.Dataset) -> str:
+    """Sentence on the probability at one operating point; the headline has its verdict."""
+    verdict, _, rest = words.headline(margin).partition(": ")
+    subject = "probability of severe wear "
+    return (rest or verdict).replace(subject, f"the {subject}is ", 1)
 
 
 def _plane(
-    ds: xr.Dataset, conditions: Conditions, places: Iterable[OperatingPoint] = ()
+    ds: xr.Dataset, conditions: Conditions, points: Iterable[OperatingPoint] = ()
 ) -> list[Section]:
-    """Sections with the diagram, the boundary, tests beside what is computed, and errors."""
-    found = pipeline.boundary(ds, **conditions)
+    """Sections with the diagram, the boundary, tests compared with the computation, and errors."""
+    boundary = pipeline.boundary(ds, **conditions)
     ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]
-    within = [
-        place
-        for place in places
-        if all(low <= at <= high for at, (low, high) in zip(place, ends, strict=True))
+    points_inside = [
+        point
+        for point in points
+        if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
     ]
-    caption = _as_sentence(words.conditions_lines(found)[0])
+    caption = _as_sentence(words.conditions_lines(boundary)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
-    if missing := found.attrs["missing_points"]:
+    if missing := boundary.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
-    loads, velocities = ([place[axis] for place in within] for axis in (0, 1))
+    loads, velocities = ([point[axis] for point in points_inside] for axis in (0, 1))
     picture = picture_of(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption,
-        f"Transition diagram over sliding velocity and normal load. {_BELOW}",
+        f"Transition diagram over sliding velocity and normal load. {_TABLE_BELOW}",
     )  # fmt: skip
     title, needless = f"{_AS_COMPUTED}; with tests: where severe wear is 5, 50, 95 % probable", []
-    if not found.attrs.get("tests", 1):  # a coordinate where cases differ in it
+    if not boundary.attrs.get("tests", 1):  # a coordinate where cases differ in it
         title = f"{_AS_COMPUTED}, and where severe wear is 5 and 95 % probable"
         needless.append("with tests, 50 % [m/s]")
-    crosses = bool(found["critical_velocity"].notnull().all())
-    is_plain = crosses and len({*found["outcome_along_velocity"].values.ravel()}) == 1
+    crosses = bool(boundary["critical_velocity"].notnull().all())
+    is_plain = crosses and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1
     needless += ["outcome"] * is_plain
-    grid = _table_of(without_columns(boundary_frame(found), needless), title)
+    grid = _table_of(without_columns(boundary_frame(boundary), needless), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
-    if found.attrs.get("tests") and not case_dims(ds):
+    if boundary.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
-    lines = _errors(*words.error_lines(found), *words.shift_lines(found))
+    lines = _errors(*words.error_lines(boundary), *words.shift_lines(boundary))
     return [*sections, ("Errors", [lines])]
 
 
 def _errors(*lines: str) -> list[str]:
-    """Sentences on errors: how large each is, and where it comes from."""
-    origins = {"numerical": f" {_NUMERICAL}.", "model error": f" {_OF_MODEL}."}
+    """Sentences on errors: the size of each, and its origin."""
+    origins = {"numerical": f" {_NUMERICAL_ERROR}.", "model error": f" {_MODEL_ERROR}."}
     return [
         _as_sentence(line)
         + "".join(text for begin, text in origins.items() if line.startswith(begin))
@@ -315,27 +320,27 @@ def _errors(*lines: str) -> list[str]:
 
 
 def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | list[str]]:
-    """Yield tests beside what is computed for them."""
-    found = pipeline.compare_tests(ds, **conditions)
+    """Yield figure, table and notes that compare tests with the computation."""
+    tests = pipeline.compare_tests(ds, **conditions)
     caption = "Computed rise ratio of each test, next to its outcome."
-    yield picture_of(lambda: draw_tests(ds, conditions), caption, f"{caption} {_BELOW}")
-    table = answer_frame(found, *(name for name in map(str, found) if name not in _DRAWN))
-    y = found["log_rise_ratio"].values
-    computed = ["" if math.isnan(one) else "severe" if one > 0 else "mild" for one in y]
+    yield picture_of(lambda: draw_tests(ds, conditions), caption, f"{caption} {_TABLE_BELOW}")
+    table = answer_frame(tests, *(name for name in map(str, tests) if name not in _DRAWN))
+    y = tests["log_rise_ratio"].values
+    computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
     table.insert(2, "computed", computed)
     yield _table_of(table, "Tests, each at its own conditions, and what is computed for them")
-    if lines := [*words.test_lines(found)]:
+    if lines := [*words.test_lines(tests)]:
         yield lines
 
 
 def _common(
-    ds: xr.Dataset, conditions: Conditions, version: str, said: Sequence[str]
+    ds: xr.Dataset, conditions: Conditions, version: str, stated: Sequence[str]
 ) -> Iterator[Section]:
-    """Yield the sections that each report ends with: inputs, limits beyond those `said`, origin."""
+    """Yield the last sections of each report: inputs, limits that are not yet `stated`, origin."""
     sweep = sweep_of(ds)
     rows = dict[str, list[str]]()
     for path, value in flat(tomllib.loads(ds.attrs.get("scene", ""))):
-        if not (path.startswith(_NO_INPUTS) or dimension_of(path) in ds.coords):
+        if not (path.startswith(_NOT_INPUTS) or dimension_of(path) in ds.coords):
             is_material = path.startswith("materials")
             table = path.rpartition(".")[0] if is_material else path.partition(".")[0]
             name = path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
@@ -347,8 +352,8 @@ def _common(
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
     notes = split_notes(words.attribute_texts(pipeline.points(ds, **single), "notes"))
     limits = _without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
-    others = [line for line in map(_as_sentence, limits) if line not in said]
-    yield "What is not covered", [_MODEL, *[others] * bool(others)]
+    uncovered = [line for line in map(_as_sentence, limits) if line not in stated]
+    yield "What is not covered", [_MODEL, *[uncovered] * bool(uncovered)]
     choices = [
         f"{name.replace('_', ' ')} {quoted(value)}"
         for name, value in asdict(sweep.scene.fidelity).items()
@@ -386,11 +391,11 @@ def _table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
 
 def picture_of(draw: Callable[[], Figure], caption: str, alt: str) -> Picture:
     """Draw a figure twice, for usual and for narrow screens."""
-    drawn = []
-    for width in (None, _NARROW):
+    urls = []
+    for width in (None, _NARROW_WIDTH):
         with style.fitted(width, plain=True):
-            written = io.BytesIO()
-            draw().savefig(written, format="svg", metadata={"Date": None})
-        text = base64.b64encode(written.getvalue()).decode()
-        drawn.append(f"data:image/svg+xml;base64,{text}")
-    return Picture(drawn[0], drawn[1], alt, caption)
+            buffer = io.BytesIO()
+            draw().savefig(buffer, format="svg", metadata={"Date": None})
+        text = base64.b64encode(buffer.getvalue()).decode()
+        urls.append(f"data:image/svg+xml;base64,{text}")
+    return Picture(urls[0], urls[1], alt, caption)
