@@ -26,16 +26,18 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
     grid = Grid((_WINDOW, _WINDOW), (pixel, pixel))
 
     def excess(length: float) -> float:
-        found = list[float]()
+        spacings = list[float]()
         for seed in range(_SURFACES):
             heights = self_affine(grid, ra, _HURST, (length, length), seed=seed)
             for line in heights.T[::16]:
-                rz = float(np.mean([np.ptp(one) for one in np.array_split(line, _SECTIONS)]))
-                found.append(mean_spacing(line, pixel, _HEIGHT * rz) or _WINDOW * pixel)
-        return math.log(float(np.mean(found)) / rsm)
+                rz = float(
+                    np.mean([np.ptp(section) for section in np.array_split(line, _SECTIONS)])
+                )
+                spacings.append(mean_spacing(line, pixel, _HEIGHT * rz) or _WINDOW * pixel)
+        return math.log(float(np.mean(spacings)) / rsm)
 
     ends = 0.3 * pixel, _WINDOW * pixel / 12
-    below, above = (rsm * math.exp(excess(one)) for one in ends)
+    below, above = (rsm * math.exp(excess(length)) for length in ends)
     if not below < rsm < above:
         raise InputError(
             f"RSm is {display(rsm, 'µm', 3)}; with pixels of {display(pixel, 'µm', 3)} profiles of "
@@ -51,8 +53,8 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
     ]
 
 
-def mean_spacing(line: Array, step: float, least: float) -> float | None:
-    """RSm [m]: mean spacing of profile elements, whose peak and valley are `least` high.
+def mean_spacing(line: Array, step: float, min_height: float) -> float | None:
+    """RSm [m]: mean spacing of profile elements with a peak and a valley of at least `min_height`.
 
     None for fewer than two elements.
 
@@ -62,7 +64,7 @@ def mean_spacing(line: Array, step: float, least: float) -> float | None:
     >>> f"{1e6 * mean_spacing(np.sin(2 * np.pi * x / 60e-6), 0.5e-6, 0.2):.2f} µm"
     '60.00 µm'
     """
-    side = np.where(line > least, 1, np.where(line < -least, -1, 0))
+    side = np.where(line > min_height, 1, np.where(line < -min_height, -1, 0))
     rows = np.flatnonzero(side)
     if rows.size < 2:
         return None
@@ -71,9 +73,13 @@ def mean_spacing(line: Array, step: float, least: float) -> float | None:
         low, high = rows[k], rows[k + 1]
         signs = np.flatnonzero(np.diff(np.signbit(line[low : high + 1])))
         row = low + int(signs[-1])
-        at = row + line[row] / (line[row] - line[row + 1])
-        crossings[int(side[high] > 0)].append(float(at))
-    spans = [((one[-1] - one[0]), len(one) - 1) for one in crossings if len(one) > 1]
+        position = row + line[row] / (line[row] - line[row + 1])
+        crossings[int(side[high] > 0)].append(float(position))
+    spans = [
+        ((positions[-1] - positions[0]), len(positions) - 1)
+        for positions in crossings
+        if len(positions) > 1
+    ]
     if not spans:
         return None
     return step * sum(span for span, _ in spans) / sum(count for _, count in spans)

@@ -77,16 +77,16 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
     def spectrum(parameters: Array) -> Array:
         length_x, length_y, hurst = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
-        whole = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** -(1 + hurst)
-        whole = (4 * whole + np.roll(whole, 1, 0) + np.roll(whole, -1, 0)) / 6  # Hann's window
-        before = np.roll(whole, 1, 1)
-        before[:, 0] = np.roll(whole[::-1, 1], 1)  # the mode at −q, in the half plane left out
-        shown: Array = ((4 * whole + before + np.roll(whole, -1, 1)) / 6)[is_compared]
-        return shown
+        full = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** -(1 + hurst)
+        full = (4 * full + np.roll(full, 1, 0) + np.roll(full, -1, 0)) / 6  # Hann's window
+        lower_mode = np.roll(full, 1, 1)
+        lower_mode[:, 0] = np.roll(full[::-1, 1], 1)  # the mode at −q, in the half plane left out
+        compared: Array = ((4 * full + lower_mode + np.roll(full, -1, 1)) / 6)[is_compared]
+        return compared
 
     def misfit(parameters: Array) -> float:
-        whole = spectrum(parameters)
-        return float(q.size * (np.log(np.mean(power / whole)) + np.mean(np.log(whole))))
+        model = spectrum(parameters)
+        return float(q.size * (np.log(np.mean(power / model)) + np.mean(np.log(model))))
 
     sides = zip(spacing, heights.shape, strict=True)
     bounds = [*((np.log(step / 3), np.log(step * n)) for step, n in sides), (0.02, 1.0)]

@@ -27,24 +27,24 @@ from tribo.types import Array
 _PROFILE = (
     "a profile; the Ra and RSm that its instrument prints are enough: irg surface --ra RA --rsm RSM"
 )
-_EACH = "give a map, or Ra and RSm of a profile by --ra and --rsm"
+_GIVE_MAP = "give a map, or Ra and RSm of a profile by --ra and --rsm"
 _POINTS = "a list of points x, y, z; make it a matrix, a row for each y"
 _SAVE = "export the heights as .npy or as a matrix in text, without headings"
 _LIBRARY = "pip install SurfaceTopography"
-_MOST_BYTES = 2**28
-_MOST_HEIGHTS = 2**24  # 4096 × 4096; the form of more takes gigabytes
-_MOST_HEAD = 200  # lines of headings above the numbers of a text
-_NARROWEST = 9  # heights along a side of a map; less are columns of a table
+_MAX_BYTES = 2**28
+_MAX_HEIGHTS = 2**24  # 4096 × 4096; the form of more takes gigabytes
+_MAX_HEADINGS = 200  # lines of headings above the numbers of a text
+_MIN_SIDE = 9  # heights along a side of a map; less are columns of a table
 _EVEN = 0.02  # relative difference of steps, below which numbers rise evenly
-_SAME = 0.01  # relative difference below which two lengths agree
-_HIGHEST = 1.0  # height [m] from which the unit must be wrong
-_HUGE = 1e30  # numbers above it, and infinity, are marks of missing heights
-_LONE = 4.0  # distance of a mark of missing heights from all heights, over their range
-_FILLER = 0.01, 10.0  # share of heights of one value, and how often the next value stands, less
+_EQUAL_LENGTHS = 0.01  # relative difference below which two lengths agree
+_MAX_HEIGHT = 1.0  # height [m] from which the unit must be wrong
+_MISSING_ABOVE = 1e30  # numbers above it, and infinity, are marks of missing heights
+_MARK_GAP = 4.0  # distance of a mark of missing heights from all heights, over their range
+_FILLER = 0.01, 10.0  # least share of heights of one value, and ratio to the count of the next
 _WORDS = re.compile(
     r"(?<![\w.+-])(-?1\.#\w+|-{2,}|\*+|n/?a|no ?data|bad|void)(?![\w.])", re.IGNORECASE
 )
-"""Words for a missing height, beside "nan" and nothing."""
+"""Words for a missing height other than "nan" and an empty cell."""
 _COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 """A number whose decimals follow a comma."""
 _HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
@@ -103,7 +103,7 @@ def read_scan(
     """
     path = user_path(path)
     try:
-        content = read_file(path, _MOST_BYTES)
+        content = read_file(path, _MAX_BYTES)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     try:
@@ -114,52 +114,52 @@ def read_scan(
 
 def _scan(file: _File, height_unit: float | None, pixel_size: tuple[float, float] | None) -> Scan:
     notes = ["x, the sliding direction, goes from column to column", *file.notes]
-    unit, own = height_unit or file.unit, file.pixel_size
-    sides = pixel_size or own
-    lacks = ["the unit of its heights (height_unit)"] * (not unit)
-    lacks += ["the sides of a pixel (pixel_size)"] * (not sides)
+    unit, file_sides = height_unit or file.unit, file.pixel_size
+    sides = pixel_size or file_sides
+    missing = ["the unit of its heights (height_unit)"] * (not unit)
+    missing += ["the sides of a pixel (pixel_size)"] * (not sides)
     if not unit or not sides:
-        raise InputError(f"the file does not have {' and '.join(lacks)}; add what is missing")
-    if file.unit and abs(unit / file.unit - 1) > _SAME:
+        raise InputError(f"the file does not have {' and '.join(missing)}; add what is missing")
+    if file.unit and abs(unit / file.unit - 1) > _EQUAL_LENGTHS:
         notes.append(f"the given height unit, {unit:g} m, replaces the file's, {file.unit:g} m")
-    if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
-        notes.append(f"the given pixels replace the file's {display_sides(own)}")
-    heights, found = _without_marks(file.heights.astype(float))
+    if file_sides and not np.allclose(file_sides, sides, rtol=_EQUAL_LENGTHS, atol=0):
+        notes.append(f"the given pixels replace the file's {display_sides(file_sides)}")
+    heights, mark_notes = _without_marks(file.heights.astype(float))
     heights *= unit
     highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
-    if highest > _HIGHEST:
+    if highest > _MAX_HEIGHT:
         raise InputError(f"heights of {highest:.3g} m; give the right unit, height_unit")
-    return Scan(np.ascontiguousarray(heights), (sides[0], sides[1]), (*notes, *found))
+    return Scan(np.ascontiguousarray(heights), (sides[0], sides[1]), (*notes, *mark_notes))
 
 
 def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     """Heights with marks such as −9999 and infinity as NaN; and notes on these."""
-    notes, huge = list[str](), np.abs(heights) > _HUGE
-    if huge.any():
-        notes.append(f"{huge.sum()} heights beyond {_HUGE:g} are taken for missing")
-        heights = np.where(huge, np.nan, heights)
+    notes, is_huge = list[str](), np.abs(heights) > _MISSING_ABOVE
+    if is_huge.any():
+        notes.append(f"{is_huge.sum()} heights beyond {_MISSING_ABOVE:g} are taken for missing")
+        heights = np.where(is_huge, np.nan, heights)
     while True:
         values = np.unique(heights[np.isfinite(heights)])
         if values.size < 4:
             break
-        least = _LONE * (values[-2] - values[1])
+        min_gap = _MARK_GAP * (values[-2] - values[1])
         gaps = {values[0]: values[1] - values[0], values[-1]: values[-1] - values[-2]}
-        marks = [value for value, gap in gaps.items() if gap > least]
+        marks = [value for value, gap in gaps.items() if gap > min_gap]
         for mark in marks:
             notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are taken for missing")
             heights[heights == mark] = np.nan
         if not marks:
             break
     values, counts = np.unique(heights[np.isfinite(heights)], return_counts=True)
-    second, most = np.sort(np.append(counts, [0, 0]))[-2:].tolist()
-    if most > max(_FILLER[0] * heights.size, _FILLER[1] * second):
+    second, max_count = np.sort(np.append(counts, [0, 0]))[-2:].tolist()
+    if max_count > max(_FILLER[0] * heights.size, _FILLER[1] * second):
         value = values[counts.argmax()]
-        notes.append(f"{most} heights are exactly {value:.6g}: write nan if these are missing")
+        notes.append(f"{max_count} heights are exactly {value:.6g}: write nan if these are missing")
     return heights, notes
 
 
 def _read(path: Path, content: bytes) -> _File:
-    """Read a file, whose content tells its format."""
+    """Read a file in the format that its content has."""
     if content.startswith(b"\x93NUMPY"):
         return _File(_require_map(_array(content)).T)
     if content.startswith(b"PK"):
@@ -170,24 +170,24 @@ def _read(path: Path, content: bytes) -> _File:
         return _instrument(path, "")
     if kind := kind_of(content):
         return _instrument(path, kind)
-    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    text = content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
-    first = next((one for one in text.splitlines() if one.strip()), "").strip(" ")
-    if first and _numbers([first], _mark_in(first)) is None:  # a head, which may have sizes
+    is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    text = content.decode("utf-16" if is_utf16 else "utf-8-sig", errors="replace")
+    first = next((line for line in text.splitlines() if line.strip()), "").strip(" ")
+    if first and _numbers([first], _delimiter(first)) is None:  # a head, which may have sizes
         with suppress(InputError):
             if (file := _instrument(path, "a text")).unit:
                 return file
     head, matrix = _matrix(text)
     if matrix is None:
         raise InputError(f"a text without a matrix of numbers; {_SAVE}")
-    if head and min(matrix.shape) >= _NARROWEST:
+    if head and min(matrix.shape) >= _MIN_SIDE:
         raise InputError(
             f"its first lines are no heights ({quoted(head[0][:60])}); delete all {len(head)} "
             "lines above the numbers, and give height_unit and pixel_size"
         )
-    remarks = [one for one in text.splitlines() if one.lstrip()[:1] == "#"]
-    found = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
-    return _File(_require_map(matrix).T, notes=found[: len(remarks)])
+    remarks = [line for line in text.splitlines() if line.lstrip()[:1] == "#"]
+    comment_note = (f"comments of the file are not used: {quoted(' '.join(remarks)[:80])}",)
+    return _File(_require_map(matrix).T, notes=comment_note[: len(remarks)])
 
 
 def _array(content: bytes) -> Array:
@@ -200,32 +200,32 @@ def _array(content: bytes) -> Array:
             f"an array of shape {array.shape} and type {array.dtype}; needed are two-dimensional "
             "real numbers, a row for each y"
         )
-    if array.size > _MOST_HEIGHTS:
+    if array.size > _MAX_HEIGHTS:
         raise InputError(_too_many(array.shape))
     return np.atleast_2d(array).astype(float)
 
 
 def _matrix(text: str) -> tuple[list[str], Array | None]:
     """Headings above the numbers of a text, and the matrix, a row for each y; None without one."""
-    lines = [one.strip(" ") for one in text.splitlines() if one.strip() and one.lstrip()[0] != "#"]
+    lines = [row.strip(" ") for row in text.splitlines() if row.strip() and row.lstrip()[0] != "#"]
     head = 0
-    for line in lines[:_MOST_HEAD]:
-        mark = _mark_in(line)
-        if _numbers([line], mark) is not None:
+    for line in lines[:_MAX_HEADINGS]:
+        delimiter = _delimiter(line)
+        if _numbers([line], delimiter) is not None:
             break
-        cells = line.split(mark if mark != "," else None)
+        cells = line.split(delimiter if delimiter != "," else None)
         if len(cells) > 1 and all(map(_COMMA.fullmatch, map(str.strip, cells))):
             raise InputError(f"decimals have commas ({quoted(cells[0])}); write them with points")
         head += 1
     else:
         return lines, None
-    if mark == "," and (half := _HALF.search("\n".join(lines[head:]))):
+    if delimiter == "," and (half := _HALF.search("\n".join(lines[head:]))):
         raise InputError(
             f"commas stand between numbers and before decimals ({quoted(half[1])} is no whole "
             "number); write decimals with points"
         )
     try:
-        return lines[:head], _numbers(lines[head:], mark, strict=True)
+        return lines[:head], _numbers(lines[head:], delimiter, strict=True)
     except ValueError as error:
         why = str(error).partition(";")[0].partition(", please")[0]
         raise InputError(
@@ -234,21 +234,21 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
         ) from error
 
 
-def _mark_in(line: str) -> str | None:
-    """What divides the numbers of a line; None for spaces."""
-    return next((one for one in "\t;," if one in line), None)
+def _delimiter(line: str) -> str | None:
+    """Delimiter of the numbers of a line; None for spaces."""
+    return next((delimiter for delimiter in "\t;," if delimiter in line), None)
 
 
-def _numbers(lines: list[str], mark: str | None, strict: bool = False) -> Array | None:
-    """Numbers of lines; None for other words, of which `strict` raises a `ValueError`."""
-    if mark:
-        while lines[0].endswith(mark) and all(one.endswith(mark) for one in lines):
-            lines = [one[:-1] for one in lines]
-        empty = re.compile(rf"(?:^|(?<={mark})) *(?={mark}|$)")
-        lines = [empty.sub("nan", one) for one in lines]
-    lines = [_WORDS.sub("nan", one) for one in lines]
+def _numbers(lines: list[str], delimiter: str | None, strict: bool = False) -> Array | None:
+    """Numbers of lines; None if there are other words, or a `ValueError` if `strict`."""
+    if delimiter:
+        while lines[0].endswith(delimiter) and all(line.endswith(delimiter) for line in lines):
+            lines = [line[:-1] for line in lines]
+        empty = re.compile(rf"(?:^|(?<={delimiter})) *(?={delimiter}|$)")
+        lines = [empty.sub("nan", line) for line in lines]
+    lines = [_WORDS.sub("nan", line) for line in lines]
     try:
-        return np.loadtxt(lines, delimiter=mark, ndmin=2, comments=None)
+        return np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments=None)
     except ValueError:
         if strict:
             raise
@@ -256,14 +256,14 @@ def _numbers(lines: list[str], mark: str | None, strict: bool = False) -> Array 
 
 
 def _require_map(matrix: Array) -> Array:
-    """The matrix as it is; `InputError` for a profile, a list of points, a table, or with axes."""
-    if matrix.size > _MOST_HEIGHTS:
+    """Return the matrix; `InputError` for a profile, a list of points, a table, or axes."""
+    if matrix.size > _MAX_HEIGHTS:
         raise InputError(_too_many(matrix.shape))
     few, many = sorted(matrix.shape)
-    if few < _NARROWEST:
+    if few < _MIN_SIDE:
         columns = matrix if matrix.shape[1] == many else matrix.T
-        repeated = [np.unique(one).size < many / 2 for one in columns[:2]]
-        kind = f"a table of {few} columns, such as profiles; {_EACH}"
+        repeated = [np.unique(column).size < many / 2 for column in columns[:2]]
+        kind = f"a table of {few} columns, such as profiles; {_GIVE_MAP}"
         if few < 3:
             kind = _PROFILE
         elif few < 5 and all(repeated):
@@ -287,23 +287,25 @@ def _instrument(path: Path, kind: str) -> _File:
             warnings.simplefilter("ignore")  # warnings of the library do not concern the user
             from SurfaceTopography.IO import open_topography
 
-            return _of_library(open_topography(str(path)))
+            return _from_library(open_topography(str(path)))
     except ImportError as error:
         raise InputError(f"{kind}: get its reader by {_LIBRARY}, or {_SAVE}") from error
     except InputError:
         raise
     except Exception as error:  # readers of damaged files raise errors of any kind
-        why = _reason_of_library(error, path.suffix.lower())
+        why = _library_message(error, path.suffix.lower())
         raise InputError(f"{kind}: {why}; {_SAVE}") from error
 
 
-def _reason_of_library(error: Exception, suffix: str) -> str:
+def _library_message(error: Exception, suffix: str) -> str:
     text, name = str(error).strip(), type(error).__name__
     if name == "CannotDetectFileFormat":  # lists what each reader says
-        own = re.search(rf"tried {re.escape(suffix[1:])}reader:\s*(.*)", text, re.IGNORECASE)
-        if not suffix or not own:
+        reader_message = re.search(
+            rf"tried {re.escape(suffix[1:])}reader:\s*(.*)", text, re.IGNORECASE
+        )
+        if not suffix or not reader_message:
             return "SurfaceTopography has no reader for it"
-        text = own[1]
+        text = reader_message[1]
     elif isinstance(error, LookupError) or not text:
         text = f"{name} {text}".strip()
     if re.fullmatch(r"'[^']*'", text):  # the key of a table
@@ -311,11 +313,11 @@ def _reason_of_library(error: Exception, suffix: str) -> str:
     return f"SurfaceTopography cannot read it ({text.splitlines()[0].rstrip('.')})"
 
 
-def _of_library(reader: Any) -> _File:
+def _from_library(reader: Any) -> _File:
     channel = reader.default_channel
     if channel.physical_sizes is None:
         raise InputError(f"a file without the size of its pixels; {_SAVE}")
-    if math.prod(channel.nb_grid_pts) > _MOST_HEIGHTS:
+    if math.prod(channel.nb_grid_pts) > _MAX_HEIGHTS:
         raise InputError(_too_many(channel.nb_grid_pts))
     topography = reader.topography()
     if topography.dim != 2:
@@ -326,12 +328,12 @@ def _of_library(reader: Any) -> _File:
         raise InputError(f"readers of .tmd differ by a factor of 1000 in its heights; {_SAVE}")
     heights: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
     heights = np.ma.filled(heights, np.nan)
-    if min(heights.shape) < _NARROWEST:
+    if min(heights.shape) < _MIN_SIDE:
         size = " × ".join(map(str, heights.shape))
-        raise InputError(f"{size} heights are too few; give {_NARROWEST} along each side")
-    names = [one.name for one in reader.channels]
-    found = (f"{channel.name} is read, of the channels {', '.join(names)}",)
-    notes = found[: len(names) - 1]
+        raise InputError(f"{size} heights are too few; give {_MIN_SIDE} along each side")
+    names = [other_channel.name for other_channel in reader.channels]
+    channel_note = (f"{channel.name} is read, of the channels {', '.join(names)}",)
+    notes = channel_note[: len(names) - 1]
     if topography.unit is None:
         return _File(heights, notes=notes)
     sides = [float(side) for side in topography.to_unit("m").pixel_size]
@@ -341,4 +343,4 @@ def _of_library(reader: Any) -> _File:
 
 def _too_many(shape: Iterable[int]) -> str:
     size = " × ".join(map(str, shape))
-    return f"{size} heights are too many; cut out {_MOST_HEIGHTS} at most"
+    return f"{size} heights are too many; cut out {_MAX_HEIGHTS} at most"

@@ -24,12 +24,12 @@ from tribo.types import Array
 
 MISSING = 0.1
 """Share of missing heights up to which they are filled."""
-_NEAR = 0.15  # relative difference below which two lengths are alike
-_FACTOR = 2.0  # between spectra, above which a fit is poor
-_ASKEW, _STEEP, _LONG = 0.5, 0.25, 0.5  # differences of Ssk, Sdq and Sal, above which it is, too
-_FLAT, _SPIKY = 2.0, 5.0  # range of Sku outside which it is, too
-_ROUGH = 0.3  # difference of Sa, above which it is, too
-_OBLIQUE = 15.0  # angle of a lay to x and y [°], above which it is, too
+_EQUAL_LENGTHS = 0.15  # relative difference below which two lengths count as equal
+_MAX_MISFIT = 2.0  # between spectra, above which a fit is poor
+_ASKEW, _STEEP, _LONG = 0.5, 0.25, 0.5  # differences of Ssk, Sdq and Sal above which a fit is poor
+_FLAT, _SPIKY = 2.0, 5.0  # range of Sku outside which a fit is poor
+_ROUGH = 0.3  # difference of Sa above which a fit is poor
+_OBLIQUE = 15.0  # angle of a lay to x and y [°] above which a fit is poor
 _FLATTEST, _ROUGHEST = 1e-9, 5e-5  # plausible range of Sq [m]
 _FINEST, _COARSEST = 1e-9, 1e-4  # plausible range of pixel sides [m]
 _SMOOTHEST, _STEEPEST = 1e-4, 3.0  # plausible range of Sdq
@@ -61,10 +61,10 @@ class SurfaceStatistics:
         scan, fitted = self.roughness, self.fitted
         if math.isnan(self.fit.misfit):
             yield "the scan has too few heights to compare spectra"
-        elif self.fit.misfit > _FACTOR:
+        elif self.fit.misfit > _MAX_MISFIT:
             yield f"its spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths"
         lengths, ends = self.fit.correlation_length, zip(self.shape, self.pixel_size, strict=True)
-        if any(not d <= one <= n * d / 2 for one, (n, d) in zip(lengths, ends, strict=True)):
+        if any(not d <= length <= n * d / 2 for length, (n, d) in zip(lengths, ends, strict=True)):
             yield "a correlation length is below a pixel, or above half the scan"
         if abs(scan.ssk) > _ASKEW:
             yield f"Ssk is {scan.ssk:.2g}, where a random surface has 0"
@@ -87,15 +87,15 @@ class SurfaceStatistics:
 
     def as_dict(self) -> dict[str, Any]:
         """All statistics as plain data, without heights, and with the table as text."""
-        kept = replace(self, heights=np.empty(0), fitted_heights=np.empty(0))
-        document = asdict(kept) | {
+        without_heights = replace(self, heights=np.empty(0), fitted_heights=np.empty(0))
+        document = asdict(without_heights) | {
             "faults_of_fit": [*self.faults_of_fit],
             "random_tables": self.random_tables,
         }
-        return {key: one for key, one in document.items() if not key.endswith("heights")}
+        return {key: value for key, value in document.items() if not key.endswith("heights")}
 
     def lines(self) -> Iterator[str]:
-        """Yield lines that describe the scan beside the random surface, and how well this fits."""
+        """Yield lines that compare the scan with the random surface."""
         sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
         yield self.file
         yield (
@@ -212,21 +212,21 @@ def surface_statistics(
     unit = height_unit
     if isinstance(unit, str):
         unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
-    given = None
+    sides = None
     if pixel_size is not None:
         if isinstance(pixel_size, str) or len(pixel_size) != 2:
             raise InputError(f"pixel_size is {pixel_size!r}; give two sides, along x and y")
         x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
         require_positive(pixel_size_x=x, pixel_size_y=y)
-        given = x, y
+        sides = x, y
     if unit is not None:
         require_positive(height_unit=unit)
-    scan = read_scan(path, unit, given)
+    scan = read_scan(path, unit, sides)
     try:
-        found = _statistics(str(path), scan, missing)
+        statistics = _statistics(str(path), scan, missing)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return replace(found, scan_tables=_scan_tables(found, unit, given, missing))
+    return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, missing))
 
 
 def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
@@ -234,7 +234,7 @@ def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
     rough, notes = areal_roughness(scan.heights, sides), [*scan.notes]
     if scan.missing:
         notes.append(f"{scan.missing_words}; the numbers leave them out, the fit has them filled")
-    notes += _doubts(rough, sides)
+    notes += _unusual_values(rough, sides)
     level, *_ = remove_form(filled(scan, missing), sides)
     fit = fit_self_affine(level, sides)
     lengths = nearly_equal(fit.correlation_length)
@@ -245,8 +245,8 @@ def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
     )
 
 
-def _doubts(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
-    """Notes on numbers that no usual surface has, most likely for a wrong unit."""
+def _unusual_values(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
+    """Notes on numbers outside the usual range, most likely because of a wrong unit."""
     if not _FLATTEST <= rough.sq <= _ROUGHEST:
         yield f"Sq is {display(rough.sq, 'µm', 3)}: check the unit of the heights"
     if not _FINEST <= min(sides) <= max(sides) <= _COARSEST:
@@ -258,17 +258,19 @@ def _doubts(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
 
 
 def _scan_tables(
-    found: SurfaceStatistics,
+    statistics: SurfaceStatistics,
     unit: float | None,
     sides: tuple[float, float] | None,
     missing: float,
 ) -> str:
-    """Tables of a scene that simulates the scan itself, with what was given for its file."""
-    pixels = "[{}]".format(", ".join(f'"{display(one, "um", 6)}"' for one in found.pixel_size))
-    lines = ["[disk.roughness]", f"file = {quoted(found.file)}"]
+    """Tables of a scene that simulates the scan itself, by the unit and sides that were given."""
+    pixels = "[{}]".format(
+        ", ".join(f'"{display(side, "um", 6)}"' for side in statistics.pixel_size)
+    )
+    lines = ["[disk.roughness]", f"file = {quoted(statistics.file)}"]
     if unit:
         names = ("um", "nm", "mm", "m")
-        usual = (one for one in names if math.isclose(in_si("", f"1 {one}", "1 m"), unit))
+        usual = (name for name in names if math.isclose(in_si("", f"1 {name}", "1 m"), unit))
         lines.append(f"height_unit = {quoted(next(usual, f'{unit:g} m'))}")
     lines += [f"pixel_size = {pixels}"] * bool(sides) + ["level = true"]
     lines += [f"missing = {missing:g}"] * (missing != MISSING)
@@ -281,7 +283,7 @@ def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float
     Nearly equal correlation lengths along x and y become their geometric mean.
     """
     x, y = nearly_equal(lengths)
-    texts = [f'"{display(one, "um", 3)}"' for one in (x, y)]
+    texts = [f'"{display(length, "um", 3)}"' for length in (x, y)]
     length = texts[0] if texts[0] == texts[1] else f"[{', '.join(texts)}]"
     return (
         f'[disk.roughness]\nra = "{display(ra, "um", 4)}"\n'
@@ -293,4 +295,4 @@ def nearly_equal(lengths: tuple[float, float]) -> tuple[float, float]:
     """Lengths along x and y; both their geometric mean if they are nearly equal."""
     x, y = lengths
     mean = math.sqrt(x * y)
-    return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)
+    return (x, y) if abs(x - y) > _EQUAL_LENGTHS * mean else (mean, mean)

@@ -26,7 +26,7 @@ def areas_of(shape: tuple[int, ...], pixels: tuple[int, int], is_mirrored: bool)
     ((2, 0), (2, 1))
     """
     along_x, along_y = (
-        max(count // wanted, int(is_mirrored)) for count, wanted in zip(shape, pixels, strict=True)
+        max(heights // side, int(is_mirrored)) for heights, side in zip(shape, pixels, strict=True)
     )
     return along_x, along_y
 
@@ -36,9 +36,9 @@ def window_heights(
     table: Mapping[str, Any],
     pixels: tuple[int, int],
     sides: tuple[float, float],
-    wanted: Sequence[int] = (0,),
+    areas: Sequence[int] = (0,),
 ) -> tuple[Array, list[str]]:
-    """Heights [m] of the first of the `wanted` areas of a scan, and notes on what was done to them.
+    """Heights [m] of the first of some `areas` of a scan, and notes on how they were changed.
 
     `table` has the entries of ``disk.roughness``; `pixels` and `sides` [m] are those of the window.
     The areas lie side by side in the middle of the scan, and are numbered from 0, along x first.
@@ -47,7 +47,7 @@ def window_heights(
         raise InputError(
             f"its pixels are {display_sides(scan.pixel_size)}; give those, window.pixel_size"
         )
-    heights, notes = _area(scan.heights, pixels, table["mirror"], wanted)
+    heights, notes = _area(scan.heights, pixels, table["mirror"], areas)
     notes = [*scan.notes, *notes]
     if table["level"]:
         heights, _, radii = remove_form(heights, sides)
@@ -63,15 +63,15 @@ def window_heights(
             f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself: a single area "
             "understates the error by surface sampling"
         )
-        more = np.subtract(pixels, heights.shape).tolist()
-        heights = np.pad(heights, [(0, n) for n in more], "symmetric")
+        padding = np.subtract(pixels, heights.shape).tolist()
+        heights = np.pad(heights, [(0, n) for n in padding], "symmetric")
     return np.ascontiguousarray(heights), notes
 
 
 def _area(
-    heights: Array, pixels: tuple[int, int], is_mirrored: bool, wanted: Sequence[int]
+    heights: Array, pixels: tuple[int, int], is_mirrored: bool, numbers: Sequence[int]
 ) -> tuple[Array, list[str]]:
-    """Heights of the first of the `wanted` areas of a scan, and a note if the scan has more."""
+    """Heights of the first of the areas with `numbers`, and a note if the scan has more areas."""
     shape, size = heights.shape, f"{pixels[0]} × {pixels[1]}"
     areas = areas_of(shape, pixels, is_mirrored)
     if not (count := math.prod(areas)):
@@ -79,32 +79,32 @@ def _area(
             f"the scan has {shape[0]} × {shape[1]} heights along x and y, the window {size}; give "
             "fewer window.pixels, or mirror the scan at its edges, mirror = true"
         )
-    if max(wanted) >= count:
+    if max(numbers) >= count:
         raise InputError(
             f"the scan has {count} areas of {size} heights, numbered from 0; there is no area "
-            f"{max(wanted)}: give fewer sweep.realizations, or fewer window.pixels"
+            f"{max(numbers)}: give fewer sweep.realizations, or fewer window.pixels"
         )
-    place = wanted[0] % areas[0], wanted[0] // areas[0]
+    position = numbers[0] % areas[0], numbers[0] // areas[0]
     begins = [
         max(0, (n - m * p) // 2 + k * p)
-        for n, m, p, k in zip(shape, areas, pixels, place, strict=True)
+        for n, m, p, k in zip(shape, areas, pixels, position, strict=True)
     ]
-    cut = heights[tuple(slice(at, at + p) for at, p in zip(begins, pixels, strict=True))]
+    cut = heights[tuple(slice(begin, begin + p) for begin, p in zip(begins, pixels, strict=True))]
     note = f"the scan of {shape[0]} × {shape[1]} heights has {count} areas of the window's size; "
-    note += f"{len(wanted)} are simulated (sweep.realizations)"
+    note += f"{len(numbers)} are simulated (sweep.realizations)"
     return cut, [note] * (cut.shape != shape)
 
 
-def filled(scan: Scan, most: float) -> Array:
+def filled(scan: Scan, max_share: float) -> Array:
     """Heights [m] with the missing ones as the mean of their neighbours (Laplace's equation).
 
-    An `InputError` if more than a share `most` is missing.
+    An `InputError` if the share of missing heights is above `max_share`.
     """
-    if scan.missing > most * scan.heights.size:
+    if scan.missing > max_share * scan.heights.size:
         first = np.argwhere(np.isnan(scan.heights))[0].tolist()
         raise InputError(
             f"{scan.missing_words}, the first at x {first[0]}, y {first[1]} (counted from 0); "
-            f"at most {100 * most:.2g} % are filled; measure again, or allow more (missing)"
+            f"at most {100 * max_share:.2g} % are filled; measure again, or allow more (missing)"
         )
     return _harmonic(scan.heights) if scan.missing else scan.heights
 
@@ -113,26 +113,29 @@ def _harmonic(heights: Array) -> Array:
     """Heights in which each missing one is the mean of its two to four neighbours."""
     from scipy import sparse  # slow to import
 
-    holes, number = np.isnan(heights), np.full(heights.shape, -1)
-    i, j = np.nonzero(holes)
-    number[i, j] = every = np.arange(len(i))
-    degree, known = np.zeros(len(i)), np.zeros(len(i))
+    is_hole, number = np.isnan(heights), np.full(heights.shape, -1)
+    i, j = np.nonzero(is_hole)
+    number[i, j] = hole_numbers = np.arange(len(i))
+    degree, known_sum = np.zeros(len(i)), np.zeros(len(i))
     rows, columns = list[Indices](), list[Indices]()
     for step_i, step_j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        near_i, near_j = i + step_i, j + step_j
-        inside = (near_i >= 0) & (near_j >= 0)
-        inside &= (near_i < heights.shape[0]) & (near_j < heights.shape[1])
-        own, near = every[inside], (near_i[inside], near_j[inside])
-        degree[own] += 1
-        known[own] += np.where(holes[near], 0.0, heights[near])
-        rows.append(own[holes[near]])
-        columns.append(number[near][holes[near]])
+        neighbour_i, neighbour_j = i + step_i, j + step_j
+        is_inside = (neighbour_i >= 0) & (neighbour_j >= 0)
+        is_inside &= (neighbour_i < heights.shape[0]) & (neighbour_j < heights.shape[1])
+        rows_inside, neighbour = (
+            hole_numbers[is_inside],
+            (neighbour_i[is_inside], neighbour_j[is_inside]),
+        )
+        degree[rows_inside] += 1
+        known_sum[rows_inside] += np.where(is_hole[neighbour], 0.0, heights[neighbour])
+        rows.append(rows_inside[is_hole[neighbour]])
+        columns.append(number[neighbour][is_hole[neighbour]])
     pairs = np.concatenate(rows), np.concatenate(columns)
-    beside = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(i), len(i)))
-    whole = heights.copy()
-    laplace = (sparse.diags_array(degree) - beside).tocsc()
-    whole[holes] = sparse.linalg.spsolve(laplace, known)
-    return whole
+    adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(i), len(i)))
+    filled_heights = heights.copy()
+    laplace = (sparse.diags_array(degree) - adjacency).tocsc()
+    filled_heights[is_hole] = sparse.linalg.spsolve(laplace, known_sum)
+    return filled_heights
 
 
 def form_words(radii: tuple[float, float]) -> str:
