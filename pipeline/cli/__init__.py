@@ -45,16 +45,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run_command(options: argparse.Namespace) -> Any:
     """Import the command's module, run the command and return its result."""
-    function = _imported(options.function)
+    function = _import_command(options.function)
     with interrupts.keyboard_interrupts():
         return function(options)
 
 
-def _imported(function: str) -> Callable[[argparse.Namespace], Any]:
+def _import_command(function: str) -> Callable[[argparse.Namespace], Any]:
     """Import the function of a command.
 
-    When it is loaded, and with its first variable, xarray looks for libraries of arrays, and
-    imports dask.array and pint if it finds them: 0.3 s. No command needs them there.
+    When xarray is imported, and at its first variable, it imports dask.array and pint if they are
+    installed, which takes 0.3 s. No command needs them at that time.
     """
     hidden = {"dask", "pint"} - sys.modules.keys()
     if "xarray" in sys.modules or not function.startswith("pipeline.cli"):
@@ -62,10 +62,10 @@ def _imported(function: str) -> Callable[[argparse.Namespace], Any]:
     sys.modules |= dict.fromkeys(hidden)  # type: ignore[arg-type]
     gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
     try:
-        found: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(function)
+        command: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(function)
         if xarray := sys.modules.get("xarray"):
             xarray.Variable((), 0.0).to_numpy()
-        return found
+        return command
     finally:
         gc.freeze()
         gc.enable()
@@ -82,8 +82,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
 
     if options.quiet:
         output.QUIET.set()
-    is_run = options.command == "run"  # which alone keeps results before its end
-    safe = "; finished points are saved" * is_run
+    is_run = options.command == "run"  # only this command stores results before its end
+    saved_words = "; finished points are saved" * is_run
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.print_note(f"note: {message}")
@@ -94,8 +94,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             return int(result.code)
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
-            more = ": run the same command again to continue" * is_run
-            output.print_error(f"interrupted{safe}{more}")
+            resume_words = ": run the same command again to continue" * is_run
+            output.print_error(f"interrupted{saved_words}{resume_words}")
         return output.INTERRUPTED
     except TriboError as error:
         output.print_error(str(error))
@@ -106,13 +106,15 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if is_lack_of_memory(error):
-            said = "out of memory, or at the limit of threads and processes for this user"
-            output.print_error(f"{said} (ulimit -a){safe}: use fewer workers or a coarser grid")
+            cause = "out of memory, or at the limit of threads and processes for this user"
+            output.print_error(
+                f"{cause} (ulimit -a){saved_words}: use fewer workers or a coarser grid"
+            )
             return output.WRONG_USE
         # Zarr raises a RuntimeError for a damaged chunk.
         if not isinstance(error, OSError) and "decompress" not in str(error):
             raise
-        output.print_error(f"cannot continue: {error}{safe}")
+        output.print_error(f"cannot continue: {error}{saved_words}")
         with suppress(OSError, ValueError, AttributeError):
             # Keep Python from flushing stdout again at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -49,16 +49,19 @@ def help_(options: argparse.Namespace) -> Result:
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in pages.items()}
         lines = list[str]()
         for task, names in PAGES_BY_TASK.items():
-            here = [name for name in names if name in titles]
-            lines += [f"To {task}:", *(f"  irg help {name:12} {titles[name]}" for name in here)]
+            page_names = [name for name in names if name in titles]
+            lines += [
+                f"To {task}:",
+                *(f"  irg help {name:12} {titles[name]}" for name in page_names),
+            ]
         return Result(titles, [*lines, "Help on a command: irg COMMAND --help"])
     if topic in options.commands:
         options.commands[topic].print_help()
         return Result({}, ())
     page = page_name(Path(topic))
     if page not in pages:
-        meant = did_you_mean(topic, [*pages, *options.commands])
-        raise InputError(f'there is no page or command "{topic}"{meant}; irg help lists all')
+        suggestion = did_you_mean(topic, [*pages, *options.commands])
+        raise InputError(f'there is no page or command "{topic}"{suggestion}; irg help lists all')
     if sys.stdout.isatty() and not options.json:
         pydoc.pager(pages[page])
         return Result({}, ())
@@ -67,17 +70,17 @@ def help_(options: argparse.Namespace) -> Result:
 
 def _library_page() -> str:
     """The library as Markdown: tables of materials and oils, and the sources of their numbers."""
-    known, lines = library(), ["# Materials and oils of the library", "", _LIBRARY]
-    numbers = {key: k for k, key in enumerate(known["sources"], 1)}
+    entries, lines = library(), ["# Materials and oils of the library", "", _LIBRARY]
+    numbers = {key: k for k, key in enumerate(entries["sources"], 1)}
     for kind in ("materials", "oils"):
-        tables = {id(table): table for table in known[kind].values()}
+        tables = {id(table): table for table in entries[kind].values()}
         heads = [*dict.fromkeys(itertools.chain(*tables.values()))]
         lines += ["", f"## {kind.capitalize()}", "", _line(["name", *heads])]
         lines.append(_line(["---"] * (1 + len(heads))))
         for table in tables.values():
-            names = ", ".join(name for name, one in known[kind].items() if one is table)
+            names = ", ".join(name for name, entry in entries[kind].items() if entry is table)
             lines.append(_line([names, *(_cell(table.get(head), numbers) for head in heads)]))
-    sources = (f"{k}. {known['sources'][key]}" for key, k in numbers.items())
+    sources = (f"{k}. {entries['sources'][key]}" for key, k in numbers.items())
     return "\n".join([*lines, "", "## Sources", "", *sources]).replace("_", " ") + "\n"
 
 

@@ -41,48 +41,48 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    cases, along = single_cases(sweep, _MOST_CASES), sweep.case_table.column("load") is not None
+    cases, has_table = single_cases(sweep, _MAX_CASES), sweep.case_table.column("load") is not None
     for _, case in cases:
-        key = "sweep.along" if along else "sweep.loads"
+        key = "sweep.along" if has_table else "sweep.loads"
         require_admissible_load(case, max(case.loads), key)
     require_free_names(sweep)
-    facts = estimate_contacts(cases) if along else estimate_contact(sweep)
-    listed = [estimate_case(*one) for one in cases] if along else []
-    memory, machine = worker_bytes(sweep), machine_memory()
-    needed = f"about {display(memory, 'MB', '.0f')} of memory per worker"
-    if memory > machine:
+    contact = estimate_contacts(cases) if has_table else estimate_contact(sweep)
+    case_estimates = [estimate_case(*case) for case in cases] if has_table else []
+    needed_bytes, available = worker_bytes(sweep), machine_memory()
+    required = f"about {display(needed_bytes, 'MB', '.0f')} of memory per worker"
+    if needed_bytes > available:
         raise InputError(
-            f"the scene needs {needed}, but this machine has {display(machine, 'GB', '.0f')}; "
+            f"the scene needs {required}, but this machine has {display(available, 'GB', '.0f')}; "
             "reduce window.pixels, or choose coarser settings in [fidelity]"
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
     rows = [
-        *_meaning_rows(sweep, facts, listed, needed),
-        *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *(("note", one.text) for one in notes_on_scene(sweep)),
-        *(("warning", warning_text(one)) for one in sweep.all_warnings),
+        *_meaning_rows(sweep, contact, case_estimates, required),
+        *(("library", f"{text}, from {source}") for text, source in library_tables(sweep.sources)),
+        *(("note", note.text) for note in notes_on_scene(sweep)),
+        *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
         *_cost_rows(sweep, cost),
     ]
     frame = frame_of(_HEADS, rows)
-    shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
-    on_sources = ["for library values with their sources: -o TABLE.md"] * bool(sweep.sources)
-    table = [_case_frame(listed), ""] if along else []
+    statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
+    sources_hint = ["for library values with their sources: -o TABLE.md"] * bool(sweep.sources)
+    table = [_case_frame(case_estimates), ""] if has_table else []
     document = {
         "title": sweep.title,
         "preset": sweep.preset,
-        "contact": asdict(facts),  # in SI
-        "cost": {**asdict(cost), "worker_bytes": memory},
-        "cases": [asdict(one) for one in listed],  # in SI
+        "contact": asdict(contact),  # in SI
+        "cost": {**asdict(cost), "worker_bytes": needed_bytes},
+        "cases": [asdict(estimate) for estimate in case_estimates],  # in SI
         "statements": records([frame]),
     }
-    return Result(document, [sweep.title, "", *table, shown, *on_sources], frames=[frame])
+    return Result(document, [sweep.title, "", *table, statements, *sources_hint], frames=[frame])
 
 
 _HEADS = "subject", "meaning"
-_MOST_CASES = 200  # of a sweep along a table, that are described
-_IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not worth a word
+_MAX_CASES = 200  # most cases that are described, of a sweep along a table
+_IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not mentioned
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
-_MOST_NAMED = 3  # tests
+_MAX_NUMBERS = 3  # most numbers of tests in a note
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -93,8 +93,10 @@ def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
-    rows = (astuple(one) for one in cases)
-    return frame_of(heads, [(*row[:2], *(float(f"{one:.4g}") for one in row[2:])) for row in rows])
+    rows = (astuple(case) for case in cases)
+    return frame_of(
+        heads, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
+    )
 
 
 def _meaning_rows(
@@ -108,13 +110,13 @@ def _meaning_rows(
     yield "contact", f"{smooth}; {worn} and {rough}: width {_text(facts.contact_width, 'µm')}"
     nx, ny = scene.grid.shape
     yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
-    given = sweep.source.entries["window"]["pixels"]
-    if wider := _wider(given, scene):
-        yield "", f"widened from {given[0]} pixels because of wear in the load stages; {wider}"
+    pixels = sweep.source.entries["window"]["pixels"]
+    if wider := _wider(pixels, scene):
+        yield "", f"widened from {pixels[0]} pixels because of wear in the load stages; {wider}"
     yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
     time, distance = _text(facts.duration, "s"), _text(facts.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"
-    yield from _film_rows(sweep, [one.film_parameter for one in cases])
+    yield from _film_rows(sweep, [case.film_parameter for case in cases])
     depth = facts.wear_depth
     yield "wear", f"{_text(depth, 'µm')} deep at the end of the test" if depth else "none"
     u = "of the disk u" if scene.motion else "V"
@@ -129,9 +131,9 @@ def _meaning_rows(
         yield "corrections", conditions.corrections.text
 
 
-def _wider(given: tuple[int, ...], scene: Scene) -> str:
-    """Size and cost of a window that is wider than the `given` pixels; else empty."""
-    share = _pixels(scene) / math.prod(given)
+def _wider(pixels: tuple[int, ...], scene: Scene) -> str:
+    """Size and cost of the window if it is wider than one with `pixels`; else empty."""
+    share = _pixels(scene) / math.prod(pixels)
     if share <= 1:
         return ""
     nx, ny = scene.pixels.shape
@@ -145,7 +147,7 @@ def _pixels(scene: Scene) -> int:
 def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
     """Yield rows on the oil film, or on the entry that is missing to compute it.
 
-    `parameters` are the film parameters of the sweep's cases, if each has its own place.
+    `parameters` are the film parameters of the cases, if each has its own load and velocity.
     """
     if sweep.lubricant is None:
         return
@@ -208,9 +210,9 @@ def _surface_words(facts: SurfaceSummary) -> str:
         return f"random: {heights}"
     curved = form_words(facts.radii)
     heights += f"; Ra and Rq exclude the curvature, R {curved}" if curved else ""
-    if all(abs(place) < _IS_LEVEL * facts.rq for place in (facts.mean_height, *facts.rise)):
+    if all(abs(height) < _IS_LEVEL * facts.rq for height in (facts.mean_height, *facts.rise)):
         return f"measured: {heights}; level"
-    mean, x, y = (shown_in(place, "µm") for place in (facts.mean_height, *facts.rise))
+    mean, x, y = (shown_in(height, "µm") for height in (facts.mean_height, *facts.rise))
     return (
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
         f"{y:.3g} µm along y over the window"
@@ -218,27 +220,27 @@ def _surface_words(facts: SurfaceSummary) -> str:
 
 
 def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
-    """Notes on the entries of a scene, and on tests that are loaded in another way than the plane.
+    """Notes on the entries of a scene, and on tests whose loading is not that of the plane.
 
-    Each test is simulated with its own past.
+    Each test is simulated with its own loading history.
     """
-    others = [one for one in sweep.tests if not _is_alike(one.case.scene.loading, sweep)]
-    if not others:
+    tests = [test for test in sweep.tests if not _has_loading_of(test.case.scene.loading, sweep)]
+    if not tests:
         return sweep.notes
-    names = [*dict.fromkeys(str(test.number) for test in others)]
-    more = f" and {len(names) - _MOST_NAMED} more" * (len(names) > _MOST_NAMED)
+    names = [*dict.fromkeys(str(test.number) for test in tests)]
+    rest = f" and {len(names) - _MAX_NUMBERS} more" * (len(names) > _MAX_NUMBERS)
     words = (
-        f"test{'s' * (len(names) > 1)} {', '.join(names[:_MOST_NAMED])}{more}: loaded in another "
+        f"test{'s' * (len(names) > 1)} {', '.join(names[:_MAX_NUMBERS])}{rest}: loaded in another "
         "way than the sweep, so that wear before the end, and the temperature, differ"
     )
     return *sweep.notes, SceneNote("", words)
 
 
-def _is_alike(own: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:
-    """True if a test is loaded as the points of a sweep."""
+def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:
+    """True if the `loading` of a test is that of the points of a sweep."""
     plane = sweep.scene.loading
-    if isinstance(own, Stages) and isinstance(plane, Stages):
-        return own.shares_stages(plane)
-    if isinstance(own, Ramp) and isinstance(plane, Ramp):
-        return math.isclose(own.rate, plane.rate) and own.hold == plane.hold
-    return own == plane
+    if isinstance(loading, Stages) and isinstance(plane, Stages):
+        return loading.shares_stages(plane)
+    if isinstance(loading, Ramp) and isinstance(plane, Ramp):
+        return math.isclose(loading.rate, plane.rate) and loading.hold == plane.hold
+    return loading == plane

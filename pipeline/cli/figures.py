@@ -21,21 +21,21 @@ def plot(options: argparse.Namespace) -> Result:
     look = given.values_in(options, *names)
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
-    written = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))
-    document = {"kind": options.kind, "file": written}
-    return Result(document, [written], pipeline.points_with_warnings(ds))
+    path = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))
+    document = {"kind": options.kind, "file": path}
+    return Result(document, [path], pipeline.points_with_warnings(ds))
 
 
 def report(options: argparse.Namespace) -> Result:
     """Answer ``irg report``: write a page on a store, and print its path."""
-    asked = given.values_in(options, "load", "velocity", "title", "author")
-    asked["points"] = given.operating_points_in(options)
+    report_options = given.values_in(options, "load", "velocity", "title", "author")
+    report_options["points"] = given.operating_points_in(options)
     ds, conditions = given.dataset_in(options), given.conditions_in(options)
     out = options.output or given.path_beside(options.store, ".html")
     command = shlex.join(["irg", *sys.argv[1:]])
     with working("writing the report"):
-        written = str(pipeline.report(ds, out=out, command=command, **asked, **conditions))
-    return Result({"file": written}, [written], pipeline.points_with_warnings(ds))
+        path = str(pipeline.report(ds, out=out, command=command, **report_options, **conditions))
+    return Result({"file": path}, [path], pipeline.points_with_warnings(ds))
 
 
 def surface(options: argparse.Namespace) -> Result:
@@ -45,11 +45,12 @@ def surface(options: argparse.Namespace) -> Result:
     if options.scan is None:
         return _data_sheet(options)
     with working("fitting a random surface"):
-        found = pipeline.surface_statistics(
+        statistics = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.missing
         )
-    text = [*wrapped(found.lines()), "", *found.tables.splitlines()]  # TOML is not wrapped
-    return Result(found.as_dict(), text, draw=partial(pipeline.plot, found))
+    tables = statistics.tables.splitlines()  # TOML is not wrapped
+    text = [*wrapped(statistics.lines()), "", *tables]
+    return Result(statistics.as_dict(), text, draw=partial(pipeline.plot, statistics))
 
 
 def _data_sheet(options: argparse.Namespace) -> Result:
@@ -59,6 +60,6 @@ def _data_sheet(options: argparse.Namespace) -> Result:
         raise InputError("a figure needs a SCAN; leave -o out")
     pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
     with working("seeking the correlation length"):
-        toml, assumed = data_sheet_toml(options.ra, options.rsm, pixel)
-    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumed, "random_tables": toml}
-    return Result(document, [*assumed, "", *toml.splitlines()])
+        toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
+    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumptions, "random_tables": toml}
+    return Result(document, [*assumptions, "", *toml.splitlines()])

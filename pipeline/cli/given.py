@@ -30,7 +30,7 @@ _CONDITION_OF = {path: name for name, path in PATHS.items()}
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Values by name of the options in `names` that the user gave."""
     values = {name: getattr(options, name, None) for name in names}
-    return {k: one for k, one in values.items() if not (one is None or one is False or one == [])}
+    return {k: v for k, v in values.items() if not (v is None or v is False or v == [])}
 
 
 def path_beside(store: Path | str, ending: str) -> Path:
@@ -41,7 +41,7 @@ def path_beside(store: Path | str, ending: str) -> Path:
 
 def scene_in(options: argparse.Namespace) -> Sweep:
     """Load the command's scene, changed by the options for conditions and numerical choices."""
-    conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
+    conditions = {PATHS[name]: value for name, value in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{several[0]} takes a single value here")
     settings = dict[str, Any]()
@@ -72,8 +72,8 @@ def stored_tests_of(sweep: Sweep) -> str | None:
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     """Conditions given as options such as --friction, by name; several values are a list."""
-    given = values_in(options, *CONDITION_ENTRIES).items()
-    conditions = {name: values[0] if len(values) == 1 else values for name, values in given}
+    option_values = values_in(options, *CONDITION_ENTRIES).items()
+    conditions = {name: values[0] if len(values) == 1 else values for name, values in option_values}
     for path, value in getattr(options, "at", ()):
         if path in _CONDITION_OF:
             if _CONDITION_OF[path] in conditions:
@@ -114,8 +114,8 @@ def _select_entry(ds: xr.Dataset, path: str, value: str) -> xr.Dataset:
         )
     labels = ds[dim].values
     is_text = labels.dtype.kind not in "if"
-    near = labels == value if is_text else np.isclose(labels, to_si(value, value), ROUNDING, 0)
-    if not near.any():
-        known = ", ".join(value_words(ds[dim], one) for one in labels.tolist())
-        raise InputError(f"{path} {value} is not in the sweep, which has {known}")
-    return ds.isel({dim: int(np.flatnonzero(near)[0])})
+    is_equal = labels == value if is_text else np.isclose(labels, to_si(value, value), ROUNDING, 0)
+    if not is_equal.any():
+        known_words = ", ".join(value_words(ds[dim], label) for label in labels.tolist())
+        raise InputError(f"{path} {value} is not in the sweep, which has {known_words}")
+    return ds.isel({dim: int(np.flatnonzero(is_equal)[0])})

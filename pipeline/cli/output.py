@@ -30,7 +30,7 @@ DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 QUIET = threading.Event()
 """Set by --quiet: no progress and no notes are printed."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_LONGEST, _COLUMNS = 2000, 100  # most characters of a line; of a line of wrapped text
+_MAX_LENGTH, _COLUMNS = 2000, 100  # most characters of a line, and of a line of wrapped text
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
         if result.document is None:
             print_note(*(line for line in text if isinstance(line, str) and line))
     elif text:
-        print("\n".join(map(_shown, "\n".join(_lines(text)).split("\n"))), flush=True)
+        print("\n".join(map(_printable, "\n".join(_lines(text)).split("\n"))), flush=True)
 
 
 def _lines(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
@@ -89,13 +89,13 @@ def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
     wrap = textwrap.TextWrapper(
         _COLUMNS, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     ).wrap
-    parts = ((wrap(one) or [""]) if isinstance(one, str) else [one] for one in text)
+    parts = ((wrap(part) or [""]) if isinstance(part, str) else [part] for part in text)
     return [*itertools.chain(*parts)]
 
 
-def pluralized(number: int, one: str, several: str) -> str:
-    """Number with its noun, such as "1 load" or "3 loads"; `one` and `several` are the nouns."""
-    return f"{number} {one if number == 1 else several}"
+def pluralized(number: int, singular: str, plural: str) -> str:
+    """Number with its noun in the `singular` or `plural`, such as "1 load" or "3 loads"."""
+    return f"{number} {singular if number == 1 else plural}"
 
 
 def print_note(*messages: str | Progress) -> None:
@@ -106,7 +106,7 @@ def print_note(*messages: str | Progress) -> None:
 
 def print_error(message: str) -> None:
     """Print an error on stderr, on a line below a progress bar."""
-    lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
+    lines = "\n".join(map(_printable, f"irg: {message}".split("\n")))
     if "tqdm" not in sys.modules:  # no progress line; an import could fail for lack of memory
         print(lines, file=sys.stderr)
         return
@@ -115,14 +115,14 @@ def print_error(message: str) -> None:
     tqdm.write(lines, file=sys.stderr)
 
 
-def _shown(line: str) -> str:
+def _printable(line: str) -> str:
     """A line with control characters escaped, and cut at 2000 characters."""
-    line = line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
+    line = line if len(line) <= _MAX_LENGTH else f"{line[:_MAX_LENGTH]} …"
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 
 
 _BETWEEN_LINES = 10.0  # [s] between lines of progress if stderr is no terminal
-_SOON = 2.0  # [s] before a slow command reports that it is working
+_REPORT_AFTER = 2.0  # [s] before a slow command reports that it is working
 
 
 @contextmanager
@@ -165,11 +165,11 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
 @contextmanager
 def working(task: str) -> Iterator[Report]:
     """Context manager: print that `task` is running if it takes long; yield a progress function."""
-    timer = threading.Timer(_SOON, print_note, [f"{task} …"])
+    timer = threading.Timer(_REPORT_AFTER, print_note, [f"{task} …"])
     timer.daemon = True
     timer.start()
     try:
-        with run_line(_SOON) as line:
+        with run_line(_REPORT_AFTER) as line:
             yield line
     finally:
         timer.cancel()

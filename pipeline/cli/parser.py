@@ -59,17 +59,17 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 def whole_parser() -> argparse.ArgumentParser:
     """Parser of all commands."""
     raw = argparse.RawDescriptionHelpFormatter
-    said = "Predict when a lubricated sliding contact changes from mild to severe wear."
-    irg = _Parser(prog="irg", description=said, epilog=_BEGIN, formatter_class=raw)
+    description = "Predict when a lubricated sliding contact changes from mild to severe wear."
+    irg = _Parser(prog="irg", description=description, epilog=_BEGIN, formatter_class=raw)
     irg.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = irg.add_subparsers(metavar="COMMAND", title="commands")
     irg.set_defaults(parser=irg, commands=commands.choices)
 
     def add(name: str, function: str, purpose: str, example: str) -> argparse.ArgumentParser:
-        said = textwrap.fill(f"{purpose[0].upper()}{purpose[1:]}.")
+        description = textwrap.fill(f"{purpose[0].upper()}{purpose[1:]}.")
         example = f"example:\n  irg {name} {example}"
         command = commands.add_parser(
-            name, help=purpose, description=said, epilog=example, formatter_class=raw
+            name, help=purpose, description=description, epilog=example, formatter_class=raw
         )
         command.set_defaults(command=name, function=function, parser=command)
         _flag(command, "--json", "print one JSON document")
@@ -136,7 +136,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
         f"scene.toml {_AT}",
     )  # fmt: skip
     _scene(command)
-    _place(command, required=True)
+    _operating_point(command, required=True)
     _flag(command, "--without-tests", "ignore the tests of the scene")
     _realization(command)
     _conditions(command)
@@ -165,7 +165,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _quantity(command, "--duration T", words, "8 s")
     _bulk_temperature(command)
     _value(command, *_TABLE)
-    _place(command)
+    _operating_point(command)
     _realization(command)
 
     command = add(
@@ -215,7 +215,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     command.add_argument("--by", default="load", choices=rows, help=words)
     _flag(command, "--all", "print all rows and notes")
     _value(command, *_TABLE)
-    _judged(command)
+    _judgement(command)
 
     command = add(
         "margin", "pipeline.cli.verdicts:margin",
@@ -224,11 +224,11 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         f"results/scene.zarr {_AT}",
     )  # fmt: skip
     _store(command)
-    _place(command)
+    _operating_point(command)
     _points(command)
     _flag(command, "--all", "print all rows and notes")
     _value(command, *_TABLE)
-    _judged(command)
+    _judgement(command)
 
     command = add(
         "plot", "pipeline.cli.figures:plot", "draw a figure of a store",
@@ -247,8 +247,8 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _flag(command, "--log", "draw the diagram on logarithmic axes")
     words = "step of fields, counted back from the end of a point: 0, -1, ..."
     _value(command, "--step N", words, int)
-    _judged(command)
-    _place(command, action="append", default=[])
+    _judgement(command)
+    _operating_point(command, action="append", default=[])
     _realization(command)
 
     command = add(
@@ -257,16 +257,16 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         f"results/scene.zarr {_AT} -o report.html",
     )  # fmt: skip
     _store(command)
-    _place(command)
+    _operating_point(command)
     _points(command)
     words = "file of the report; default: beside the store"
     _value(command, "-o --output FILE.html", words, user_path)
     _value(command, "--title TITLE", "title of the report; default: that of the scene")
     _value(command, "--author NAME", "who has written it")
-    _judged(command)
+    _judgement(command)
 
 
-# Options, and those that several commands have
+# Functions that add an option, and options that several commands have
 
 
 def _value(command: Any, words: str, use: str, read: Any = None, **more: Any) -> None:
@@ -311,7 +311,7 @@ def _store(command: Any) -> None:
     _value(command, "store OUT.zarr", "results store, or name of its scene", values.stored)
 
 
-def _place(command: Any, **more: Any) -> None:
+def _operating_point(command: Any, **more: Any) -> None:
     _quantity(command, "--load F", "normal load on the whole pin", "750 N", **more)
     _quantity(command, "--velocity V", "sliding velocity", "1.25 m/s", **more)
 
@@ -349,7 +349,7 @@ def _conditions(command: argparse.ArgumentParser) -> None:
     _several(group, "--critical-area-fraction F", words, str)
 
 
-def _judged(command: argparse.ArgumentParser) -> None:
+def _judgement(command: argparse.ArgumentParser) -> None:
     words = (
         'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
         'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'

@@ -24,8 +24,8 @@ from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
-_BESIDE = (0.8, 1.2)  # velocities of two neighbours over the point's own
-_MANY = 8  # points from which on it is said first
+_NEIGHBOURS = (0.8, 1.2)  # velocities of two neighbours over that of the point
+_ANNOUNCED = 8  # most points that are simulated without a note
 _CONTACT = {
     "max_temperature": "highest temperature [°C]",
     "failed_area_fraction": "failed area fraction [%]",
@@ -40,41 +40,41 @@ _CONTACT = {
 
 
 def point(options: argparse.Namespace) -> Result:
-    """Answer ``irg point``: simulate a point, two beside it and the scene's tests, and judge it."""
+    """Answer ``irg point``: simulate a point, its two neighbours and the tests; judge it."""
     load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
     require_admissible_load(sweep, load, "--load")
-    velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
-    places = replace(
+    velocities = (_NEIGHBOURS[0] * velocity, velocity, _NEIGHBOURS[1] * velocity)
+    point_sweep = replace(
         sweep._take_surface(options.realization)._single_case(),
         steps="end",
         loads=(load,),
         velocities=velocities,
         tests=() if options.without_tests else sweep.tests,
     )
-    source = stored_tests_of(sweep) if places.tests else None
-    count = len(velocities) + sum(len(one.points) for one in places.tests)
-    if source is None and count > _MANY:
+    source = stored_tests_of(sweep) if point_sweep.tests else None
+    count = len(velocities) + sum(len(test.points) for test in point_sweep.tests)
+    if source is None and count > _ANNOUNCED:
         print_note(f"{count} points will be simulated, including those of tests")
-    with working("simulating") as progress, writing(None, places) as store:
-        wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
-        run_serial(store, wanted, source, progress)
+    with working("simulating") as progress, writing(None, point_sweep) as store:
+        ordered_points = [Point(load, speed) for speed in (velocity, velocities[0], velocities[2])]
+        run_serial(store, ordered_points, source, progress)
     ds = computed_dataset(store)
     contact = _contact_frame(ds.sel(load=[load], velocity=[velocity]))
     text, frame = ["without temperature.critical there is no verdict"], contact
     if sweep_of(ds).base.is_judged:
-        found = pipeline.margin(ds, load, velocity)
-        text = [*words.margin_lines(found), *words.common_lines(found)]
-        frame = whole_frame(found).join(contact)
+        margins = pipeline.margin(ds, load, velocity)
+        text = [*words.margin_lines(margins), *words.common_lines(margins)]
+        frame = whole_frame(margins).join(contact)
     warned = pipeline.points_with_warnings(ds)
     return Result(text=wrapped([*text, "", transposed(contact)]), warned=warned, frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
-    """Frame of one row: the contact at the end of a point, and its hottest over all steps."""
+    """Frame of one row: the contact at the end of a point, and its highest temperatures."""
     highest = pipeline.temperatures(ds).max("step")
-    both = pipeline.end_of_point(ds).merge(highest, compat="override")
-    values = {head: both[name].item() for name, head in _CONTACT.items() if name in both}
+    contact = pipeline.end_of_point(ds).merge(highest, compat="override")
+    values = {head: contact[name].item() for name, head in _CONTACT.items() if name in contact}
     return frame_of([*values], [[*values.values()]])
 
 
@@ -86,33 +86,37 @@ def infer(options: argparse.Namespace) -> Result:
     sweep = one_scene_in(options)._take_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
-    if any(one is not None for one in (options.load, options.velocity, options.duration)):
+    if any(option is not None for option in (options.load, options.velocity, options.duration)):
         raise InputError("--load, --velocity and --duration apply only with --contact-width")
     if not sweep.tests:
         raise InputError(
             f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
-    least = replace(sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
-    with working("simulating the tests") as progress, writing(None, least) as store:
+    small_sweep = replace(
+        sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:]
+    )
+    with working("simulating the tests") as progress, writing(None, small_sweep) as store:
         run_serial(store, source=stored_tests_of(sweep), report=progress)
     ds = computed_dataset(store)
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
-    found = {str(name): one.item() for name, one in values.items()}
-    said = (
-        f" {display(found['critical_temperature'], '°C', 4)}; standard deviation "
-        f"{found['spread_another_rig']:.2g} K for another rig, {found['spread_this_rig']:.2g} K "
+    result = {str(name): value.item() for name, value in values.items()}
+    temperature_words = (
+        f" {display(result['critical_temperature'], '°C', 4)}; standard deviation "
+        f"{result['spread_another_rig']:.2g} K for another rig, {result['spread_this_rig']:.2g} K "
         "for this one"
     )
     for bound in ("at_least", "at_most"):
-        if not math.isnan(found[bound]):
-            said = f": {bound.replace('_', ' ')} {display(found[bound], '°C', 3)} (95 %)"
+        if not math.isnan(result[bound]):
+            temperature_words = (
+                f": {bound.replace('_', ' ')} {display(result[bound], '°C', 3)} (95 %)"
+            )
     count = pluralized(tests.sizes["test"], "test", "tests")
     frame = answer_frame(tests)
     text = [
-        f"critical temperature{said}, from {count}", "", without_columns(frame),
+        f"critical temperature{temperature_words}, from {count}", "", without_columns(frame),
         *words.common_lines(tests),
     ]  # fmt: skip
-    return Result({**found, "tests": records([frame])}, wrapped(text), frames=[frame])
+    return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
@@ -125,7 +129,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     *_, end = sweep.scene.all_load_steps(load)
     with working("searching for the wear rate, one simulation at a time"):
         rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
-    value, lowest, highest = (shown_in(one, "mm³/(N m)") for one in astuple(rate))
+    value, lowest, highest = (shown_in(limit, "mm³/(N m)") for limit in astuple(rate))
     longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
     text = [
         f"specific wear rate {value:.3g} mm³/(N m); {lowest:.3g} to {highest:.3g} if the width "

@@ -18,12 +18,12 @@ def status(options: argparse.Namespace) -> Result:
     """Answer ``irg status``: count the points of a store."""
     state, sweep = states(options.store)
     tests = [state.tests] if state.tests else []
-    failed = [point for one in (state, *tests) for point in one.failed]
+    failed = [point for summary in (state, *tests) for point in summary.failed]
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
     text = [
         state.title,
         f"{state.total} points: {counts}",
-        *(f"tests: {one.done} of {one.total} points done" for one in tests),
+        *(f"tests: {summary.done} of {summary.total} points done" for summary in tests),
         *[f"running: {state.running}"] * bool(state.running),
         error_in_words(sweep),
         *(f"failed: {point}" for point in failed),
@@ -45,12 +45,12 @@ def verify(options: argparse.Namespace) -> Result:
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
     text, rows, document = list[str](), list[tuple[object, ...]](), dict[str, object]()
-    for kind, one in {"points": check, "tests": check.tests}.items():
-        if one:
-            document[kind] = {"done": one.done, "damaged": len(one.damaged)}
-            text.append(f"{kind}: {one.done} done and undamaged, {len(one.damaged)} damaged")
-            text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
-            rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
+    for kind, group in {"points": check, "tests": check.tests}.items():
+        if group:
+            document[kind] = {"done": group.done, "damaged": len(group.damaged)}
+            text.append(f"{kind}: {group.done} done and undamaged, {len(group.damaged)} damaged")
+            text += [f"damaged: {damage}" for damage in (*group.damaged, *group.shared)]
+            rows += [(p.load, p.velocity, p.place, p.message) for p in group.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     document |= {"damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:

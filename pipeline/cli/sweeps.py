@@ -28,21 +28,21 @@ from tribo import InputError
 def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     if options.dry_run:
-        options.output = None  # it names the store; irg check would write its table there
+        options.output = None  # the path of the store; irg check would write its table to it
         return check(options)
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
-    print_note(*(f"note: {one.text}" for one in notes_on_scene(sweep)))
+    print_note(*(f"note: {note.text}" for note in notes_on_scene(sweep)))
     for line in warning_lines(sweep):
         output.print_error(line)  # with --quiet, too
     require_admissible_load(sweep, min(sweep.loads), "sweep.loads")
     choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
-    elsewhere = None
+    remote_client = None
     if options.scheduler or options.scheduler_file:
         from pipeline.run.cluster import client_of  # Dask, which irg check does without
 
-        elsewhere = client_of(options.scheduler, options.scheduler_file)
-    with elsewhere or nullcontext() as client, output.run_line() as progress:
+        remote_client = client_of(options.scheduler, options.scheduler_file)
+    with remote_client or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     ds, tests = pipeline.open_sweep(out), outcome.tests
     failed = *outcome.failed, *(tests.failed if tests else ())
@@ -65,9 +65,9 @@ def run(options: argparse.Namespace) -> Result:
         from pipeline.run.goal import reached, why_fixed
 
         goals = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
-        text += [line for one in goals for line in one.lines(options.accuracy, fixed)]
-        is_reached = all(one.is_below(options.accuracy) for one in goals)
-        scenes = [one._asdict() for one in goals]
+        text += [line for goal in goals for line in goal.lines(options.accuracy, fixed)]
+        is_reached = all(goal.is_below(options.accuracy) for goal in goals)
+        scenes = [goal._asdict() for goal in goals]
         document["accuracy"] = {"goal": options.accuracy, "scenes": scenes}
     elif has_unknown_error(sweep_of(ds)):
         text.append(error_in_words(sweep_of(ds)))
@@ -80,16 +80,17 @@ def run(options: argparse.Namespace) -> Result:
 
 
 def _ending(ds: xr.Dataset, store: str) -> list[str]:
-    """The boundary of a sweep that was run, and the commands that go on from its `store`."""
+    """Line on the boundary of a finished sweep, and commands to continue with its `store`."""
     if not sweep_of(ds).base.is_judged:
         return [f"next: irg plot {store} --kind ramp"]
     if not {*PLANE} <= {*ds["status"].dims}:
         return [f"next: irg margin {store}, irg plot {store}"]
-    found = list[str]()
+    boundary_lines = list[str]()
     if not case_dims(ds):  # one scene; irg boundary has a table of several
-        with suppress(InputError):  # as where too few points are done; irg boundary says why
-            found = [next_run_line(pipeline.boundary(ds))]
-    return [*found, f"next: irg boundary {store}, irg plot {store}"]
+        # Without a boundary, for example if too few points are done, irg boundary prints why.
+        with suppress(InputError):
+            boundary_lines = [next_run_line(pipeline.boundary(ds))]
+    return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
 
 
 def trade(options: argparse.Namespace) -> Result:
@@ -97,6 +98,6 @@ def trade(options: argparse.Namespace) -> Result:
     out = options.store_path or Path("results") / f"{options.scene.stem}-trade.zarr"
     scene = scene_in(options)
     with output.run_line() as progress:
-        found = pipeline.trade(scene, out, workers=options.workers, progress=progress)
-    text = [str(found), f"points: {out}"]
-    return Result(text=text, frames=[found.table], draw=partial(pipeline.plot, found))
+        study = pipeline.trade(scene, out, workers=options.workers, progress=progress)
+    text = [str(study), f"points: {out}"]
+    return Result(text=text, frames=[study.table], draw=partial(pipeline.plot, study))

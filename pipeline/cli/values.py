@@ -117,6 +117,6 @@ def writable(*kinds: str) -> Callable[[str], Path]:
         from pipeline.frames import FIGURES, TABLES, writable_path
 
         suffixes = {"figure": FIGURES, "table": TABLES}
-        return writable_path(text, [one for kind in kinds for one in suffixes[kind]])
+        return writable_path(text, [suffix for kind in kinds for suffix in suffixes[kind]])
 
     return read

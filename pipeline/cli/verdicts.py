@@ -19,7 +19,7 @@ from pipeline.cli.output import Result, pluralized, working, wrapped
 from pipeline.frames import some_rows, without_columns
 from tribo import InputError
 
-_MOST_ROWS = 8  # rows of a table printed; --all, --json and files have all
+_MAX_ROWS = 8  # most rows of a printed table; --all, --json and files have all
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -27,48 +27,52 @@ def margin(options: argparse.Namespace) -> Result:
     points = operating_points_in(options)
     ds, conditions = dataset_in(options), conditions_in(options)
     with working("evaluating operating points"):
-        found = pipeline.margin(ds, points or options.load, options.velocity, **conditions)
+        margins = pipeline.margin(ds, points or options.load, options.velocity, **conditions)
     if options.load is None:
-        text = _rows_text(found, options.all)
-    elif (found["verdict"] == UNKNOWN).all():
-        raise InputError(str(found["reason"].values.flat[0]))
+        text = _rows_text(margins, options.all)
+    elif (margins["verdict"] == UNKNOWN).all():
+        raise InputError(str(margins["reason"].values.flat[0]))
     else:
-        text = _point_text(found)
+        text = _point_text(margins)
     warned = pipeline.points_with_warnings(ds)
-    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(found)])
+    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(margins)])
 
 
-def _point_text(found: xr.Dataset) -> list[str | pd.DataFrame]:
-    """Lines on one point, under each of several conditions."""
-    lines, sizes = list[str | pd.DataFrame](), found.sizes
-    for place in np.ndindex(*sizes.values()):
-        here = found.isel(dict(zip(sizes, place, strict=True)))
-        own = [named_value(here[dim]) for dim in sizes]
-        lines += [f"{', '.join(own)}:"] * bool(own)
-        lines += words.margin_lines(here)
-    return [*lines, *words.common_lines(found)]
+def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
+    """Lines on one point, for each of several conditions."""
+    lines, sizes = list[str | pd.DataFrame](), margins.sizes
+    for index in np.ndindex(*sizes.values()):
+        margin = margins.isel(dict(zip(sizes, index, strict=True)))
+        conditions = [named_value(margin[dim]) for dim in sizes]
+        lines += [f"{', '.join(conditions)}:"] * bool(conditions)
+        lines += words.margin_lines(margin)
+    return [*lines, *words.common_lines(margins)]
 
 
-def _rows_text(found: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
+def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     """The rows with the least margins, and lines on all of them."""
-    verdicts, counts = np.unique(words.code_text(found["verdict"]).astype(str), return_counts=True)
-    said = ", ".join(f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True))
+    verdicts, counts = np.unique(
+        words.code_text(margins["verdict"]).astype(str), return_counts=True
+    )
+    verdict_counts = ", ".join(
+        f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True)
+    )
     count = pluralized(int(counts.sum()), "operating point", "operating points")
-    frame = margin_frame(found)
-    worst = frame if has_all else frame.sort_values("temperature margin [K]").head(_MOST_ROWS)
-    more = len(frame) - len(worst)
+    frame = margin_frame(margins)
+    printed = frame if has_all else frame.sort_values("temperature margin [K]").head(_MAX_ROWS)
+    omitted = len(frame) - len(printed)
     return [
-        f"{count}: {said}",
-        *words.conditions_lines(found),
-        *words.not_included_lines(found),
+        f"{count}: {verdict_counts}",
+        *words.conditions_lines(margins),
+        *words.not_included_lines(margins),
         "",
-        worst,
+        printed,
         "",
-        *[f"{more} more rows: use --all, or -o TABLE.csv"] * bool(more),
-        *words.reason_lines(found),
-        *words.row_warnings(found),
-        words.model_error_line(found),
-        *words.common_lines(found),
+        *[f"{omitted} more rows: use --all, or -o TABLE.csv"] * bool(omitted),
+        *words.reason_lines(margins),
+        *words.row_warnings(margins),
+        words.model_error_line(margins),
+        *words.common_lines(margins),
     ]
 
 
@@ -77,20 +81,20 @@ def boundary(options: argparse.Namespace) -> Result:
     ds, conditions = dataset_in(options), conditions_in(options)
     warned = pipeline.points_with_warnings(ds)
     if options.by == "test":
-        found = pipeline.compare_tests(ds, **conditions)
-        if not found.sizes["test"]:
+        results = pipeline.compare_tests(ds, **conditions)
+        if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
-        table = without_columns(answer_frame(found))
-        text: list[Any] = ["tests, each at its own conditions", table, *words.common_lines(found)]
-        return Result(text=wrapped(text), warned=warned, frames=[whole_frame(found)])
+        table = without_columns(answer_frame(results))
+        text: list[Any] = ["tests, each at its own conditions", table, *words.common_lines(results)]
+        return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
     with working("computing the boundary"):
-        found = pipeline.boundary(ds, **conditions)
-    shown = without_columns(boundary_frame(found, options.by))
-    few = shown if options.all else some_rows(shown, _MOST_ROWS)
-    more = [f"{len(shown) - len(few)} more rows: use --all, or -o TABLE.csv"]
+        results = pipeline.boundary(ds, **conditions)
+    rows = without_columns(boundary_frame(results, options.by))
+    printed = rows if options.all else some_rows(rows, _MAX_ROWS)
+    hint = [f"{len(rows) - len(printed)} more rows: use --all, or -o TABLE.csv"]
     text = [
-        *words.conditions_lines(found), "", few, "", *more * (len(few) < len(shown)),
-        *words.boundary_lines(found),
+        *words.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
+        *words.boundary_lines(results),
     ]  # fmt: skip
-    parts = [name for name in map(str, found) if found[name].dims[-1:] == (options.by,)]
-    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(found, *parts)])
+    parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
+    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])
