@@ -1,4 +1,4 @@
-"""Dask clusters: worker processes on this machine, or those of a client that is given."""
+"""Dask clusters: worker processes on this machine, or those of the caller's client."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ CONFIGURATION = {
     "distributed.scheduler.worker-ttl": "30s",  # a worker that hangs so long is started again
     "distributed.worker.multiprocessing-method": "forkserver",
     "distributed.nanny.pre-spawn-environ": ENVIRONMENT,
-    # A worker that goes on holding 80 % of its memory would be paused, and the run never end.
+    # A worker that keeps using 80 % of its memory would be paused, and the run would never end.
     "distributed.worker.memory.pause": False,
     # Dask looks after itself every few milliseconds. On a machine that is busy with other programs,
     # this was a fifth of the CPU time of 12 × 30 points at `standard` (34.6 s, 26.8 s before).
@@ -51,7 +51,7 @@ CONFIGURATION = {
     "distributed.worker.memory.monitor-interval": "1s",
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
-    # Anybody on the machine could give commands there.
+    # Every user of the machine could give commands by these routes.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
@@ -59,16 +59,16 @@ CONFIGURATION = {
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 
 _PRELOAD = ["pipeline.run.preload"]
-_STATICS = ["distributed.http.statics"]  # files of the dashboard, and nothing that takes commands
-_START = 120.0  # time that workers may take to start [s]
-_END = 60.0  # time that the cluster may take to end [s], after which its processes are killed
+_STATIC_ROUTES = ["distributed.http.statics"]  # files of the dashboard; they take no commands
+_START_TIMEOUT = 120.0  # time that workers may take to start [s]
+_CLOSE_TIMEOUT = 60.0  # time after which the processes of an ending cluster are killed [s]
 
 
 @contextmanager
 def connected(
     client: Client | None, workers: int, progress: Report = silent, dashboard: bool = False
 ) -> Iterator[Client]:
-    """Context manager: yield `client`, or if it is None a client of workers that are started here.
+    """Context manager: yield `client`; if it is None, start workers and yield their client.
 
     `dashboard` reports the link of Dask's page on the progress of the workers, and serves the page
     of workers that were started here.
@@ -94,7 +94,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
     The connections of scheduler and workers use keys that no other user has. Dask starts others
     for workers that die.
     """
-    routes = {"distributed.scheduler.http.routes": _STATICS if dashboard else []}
+    routes = {"distributed.scheduler.http.routes": _STATIC_ROUTES if dashboard else []}
     with dask.config.set(CONFIGURATION | routes):
         start_forkserver()
         with _no_interrupts():
@@ -103,7 +103,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                     n_workers=workers,
                     threads_per_worker=1,
                     security=Security.temporary(),
-                    death_timeout=_START,
+                    death_timeout=_START_TIMEOUT,
                     dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
                     scheduler_kwargs={"dashboard": dashboard},
                     silence_logs=logging.CRITICAL,
@@ -121,7 +121,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
         finally:
             with _no_interrupts():
                 try:
-                    cluster.close(timeout=_END)
+                    cluster.close(timeout=_CLOSE_TIMEOUT)
                 except (OSError, AssertionError):  # not in time, or a worker was just starting
                     for process in multiprocessing.active_children():
                         process.kill()  # or Python would wait for them when it ends
@@ -133,7 +133,7 @@ def start_forkserver() -> None:
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
     multiprocessing.set_forkserver_preload(_PRELOAD)
-    before = dict(os.environ)
+    environment = dict(os.environ)
     # It imports from the folders of this process, not from the current folder.
     os.environ.update(ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=os.pathsep.join(sys.path))
     try:
@@ -141,7 +141,7 @@ def start_forkserver() -> None:
             forkserver.ensure_running()
     finally:
         os.environ.clear()
-        os.environ.update(before)
+        os.environ.update(environment)
 
 
 @contextmanager
@@ -153,11 +153,11 @@ def _no_interrupts() -> Iterator[None]:
     """
     # Before Python 3.13, starting the tracker unblocks SIGINT: start it before SIGINT is blocked.
     resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)
 
 
 def client_of(
@@ -177,7 +177,7 @@ def client_of(
     # A TypeError means that certificates are missing.
     except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
         reason = f"no Dask scheduler answers at {address or file}: {error}"
-    # Collect now: a half-made client that is collected while the next one starts takes a lock of
-    # Dask's that the next one holds, and both wait for ever.
+    # Collect the incomplete client now. If it is collected while another client starts, it waits
+    # for a lock of Dask that the other client has, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)

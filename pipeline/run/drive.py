@@ -1,8 +1,8 @@
 """The points of a sweep as independent tasks of Dask.
 
 Dask orders them, and computes a task again whose result is lost. The driver keeps two or more tasks
-for each worker, one that it computes and others that wait; the next one continues, if possible, a
-loading ramp that this worker has cached.
+for each worker: one is computed, the others wait. If possible, the next task continues a loading
+ramp that this worker has cached.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ from pipeline.sweep.sweep import Point
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
 
-_AHEAD = 0.4  # time that the tasks of a worker take together [s], within these numbers of tasks
-_LEAST_AHEAD, _MOST_AHEAD = 2, 16
-_SPARE = 16  # tasks for workers that are still to come: a cluster that adapts starts them for tasks
-_DEATHS = 3  # of its workers, after which a point counts as failed
-_SHARED = 2  # deaths of its workers after which a point is tried alone
-_KILLED = (
+_TIME_AHEAD = 0.4  # computing time of the tasks submitted to a worker [s]
+_MIN_AHEAD, _MAX_AHEAD = 2, 16
+_SPARE_TASKS = 16  # tasks without a worker, for which an adaptive cluster starts workers
+_MAX_DEATHS = 3  # deaths of its workers after which a point has failed
+_MAX_SHARED_DEATHS = 2  # deaths of its workers after which a point is computed without other tasks
+_KILLED_MESSAGE = (
     "{} workers died; the last one was computing only this point, which may need more memory than "
     "it had; use fewer workers, or reduce window.pixels"
 )
@@ -50,45 +50,45 @@ class _Job:
     task: Task
     worker: str
     is_alone: bool = False
-    has_killed: bool = False  # True if its worker died, by this task or by one beside it
+    has_killed: bool = False  # True if its worker died, by this or another task
 
 
 class TaskQueue:
-    """Waiting tasks by loading ramp, and the ramp that each worker had last.
+    """Waiting tasks by loading ramp, and the last ramp of each worker.
 
-    A worker gets the next load of the ramp that it had last; else the lowest load of a ramp that
-    nobody has begun; else the next load of the ramp with most points left.
+    A worker gets the next load of its last ramp; if there is none, the lowest load of a new ramp;
+    if all ramps have begun, the next load of the ramp with most waiting tasks.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        self._left: dict[tuple[Any, ...], deque[Task]] = {}
+        self._tasks_by_ramp: dict[tuple[Any, ...], deque[Task]] = {}
         for task in tasks:
-            self._left.setdefault(task.ramp, deque()).append(task)
-        self._fresh = dict.fromkeys(self._left)
-        self._last: dict[Hashable, tuple[Any, ...]] = {}
+            self._tasks_by_ramp.setdefault(task.ramp, deque()).append(task)
+        self._new_ramps = dict.fromkeys(self._tasks_by_ramp)
+        self._last_ramps: dict[Hashable, tuple[Any, ...]] = {}
 
     def __len__(self) -> int:
-        return sum(map(len, self._left.values()))
+        return sum(map(len, self._tasks_by_ramp.values()))
 
     def __bool__(self) -> bool:
-        return bool(self._left)
+        return bool(self._tasks_by_ramp)
 
     def take(self, worker: Hashable) -> Task:
         """Remove and return the next task for a worker; the queue must not be empty."""
-        ramp = self._last.get(worker)
-        if ramp is None or ramp not in self._left:
-            ramp = next(iter(self._fresh), None)
-            ramp = ramp or max(self._left, key=lambda one: len(self._left[one]))
-        self._fresh.pop(ramp, None)
-        self._last[worker] = ramp
-        task = self._left[ramp].popleft()
-        if not self._left[ramp]:
-            del self._left[ramp]
+        ramp = self._last_ramps.get(worker)
+        if ramp is None or ramp not in self._tasks_by_ramp:
+            ramp = next(iter(self._new_ramps), None)
+            ramp = ramp or max(self._tasks_by_ramp, key=lambda key: len(self._tasks_by_ramp[key]))
+        self._new_ramps.pop(ramp, None)
+        self._last_ramps[worker] = ramp
+        task = self._tasks_by_ramp[ramp].popleft()
+        if not self._tasks_by_ramp[ramp]:
+            del self._tasks_by_ramp[ramp]
         return task
 
     def put_back(self, task: Task) -> None:
         """Put a task that was not computed back into the queue, as the next task of its ramp."""
-        self._left.setdefault(task.ramp, deque()).appendleft(task)
+        self._tasks_by_ramp.setdefault(task.ramp, deque()).appendleft(task)
 
 
 def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally: Tally) -> None:
@@ -103,22 +103,29 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
 
 def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
     tasks = _Tasks(client, writer.store)
-    suspects = deque[Task]()  # of workers that died: one of them may have killed its worker
-    deaths = Counter[Point]()  # of workers that had a point
-    recent = deque([1.0], maxlen=50)  # times of points [s]
+    suspect_tasks = deque[Task]()  # tasks of workers that died, of which one may be the cause
+    deaths = Counter[Point]()  # deaths of workers, by the point that they had
+    recent_times = deque([1.0], maxlen=50)  # times of points [s]
     try:
-        while queue or suspects or tasks:
+        while queue or suspect_tasks or tasks:
             workers = watch()
-            ahead = max(int(_AHEAD / max(fmean(recent), _AHEAD / _MOST_AHEAD)), _LEAST_AHEAD)
+            max_ahead = max(
+                int(_TIME_AHEAD / max(fmean(recent_times), _TIME_AHEAD / _MAX_AHEAD)), _MIN_AHEAD
+            )
             busy = Counter(job.worker for job in tasks.running.values())
-            able = [one for one in workers if busy[one] <= ahead // 2]
-            free = [one for count in range(ahead) for one in able if busy[one] <= count]
+            available = [worker for worker in workers if busy[worker] <= max_ahead // 2]
+            slots = [
+                worker
+                for count in range(max_ahead)
+                for worker in available
+                if busy[worker] <= count
+            ]
             adaptive = getattr(client.cluster, "_adaptive", None)
             if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
-                free += [ANYWHERE] * (_SPARE - busy[ANYWHERE])
-            jobs = [_Job(queue.take(one or object()), one) for one in free if queue]
-            if suspects and not (jobs or tasks):
-                jobs = [_Job(suspects.popleft(), ANYWHERE, is_alone=True)]
+                slots += [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
+            jobs = [_Job(queue.take(worker or object()), worker) for worker in slots if queue]
+            if suspect_tasks and not (jobs or tasks):
+                jobs = [_Job(suspect_tasks.popleft(), ANYWHERE, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
                 for job, result in tasks.ended(watch.present):
@@ -127,13 +134,15 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         record, program = loaded(result)
                         watch.require_program(program)
                         writer.add([record])
-                        recent.append(record.wall_time if record.data else recent[-1])
+                        recent_times.append(record.wall_time if record.data else recent_times[-1])
                         continue
                     deaths[point] += job.has_killed
-                    if job.is_alone and deaths[point] >= _DEATHS:
-                        writer.add([PointRecord(point, None, _KILLED.format(deaths[point]))])
-                    elif deaths[point] >= _SHARED:
-                        suspects.append(job.task)
+                    if job.is_alone and deaths[point] >= _MAX_DEATHS:
+                        writer.add(
+                            [PointRecord(point, None, _KILLED_MESSAGE.format(deaths[point]))]
+                        )
+                    elif deaths[point] >= _MAX_SHARED_DEATHS:
+                        suspect_tasks.append(job.task)
                     else:
                         queue.put_back(job.task)
             if written := writer.written():
@@ -150,7 +159,7 @@ class _Tasks:
         self._client, self._store = client, store
         self._stored_steps = choose_stored_steps(store.sweep)
         self._cases: dict[tuple[str, Fields], bytes] = {}
-        # A scheduler may know other runs.
+        # Keys with a random name, as a scheduler may have tasks of other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
         self._ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self.running: dict[Future, _Job] = {}
@@ -185,15 +194,15 @@ class _Tasks:
         case = sweep.case(name)
         key = sweep._hash_scene(case.scene), fields
         if key not in self._cases:
-            made = Case(case.scene, self._stored_steps, fields, case.has_film)
-            self._cases[key] = made.pickled()
+            new_case = Case(case.scene, self._stored_steps, fields, case.has_film)
+            self._cases[key] = new_case.pickled()
         return self._cases[key]
 
     def ended(self, present: Collection[str]) -> Iterator[tuple[_Job, bytes | None]]:
         """Wait until a task ends, at most a second; yield the jobs that have ended, with results.
 
-        The result is None if the task is lost. `present` has the workers that there are. A job
-        whose worker is gone is taken back: if no other worker was there, Dask never runs it.
+        The result is None if the task is lost. `present` has the connected workers. A job
+        whose worker is lost is taken back: without another worker Dask would never run it.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
@@ -213,7 +222,7 @@ class _Tasks:
                 yield job, None
 
     def release(self) -> None:
-        """Leave nothing on a scheduler of others; no answer is waited for."""
+        """Release all futures, so that a shared scheduler keeps none; do not wait for answers."""
         for future in self.running:
             future.release()
 
@@ -240,14 +249,14 @@ class Tally:
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
-        asked = np.concatenate([one.flags[one.flags != NOT_NEEDED] for one in self._groups])
-        done, failed, pending = (int(np.sum(asked == flag)) for flag in (DONE, FAILED, PENDING))
+        flags = np.concatenate([group.flags[group.flags != NOT_NEEDED] for group in self._groups])
+        done, failed, pending = (int(np.sum(flags == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None
         if self.computed:
             rounds = max(pending / max(workers, 1), min(pending, 1))
             time_to_go = rounds * self._seconds / self.computed
         elapsed = time.monotonic() - self._began
-        self._progress(Progress("", done, asked.size, failed, elapsed, time_to_go))
+        self._progress(Progress("", done, flags.size, failed, elapsed, time_to_go))
 
 
 def shown_progress(progress: Report | None) -> Report:

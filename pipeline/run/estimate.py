@@ -26,13 +26,13 @@ from tribo.simulation.ramp_cache import MOST_BYTES
 _SECONDS_TO_START = 1.0  # to start a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # to schedule and write a point
 _WORKER_BYTES = 115e6  # interpreter and libraries
-_PACKED = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try
+_COMPRESSION = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try
 _STORE_BYTES = 0.36e6  # an empty store: some 30 arrays, each with a folder and two files
 _HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_FIELDS_OF_STATE = 3  # arrays kept for each increment of a ramp
-_MOST_PIXELS = 2e7  # largest surface that is generated here
-_PATIENCE = 1.0  # [s] of processor time after which no further step is timed
+_FIELDS_OF_STATE = 3  # arrays cached for each increment of a ramp
+_MAX_PIXELS = 2e7  # largest surface that is generated for an estimate
+_TIMING_LIMIT = 1.0  # [s] of processor time after which no further step is timed
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,44 +78,44 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         require_count("workers", workers)
     sweep, available = sweep_of(sweep), cpu_count()
     workers = workers or available
-    given = sweep.case_table.without_surfaces.names
-    scene = sweep._select_case(given[len(given) // 2])
+    cases = sweep.case_table.without_surfaces.names
+    scene = sweep._select_case(cases[len(cases) // 2])
     *times, state = time_steps(scene)
     seconds = _SECONDS_TO_START
-    every = [*tasks(points_of(sweep), sweep)]
-    slots = list_points_of_tests(sweep)
-    of_tests = sweep_of_tests(sweep, False) if slots else None
-    own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
-    for one, todo in ((sweep, every), (of_tests, own)):
-        if one and todo:
-            parallel = min(workers, len(todo))
+    sweep_tasks = [*tasks(points_of(sweep), sweep)]
+    test_points = list_points_of_tests(sweep)
+    tests_sweep = sweep_of_tests(sweep, False) if test_points else None
+    test_tasks = [*tasks(points_of(tests_sweep), tests_sweep)] if tests_sweep else []
+    for part, part_tasks in ((sweep, sweep_tasks), (tests_sweep, test_tasks)):
+        if part and part_tasks:
+            parallel = min(workers, len(part_tasks))
             busy = max(1.0, parallel / available)
-            seconds += busy * _seconds_of_tasks(one, todo, *times) / parallel
+            seconds += busy * _seconds_of_tasks(part, part_tasks, *times) / parallel
     return Estimate(
-        points=len(every),
-        tests=len(slots),
-        tasks=len(every),
+        points=len(sweep_tasks),
+        tests=len(test_points),
+        tasks=len(sweep_tasks),
         workers=workers,
         seconds=seconds,
-        disk_bytes=_STORE_BYTES + (len(every) + len(own)) * _point_bytes(scene, state),
+        disk_bytes=_STORE_BYTES + (len(sweep_tasks) + len(test_tasks)) * _point_bytes(scene, state),
     )
 
 
 def _seconds_of_tasks(
-    sweep: Sweep, todo: Iterable[Task], contact_time: float, heat_time: float
+    sweep: Sweep, sweep_tasks: Iterable[Task], contact_time: float, heat_time: float
 ) -> float:
-    """Time of tasks one after another [s]; those of one ramp share its steps."""
+    """Time of tasks in sequence [s]; tasks of one ramp share its steps."""
     stored, seconds = choose_stored_steps(sweep), 0.0
-    for _, shared in itertools.groupby(todo, key=lambda task: task.ramp):
-        points = [task.point for task in shared]  # their loads ascend
+    for _, ramp_tasks in itertools.groupby(sweep_tasks, key=lambda task: task.ramp):
+        points = [task.point for task in ramp_tasks]  # their loads ascend
         load, velocity, case = points[-1]
         scene = sweep.case(case).scene
         steps = len([*scene.load_steps(load, stored.heat_steps(scene, load), velocity)])
-        kept = [len(stored.select(scene, one.load, velocity)) for one in points]
-        if stored.steps == "course":  # on the grid of the history, and on their own
-            solved, heated = 2 * steps + len(points), kept[-1] + len(points)
+        stored_counts = [len(stored.select(scene, point.load, velocity)) for point in points]
+        if stored.steps == "course":  # on the grid of the history, and on that of the point
+            solved, heated = 2 * steps + len(points), stored_counts[-1] + len(points)
         else:
-            solved, heated = steps + len(points), sum(kept) + steps * scene.remembers_heat
+            solved, heated = steps + len(points), sum(stored_counts) + steps * scene.remembers_heat
         heated *= bool(scene.friction_heat and velocity)
         seconds += solved * contact_time + heated * heat_time + len(points) * _SECONDS_TO_COMMIT
     return seconds
@@ -133,11 +133,13 @@ def worker_bytes(sweep: Sweep) -> float:
     """Memory that a worker needs [B], including the results of steps kept for reuse."""
     scene = as_computed(sweep)
     coarse, *finer = scene.levels()
-    kept_on = [coarse, *finer[-1:]] if choose_stored_steps(sweep).steps == "course" else [coarse]
-    elements = sum(math.prod(one.grid.shape) for one in kept_on)
-    of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
-    kept = min(MOST_BYTES, of_ramp) if scene.remembers_steps else 0.0
-    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
+    cached_levels = (
+        [coarse, *finer[-1:]] if choose_stored_steps(sweep).steps == "course" else [coarse]
+    )
+    elements = sum(math.prod(level.grid.shape) for level in cached_levels)
+    ramp_bytes = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
+    cache_bytes = min(MOST_BYTES, ramp_bytes) if scene.remembers_steps else 0.0
+    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + cache_bytes
 
 
 def as_computed(sweep: Sweep) -> Scene:
@@ -146,7 +148,7 @@ def as_computed(sweep: Sweep) -> Scene:
     If there are very many pixels, elements are single pixels instead.
     """
     scene = sweep.scene
-    if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
+    if math.prod(scene.pixels.shape) <= _MAX_PIXELS:
         return fit_elements(scene, min(sweep.loads))
     finest = replace(scene.fidelity, pixels_per_element=1, fewest_elements=0)
     return replace(scene, fidelity=finest)
@@ -160,28 +162,28 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
     """
     moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
-    of_contacts, of_heat, ramp_cache = list[float](), list[float](), RampCache()
+    contact_times, heat_times, ramp_cache = list[float](), list[float](), RampCache()
     ramps = (contacts(sweep.scene, load, velocity, ramp_cache) for load in sweep.loads)
     began = time.process_time()
     for state in itertools.chain.from_iterable(ramps):
         if not state.pressure.any():
             continue
-        of_contacts.append(time.process_time() - began)
+        contact_times.append(time.process_time() - began)
         began = time.process_time()
         if state.is_requested and state.heat is None:
             heat(sweep.scene, state, velocity)
-            of_heat.append(time.process_time() - began)
-        if state.is_requested and sum(of_contacts) + sum(of_heat) > _PATIENCE:
+            heat_times.append(time.process_time() - began)
+        if state.is_requested and sum(contact_times) + sum(heat_times) > _TIMING_LIMIT:
             break
         began = time.process_time()
-    return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
+    return float(np.mean(contact_times)), float(np.mean(heat_times or 0.0)), state
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
     stored_steps = choose_stored_steps(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
-    field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
+    field = 4.0 * _COMPRESSION * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     steps = max(len(stored_steps.select(sweep.scene, n)) for n in sweep.loads)
     fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]
     return 8.0 * numbers * steps + fields * field

@@ -16,18 +16,18 @@ from tribo import TriboError
 
 
 def run_serial(
-    store: Store, wanted: Sequence[Point] = (), source: str | None = None, report: Report = silent
+    store: Store, points: Sequence[Point] = (), source: str | None = None, report: Report = silent
 ) -> None:
-    """Simulate the pending points of the tests in a store, then those `wanted`, in their order.
+    """Simulate the pending points of the tests in a store, then `points`, in their order.
 
-    Points that the store at `source` has are taken from there. An error at the first of `wanted` is
+    Points that the store at `source` has are copied. An error at the first of `points` is
     raised; another one becomes the message of its point.
     """
     if source is not None:
         copy_points(store, opened(source))
     if store.tests:
         store.tests.commit(_simulated(store.tests, store.tests.pending(), (), report))
-    store.commit(_simulated(store, wanted, wanted[:1], report))
+    store.commit(_simulated(store, points, points[:1], report))
 
 
 def computed_dataset(store: Store) -> xr.Dataset:
@@ -43,10 +43,10 @@ def _simulated(
         scene = store.sweep.case(point.case).scene
         try:
             film, fields = store.sweep.case(point.case).has_film, store.fields_of(point.case)
-            made = run_point(scene, stored_steps, point, None, report, film, fields)
+            result = run_point(scene, stored_steps, point, None, report, film, fields)
         except TriboError as error:
             if point in needed:
                 raise
             yield PointRecord(point, None, str(error))
         else:
-            yield made.record(bool(fields))
+            yield result.record(bool(fields))

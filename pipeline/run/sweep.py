@@ -133,38 +133,42 @@ def run_sweep(
                 "sweep.realizations = [1, 2, 3]"
             )
         sweep = goal.sweep
-    report, began, own_time = progress or silent, time.monotonic(), time.process_time()
-    before, other = find_sweep(out), None if source is None else opened(source)
+    report, began, began_cpu_time = progress or silent, time.monotonic(), time.process_time()
+    old_sweep, source_store = find_sweep(out), None if source is None else opened(source)
     with writing(out, sweep, report, goal.accuracy if goal else None) as store:
-        for note in _notes_on_resuming(store, before) if before else ():
+        for note in _notes_on_resuming(store, old_sweep) if old_sweep else ():
             report(Progress(note))
         for group in store.groups if retry_failed else ():
             group.forget(group.points_where(group.flags == FAILED))
-        if other:
-            taken = copy_points(store, other)
-            report(Progress(f"{taken} points are copied from {source}"))
+        if source_store:
+            copied_count = copy_points(store, source_store)
+            report(Progress(f"{copied_count} points are copied from {source}"))
         if goal:
             store.leave_out_pending()
         tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
         if goal:
             store = _ask_for_goal(store, goal)
             tally.follow(store)
-        of_tests, todo = [TaskQueue(_tasks(one)) if one else () for one in (store.tests, store)]
-        if todo or of_tests:
-            most = min(workers or cpu_count(), cpu_count() if goal else len(todo) + len(of_tests))
-            with connected(client, most, report, dashboard) as link:
-                watch = Watch(link, patience, report, is_own=client is None)
-                before_time = watch.cpu_time() if client else 0.0
-                if store.tests and of_tests:
-                    compute(link, watch, store.tests, of_tests, tally)
-                at_tests = tally.computed
-                while todo:
-                    compute(link, watch, store, todo, tally)
+        test_queue, queue = [
+            TaskQueue(_tasks(group)) if group else () for group in (store.tests, store)
+        ]
+        if queue or test_queue:
+            max_workers = min(
+                workers or cpu_count(), cpu_count() if goal else len(queue) + len(test_queue)
+            )
+            with connected(client, max_workers, report, dashboard) as dask_client:
+                watch = Watch(dask_client, patience, report, is_own=client is None)
+                initial_cpu_time = watch.cpu_time() if client else 0.0
+                if store.tests and test_queue:
+                    compute(dask_client, watch, store.tests, test_queue, tally)
+                computed_tests = tally.computed
+                while queue:
+                    compute(dask_client, watch, store, queue, tally)
                     store = _ask_for_goal(store, goal) if goal else store
                     tally.follow(store)
-                    todo = TaskQueue(_tasks(store))  # empty without a goal
-                tally.computed -= at_tests
-                cpu_time = watch.cpu_time() - before_time
+                    queue = TaskQueue(_tasks(store))  # empty without a goal
+                tally.computed -= computed_tests
+                cpu_time = watch.cpu_time() - initial_cpu_time
         summary = summary_of(store)
     return Outcome(
         summary.total,
@@ -172,7 +176,7 @@ def run_sweep(
         tally.computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
-        cpu_time=time.process_time() - own_time + cpu_time,
+        cpu_time=time.process_time() - began_cpu_time + cpu_time,
         tests=summary.tests,
     )
 
@@ -185,12 +189,12 @@ def _ask_for_goal(store: Store, goal: GoalRun) -> Store:
     """Ask for the next points of a goal; the store is enlarged for further realizations."""
     while True:
         sweep = goal.sweep
-        wanted = goal.next_points(store)
+        points = goal.next_points(store)
         if is_larger := goal.sweep is not sweep:
             store = enlarged(store, goal.sweep)
             store.leave_out_pending()
-        if wanted or not is_larger:
-            store.ask_for(wanted)
+        if points or not is_larger:
+            store.ask_for(points)
             return store
 
 
@@ -207,16 +211,16 @@ def _require_cluster(client: Client | None) -> None:
         )
 
 
-def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:
-    """Notes for the user if conditions or program versions are not those of the sweep `before`."""
-    if changed := [*changes_in_words(before.conditions, store.sweep.conditions)]:
+def _notes_on_resuming(store: Store, old_sweep: Sweep) -> Iterator[str]:
+    """Notes for the user if the conditions or program versions of `old_sweep` are different."""
+    if changed := [*changes_in_words(old_sweep.conditions, store.sweep.conditions)]:
         yield (
             f"the conditions stored in {store.place} now follow the scene, for all commands: "
             f"{'; '.join(changed)}"
         )
-    now = versions()
-    if not (began := store.root.history[0]).endswith(now):
+    current = versions()
+    if not (began := store.root.history[0]).endswith(current):
         yield (
-            f"{store.place} was {began}; points computed from now on by {now} may differ in the "
-            "last digits"
+            f"{store.place} was {began}; points computed from now on by {current} may differ in "
+            "the last digits"
         )

@@ -1,7 +1,7 @@
 """Processor time against the whole error of a scene's boundary, both measured.
 
-Runs with ever smaller errors go on in one store, which keeps their points. Beside them stands the
-whole plane of the scene by each preset, at the cost of a point that is simulated here.
+Runs with ever smaller errors continue one store, and so share their points. They are compared with
+the whole plane of the scene by each preset, at the cost of a point that is simulated here.
 """
 
 from __future__ import annotations
@@ -61,12 +61,12 @@ class Trade:
     def table(self) -> pd.DataFrame:
         """Frame with a row for each run and plane."""
         rows = []
-        for one in (*self.runs, *self.planes):
-            name = f"plane by {one.preset}" + ", all steps" * one.has_steps
-            if one.accuracy is not None:
-                name = f"accuracy {100 * one.accuracy:g}%"
-            numbers = float(f"{one.seconds:.3g}"), float(f"{one.error:.3g}")
-            rows.append((name, one.preset, one.points, *numbers))
+        for measured in (*self.runs, *self.planes):
+            name = f"plane by {measured.preset}" + ", all steps" * measured.has_steps
+            if measured.accuracy is not None:
+                name = f"accuracy {100 * measured.accuracy:g}%"
+            numbers = float(f"{measured.seconds:.3g}"), float(f"{measured.error:.3g}")
+            rows.append((name, measured.preset, measured.points, *numbers))
         return frame_of(_HEADS, rows)
 
     def __str__(self) -> str:
@@ -124,9 +124,9 @@ def trade(
                 raise
             break
         seconds += outcome.cpu_time
-        found = reached(open_sweep(out), accuracy, bool(why_fixed(sweep)))
-        preset = found[0].preset
-        error = max(one.total for one in found)
+        goals = reached(open_sweep(out), accuracy, bool(why_fixed(sweep)))
+        preset = goals[0].preset
+        error = max(goal.total for goal in goals)
         runs.append(Measured(accuracy, preset, outcome.done, seconds, error))
     return Trade(sweep.title, tuple(runs), tuple(_planes(sweep, out, report)))
 
@@ -137,47 +137,54 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     specimen, field = search.specimen, search.specimen.field
     crosses = np.isfinite(search.critical) & (specimen.realizations > 0)
     loads, critical = field.loads[crosses], search.critical[crosses]
-    x, at = np.log(field.velocities), np.log(critical)
+    x, log_critical = np.log(field.velocities), np.log(critical)
     exponent = exponents(field, loads, critical)
-    between = [
-        curve_errors(x, row, one[None])[0]
-        for row, one in zip(field.rows(field.velocities)[crosses], at, strict=True)
+    interpolation = [
+        curve_errors(x, row, point[None])[0]
+        for row, point in zip(field.rows(field.velocities)[crosses], log_critical, strict=True)
     ] / exponent
     realizations = len(sweep.case_table.axes.get("realization", (0,)))
-    known = specimen.realizations[crosses]  # which tell more of the deviation than those of a plane
-    bound = realizations_share(known, specimen.is_highest, specimen.alone)
-    bound = bound if specimen.is_highest else bound * np.sqrt(known / realizations)
+    # With more realizations than a plane has, their deviation is known better.
+    realization_counts = specimen.realizations[crosses]
+    bound = realizations_share(realization_counts, specimen.is_highest, specimen.alone)
+    bound = bound if specimen.is_highest else bound * np.sqrt(realization_counts / realizations)
     surface = bound * field.bilinear(specimen.mean.deviation, loads, critical) / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
-        chosen = sweep.with_fidelity(fidelity, name)
-        promised, near = velocity_error(chosen) or math.nan, float(np.median(critical))
-        error = float(
-            total(np.stack([between, surface, np.full_like(between, promised)])).max(initial=0.0)
+        preset_sweep = sweep.with_fidelity(fidelity, name)
+        preset_error, median_velocity = (
+            velocity_error(preset_sweep) or math.nan,
+            float(np.median(critical)),
         )
-        seconds = points * seconds_of_point(chosen, near)
+        error = float(
+            total(
+                np.stack([interpolation, surface, np.full_like(interpolation, preset_error)])
+            ).max(initial=0.0)
+        )
+        seconds = points * seconds_of_point(preset_sweep, median_velocity)
         yield Measured(None, name, points, seconds, error)
         if name == "standard" and choose_stored_steps(sweep).steps == "course":
             ends, course = (
-                seconds_of_loads(replace(chosen, steps=steps), near) for steps in ("end", "course")
+                seconds_of_loads(replace(preset_sweep, steps=steps), median_velocity)
+                for steps in ("end", "course")
             )
             yield Measured(None, name, points, seconds * course / ends, error, has_steps=True)
 
 
-def seconds_of_point(sweep: Sweep, near: float) -> float:
-    """Processor time [s] of a point's end at the middle load, next to the velocity `near` [m/s].
+def seconds_of_point(sweep: Sweep, velocity: float) -> float:
+    """Processor time [s] of a point's end at the middle load, and nearest to `velocity` [m/s].
 
     Points of a plane share their ramps, and so may take less.
     """
     middle = sweep.loads[len(sweep.loads) // 2]
-    return seconds_of_loads(replace(sweep, steps="end", loads=(middle,)), near)
+    return seconds_of_loads(replace(sweep, steps="end", loads=(middle,)), velocity)
 
 
-def seconds_of_loads(sweep: Sweep, near: float) -> float:
-    """Processor time [s] of all loads at the velocity next to `near` [m/s], which share a ramp."""
+def seconds_of_loads(sweep: Sweep, target: float) -> float:
+    """Processor time [s] of a ramp over all loads at the velocity nearest to `target` [m/s]."""
     case, ramp_cache = sweep._on_first_surface[0], RampCache()
-    velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - near))
+    velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - target))
     began = time.process_time()
     for load in sweep.loads:
         run_point(

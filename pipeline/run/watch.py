@@ -1,4 +1,4 @@
-"""The workers of a run: which of them take tasks, what program they have, what the user is told."""
+"""The workers of a run: which of them take tasks, their program, and messages on them."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ CANNOT = "a Dask worker cannot run this program"
 
 _INSTALL = f"install the same version on both sides and restart the workers; {SAFE}"
 _LOST = f"the connection to the Dask scheduler is lost; {SAFE}"
-_ANSWER = 5.0  # time for a worker to say which program it has [s]
-_WORD = 10.0  # time after which the user is told that workers hang, or that there are none [s]
+_ANSWER_TIMEOUT = 5.0  # time for a worker to send the identity of its program [s]
+_NOTE_AFTER = 10.0  # time after which a note reports that workers hang, or that none are left [s]
 # Errors that Dask raises without a scheduler, the last three by a client that was closed.
-_GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
+_LOST_ERRORS = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
 
 
 class Watch:
@@ -37,10 +37,11 @@ class Watch:
         self, client: Client, patience: float, report: Report, is_own: bool = False
     ) -> None:
         self._client, self._patience, self._report = client, patience, report
-        self._said: set[str] = set()
-        self._next, self._seen = 0.0, time.monotonic()
+        self._reported: set[str] = set()
+        self._next_look, self._last_running = 0.0, time.monotonic()
         self._workers: list[str] = []
-        self._beats: dict[str, tuple[float, float]] = {}  # by the scheduler's clock, and by ours
+        # By worker, on the clock of the scheduler and on that of this process.
+        self._heartbeats: dict[str, tuple[float, float]] = {}
         self._checked: set[str] = set()
         self._is_own = is_own  # then workers run this program, on this machine
 
@@ -50,42 +51,52 @@ class Watch:
         Raises an `ExecutionError` if the scheduler is lost, no worker takes tasks for too long, or
         one cannot run this program.
         """
-        if (now := time.monotonic()) < self._next:
+        if (now := time.monotonic()) < self._next_look:
             return self._workers
         with self.reached():
             ask = self._client.scheduler.identity
-            # Not by `Client.scheduler_info`, which waits without end for a scheduler that stands.
-            found = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)["workers"]
-        self._beats = {one: beat for one, beat in self._beats.items() if one in found}
-        self._workers = [one for one, about in found.items() if about["status"] == "running"]
-        for one, about in found.items():
-            if self._beats.get(one, (0.0, 0.0))[0] != about["last_seen"]:
-                self._beats[one] = about["last_seen"], now
+            # `Client.scheduler_info` would wait without end for a scheduler that does not answer.
+            identities = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)[
+                "workers"
+            ]
+        self._heartbeats = {
+            worker: beat for worker, beat in self._heartbeats.items() if worker in identities
+        }
+        self._workers = [
+            worker for worker, identity in identities.items() if identity["status"] == "running"
+        ]
+        for worker, identity in identities.items():
+            if self._heartbeats.get(worker, (0.0, 0.0))[0] != identity["last_seen"]:
+                self._heartbeats[worker] = identity["last_seen"], now
         hung = {
-            one for one in found if one not in self._workers or now - self._beats[one][1] > _WORD
+            worker
+            for worker in identities
+            if worker not in self._workers or now - self._heartbeats[worker][1] > _NOTE_AFTER
         }
         if hung.issuperset(self._workers):
-            why = f"{', '.join(sorted(hung)) or 'there is none'}"
-            if now - self._seen > self._patience:
-                within = duration(self._patience)
-                raise ExecutionError(f"no Dask worker takes tasks within {within} ({why}); {SAFE}")
-            if now - self._seen > min(_WORD, self._patience / 2):
-                self.say(f"no Dask worker takes tasks ({why}); waiting for one")
+            reason = f"{', '.join(sorted(hung)) or 'there is none'}"
+            if now - self._last_running > self._patience:
+                waited = duration(self._patience)
+                raise ExecutionError(
+                    f"no Dask worker takes tasks within {waited} ({reason}); {SAFE}"
+                )
+            if now - self._last_running > min(_NOTE_AFTER, self._patience / 2):
+                self.say(f"no Dask worker takes tasks ({reason}); waiting for one")
         else:
-            self._seen = now
-            for one in hung:
-                state = found[one]["status"]
-                state = f"silent for {_WORD:g} s" if state == "running" else state
-                self.say(f"{one} is {state}; the other workers continue")
+            self._last_running = now
+            for worker in hung:
+                state = identities[worker]["status"]
+                state = f"silent for {_NOTE_AFTER:g} s" if state == "running" else state
+                self.say(f"{worker} is {state}; the other workers continue")
         if not self._is_own:
             self._check(sorted({*self._workers} - self._checked - hung))
-        self._next = time.monotonic() + POLL
+        self._next_look = time.monotonic() + POLL
         return self._workers
 
     @property
     def present(self) -> Collection[str]:
-        """Addresses of all workers that there are, also of those that take no tasks."""
-        return self._beats.keys()
+        """Addresses of all connected workers, including those that take no tasks."""
+        return self._heartbeats.keys()
 
     def _check(self, workers: list[str]) -> None:
         """Require that workers can import this program: one that cannot drops all its tasks."""
@@ -96,15 +107,16 @@ class Watch:
         if not self._checked:
             self._check_scheduler()
         answers: dict[str, Any] = {}
-        with self.reached(), suppress(TimeoutError):  # one has died: others are asked again
-            answers = self._client.sync(ask, callback_timeout=_ANSWER) if workers else {}
-        for one, answer in answers.items():
+        # After a TimeoutError a worker has died; the next call asks the others.
+        with self.reached(), suppress(TimeoutError):
+            answers = self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT) if workers else {}
+        for worker, answer in answers.items():
             if isinstance(answer, OSError):
                 continue
             if isinstance(answer, Exception):
-                raise ExecutionError(f"{CANNOT}: {answer} ({one}); {_INSTALL}")
-            self.require_program(answer, one)
-            self._checked.add(one)
+                raise ExecutionError(f"{CANNOT}: {answer} ({worker}); {_INSTALL}")
+            self.require_program(answer, worker)
+            self._checked.add(worker)
 
     def _check_scheduler(self) -> None:
         """Require that the scheduler can import this program: it reads the tasks."""
@@ -116,7 +128,7 @@ class Watch:
             try:
                 self._client.sync(ask, callback_timeout=self._patience)
             except (ImportError, AttributeError) as error:
-                if self._client.status != "running":  # then the error is that of a closed client
+                if self._client.status != "running":  # the error is that of a closed client
                     raise
                 where = f"the Dask scheduler cannot read tasks of this program: {error}"
                 raise ExecutionError(f"{where}; {_INSTALL}") from None
@@ -135,19 +147,19 @@ class Watch:
             )
 
     def cpu_time(self) -> float:
-        """Processor time of the workers that there are [s]; 0 if they do not answer."""
+        """Processor time of the connected workers [s]; 0 if they do not answer."""
 
         async def ask() -> Any:
             return await self._client.run(time.process_time, on_error="ignore")
 
-        with suppress(TimeoutError, *_GONE):
-            return float(sum(self._client.sync(ask, callback_timeout=_ANSWER).values()))
+        with suppress(TimeoutError, *_LOST_ERRORS):
+            return float(sum(self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT).values()))
         return 0.0
 
     def say(self, words: str) -> None:
-        """Tell the user something once."""
-        if words not in self._said:
-            self._said.add(words)
+        """Report a message to the user once."""
+        if words not in self._reported:
+            self._reported.add(words)
             self._report(Progress(words))
 
     @contextmanager
@@ -161,5 +173,5 @@ class Watch:
             time.sleep(0.1)  # the scheduler may be starting again
         try:
             yield
-        except _GONE as error:
+        except _LOST_ERRORS as error:
             raise ExecutionError(_LOST) from error

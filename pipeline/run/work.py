@@ -1,4 +1,4 @@
-"""What a worker does: it simulates one point, and returns its record.
+"""The task of a worker: simulate a point, and return its record.
 
 ::
 
@@ -46,7 +46,7 @@ class ExecutionError(TriboError):
 
 
 class Program(NamedTuple):
-    """What computes points: a hash of the sources that a worker runs, and versions."""
+    """Identity of the program that computes points: hash of its sources, and versions."""
 
     code: str
     versions: str
@@ -76,7 +76,7 @@ def program() -> Program:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """What points of one scene have in common: the scene, and what is recorded of them."""
+    """Common data of the points of a scene: the scene, and the variables to record."""
 
     scene: Scene
     stored_steps: StoredSteps
@@ -90,12 +90,12 @@ class Case:
 
 @functools.lru_cache(maxsize=64)
 def _unpickled(case: bytes) -> Case:
-    found: Case = pickle.loads(zlib.decompress(case))
-    return found
+    unpickled: Case = pickle.loads(zlib.decompress(case))
+    return unpickled
 
 
 _ramps = RampCache()  # the loading ramps that this worker has computed, for the points to come
-_one_at_a_time = threading.Lock()  # several threads of one process gained 6 % at most
+_simulation_lock = threading.Lock()  # several threads of one process gained 6 % at most
 
 
 def simulate_point(case: bytes, point: Point) -> bytes:
@@ -103,18 +103,18 @@ def simulate_point(case: bytes, point: Point) -> bytes:
 
     An error becomes the message of the record.
     """
-    with _one_at_a_time:
+    with _simulation_lock:
         try:
-            given = _unpickled(case)
+            unpickled = _unpickled(case)
             result = run_point(
-                given.scene,
-                given.stored_steps,
+                unpickled.scene,
+                unpickled.stored_steps,
                 point,
                 _ramps,
-                with_film=given.with_film,
-                fields=given.fields,
+                with_film=unpickled.with_film,
+                fields=unpickled.fields,
             )
-            record = result.record(bool(given.fields))
+            record = result.record(bool(unpickled.fields))
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
         # Dask would send each array by itself, which took the driver 2 ms a point.
@@ -123,5 +123,5 @@ def simulate_point(case: bytes, point: Point) -> bytes:
 
 def loaded(result: bytes) -> tuple[PointRecord, Program]:
     """The record of a point and its program, from the result of `simulate_point`."""
-    found: tuple[PointRecord, Program] = pickle.loads(result)
-    return found
+    record_and_program: tuple[PointRecord, Program] = pickle.loads(result)
+    return record_and_program
