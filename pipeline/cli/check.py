@@ -13,7 +13,7 @@ import pandas as pd
 import pipeline
 from pipeline.answers.discretization_error import has_unknown_error
 from pipeline.answers.scene_words import added_rise_words, warning_text
-from pipeline.cli.given import scene_in
+from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result, pluralized
 from pipeline.frames import frame_of, records
 from pipeline.progress import duration

@@ -8,7 +8,7 @@ import sys
 from functools import partial
 
 import pipeline
-from pipeline.cli import given
+from pipeline.cli import inputs
 from pipeline.cli.output import Result, working, wrapped
 from tribo import InputError
 
@@ -18,20 +18,20 @@ _USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
 def plot(options: argparse.Namespace) -> Result:
     """Answer ``irg plot``: draw a figure of a store, and print its path."""
     names = "load", "velocity", "realization", "log", "step", "width", "plain", "title", "dpi"
-    look = given.values_in(options, *names)
-    ds = given.dataset_in(options)
-    out = options.output or given.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
-    path = str(pipeline.plot(ds, options.kind, out, **look, **given.conditions_in(options)))
+    look = inputs.values_in(options, *names)
+    ds = inputs.dataset_in(options)
+    out = options.output or inputs.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
+    path = str(pipeline.plot(ds, options.kind, out, **look, **inputs.conditions_in(options)))
     document = {"kind": options.kind, "file": path}
     return Result(document, [path], pipeline.points_with_warnings(ds))
 
 
 def report(options: argparse.Namespace) -> Result:
     """Answer ``irg report``: write a page on a store, and print its path."""
-    report_options = given.values_in(options, "load", "velocity", "title", "author")
-    report_options["points"] = given.operating_points_in(options)
-    ds, conditions = given.dataset_in(options), given.conditions_in(options)
-    out = options.output or given.path_beside(options.store, ".html")
+    report_options = inputs.values_in(options, "load", "velocity", "title", "author")
+    report_options["points"] = inputs.operating_points_in(options)
+    ds, conditions = inputs.dataset_in(options), inputs.conditions_in(options)
+    out = options.output or inputs.path_beside(options.store, ".html")
     command = shlex.join(["irg", *sys.argv[1:]])
     with working("writing the report"):
         path = str(pipeline.report(ds, out=out, command=command, **report_options, **conditions))

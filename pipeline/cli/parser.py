@@ -328,7 +328,7 @@ def _points(command: Any) -> None:
 
 def _realization(command: Any) -> None:
     words = "seed of the random surface, or area of the scan, instead of the own one"
-    _value(command, "--realization SEED", words, partial(values.count, least=0))
+    _value(command, "--realization SEED", words, partial(values.count, minimum=0))
 
 
 def _bulk_temperature(command: Any) -> None:

@@ -13,7 +13,7 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, whole_frame
 from pipeline.answers.results import sweep_of
-from pipeline.cli.given import one_scene_in, stored_tests_of
+from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, pluralized, print_note, working, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.quantities import display, shown_in

@@ -18,7 +18,7 @@ from pipeline.answers.scene_words import warning_lines
 from pipeline.answers.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.check import check, notes_on_scene
-from pipeline.cli.given import scene_in, values_in
+from pipeline.cli.inputs import scene_in, values_in
 from pipeline.cli.output import Result, print_note
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.schema import PLANE

@@ -53,10 +53,10 @@ def sides(text: str) -> tuple[float, float]:
 
 
 @_refusing
-def count(text: str, least: int = 1) -> int:
-    """Read a whole number of at least `least`."""
-    if not text.isdecimal() or int(text) < least:
-        raise ValueError(f'"{text}" is not a whole number of at least {least}')
+def count(text: str, minimum: int = 1) -> int:
+    """Read a whole number of at least `minimum`."""
+    if not text.isdecimal() or int(text) < minimum:
+        raise ValueError(f'"{text}" is not a whole number of at least {minimum}')
     return int(text)
 
 

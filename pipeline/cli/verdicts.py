@@ -14,7 +14,7 @@ from pipeline.answers import words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
 from pipeline.answers.scene_words import named_value
 from pipeline.answers.verdict import UNKNOWN
-from pipeline.cli.given import conditions_in, dataset_in, operating_points_in
+from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import Result, pluralized, working, wrapped
 from pipeline.frames import some_rows, without_columns
 from tribo import InputError

@@ -56,21 +56,17 @@ class Watch:
         with self.reached():
             ask = self._client.scheduler.identity
             # `Client.scheduler_info` would wait without end for a scheduler that does not answer.
-            identities = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)[
-                "workers"
-            ]
+            infos = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)["workers"]
         self._heartbeats = {
-            worker: beat for worker, beat in self._heartbeats.items() if worker in identities
+            worker: beat for worker, beat in self._heartbeats.items() if worker in infos
         }
-        self._workers = [
-            worker for worker, identity in identities.items() if identity["status"] == "running"
-        ]
-        for worker, identity in identities.items():
-            if self._heartbeats.get(worker, (0.0, 0.0))[0] != identity["last_seen"]:
-                self._heartbeats[worker] = identity["last_seen"], now
+        self._workers = [worker for worker, info in infos.items() if info["status"] == "running"]
+        for worker, info in infos.items():
+            if self._heartbeats.get(worker, (0.0, 0.0))[0] != info["last_seen"]:
+                self._heartbeats[worker] = info["last_seen"], now
         hung = {
             worker
-            for worker in identities
+            for worker in infos
             if worker not in self._workers or now - self._heartbeats[worker][1] > _NOTE_AFTER
         }
         if hung.issuperset(self._workers):
@@ -85,7 +81,7 @@ class Watch:
         else:
             self._last_running = now
             for worker in hung:
-                state = identities[worker]["status"]
+                state = infos[worker]["status"]
                 state = f"silent for {_NOTE_AFTER:g} s" if state == "running" else state
                 self.say(f"{worker} is {state}; the other workers continue")
         if not self._is_own:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from pipeline.cli.given import values_in
+from pipeline.cli.inputs import values_in
 from pipeline.cli.output import Result, print_note
 
 from .. import paper

@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.cli import given
+from pipeline.cli import inputs
 from pipeline.shipped import shipped_pages
 
 
@@ -16,7 +16,7 @@ def drawn(monkeypatch):
         asked.append((ds, kind, str(out), options))
         return out
 
-    monkeypatch.setattr(given, "dataset_in", lambda options: "judged")
+    monkeypatch.setattr(inputs, "dataset_in", lambda options: "judged")
     monkeypatch.setattr(pipeline, "plot", draw)
     monkeypatch.setattr(pipeline, "points_with_warnings", lambda ds: None)
     return asked

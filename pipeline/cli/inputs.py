@@ -107,9 +107,9 @@ def _select_entry(ds: xr.Dataset, path: str, value: str) -> xr.Dataset:
     """Select a value of an entry that varies in a sweep."""
     dim = dimension_of(path)
     if dim not in ds.dims:
-        others = ", ".join(map(str, ds["status"].dims[:-2])) or "nothing"
+        varied = ", ".join(map(str, ds["status"].dims[:-2])) or "nothing"
         raise InputError(
-            f"{path} does not vary in this sweep ({others} does); run the scene with {path} = "
+            f"{path} does not vary in this sweep ({varied} does); run the scene with {path} = "
             f"{value} into another store"
         )
     labels = ds[dim].values
