@@ -60,7 +60,7 @@ def _import_command(function: str) -> Callable[[argparse.Namespace], Any]:
     if "xarray" in sys.modules or not function.startswith("pipeline.cli"):
         hidden = set()
     sys.modules |= dict.fromkeys(hidden)  # type: ignore[arg-type]
-    gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
+    gc.disable()  # modules are never freed, and searching them for garbage takes 0.1 s
     try:
         command: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(function)
         if xarray := sys.modules.get("xarray"):

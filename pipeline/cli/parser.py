@@ -16,7 +16,7 @@ from pipeline.paths import user_path
 
 AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
 """Function that adds a command: its name, its function, its purpose and an example."""
-_AT = '--load "500 N" --velocity "2 m/s"'
+_LOAD_AND_VELOCITY = '--load "500 N" --velocity "2 m/s"'
 _TABLE = "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.writable("table")
 _BEGIN = """Begin with:
   irg new scene.toml
@@ -95,9 +95,9 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
         "new", "pipeline.cli.begin:new", "write a scene to start from",
         "scene.toml --from twin_disc",
     )  # fmt: skip
-    either = command.add_mutually_exclusive_group()
-    _value(either, "file FILE.toml", "file to write", user_path, nargs="?")
-    _flag(either, "--list", "list the shipped scenes")
+    exclusive = command.add_mutually_exclusive_group()
+    _value(exclusive, "file FILE.toml", "file to write", user_path, nargs="?")
+    _flag(exclusive, "--list", "list the shipped scenes")
     _value(command, "--from NAME", "shipped scene to begin with; see --list", dest="template")
 
     command = add(
@@ -107,10 +107,12 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _scene(command)
     words = "path of the store; default: results/<scene>.zarr"
     _value(command, "-o --output OUT.zarr", words, values.store)
-    either = command.add_mutually_exclusive_group()
-    _workers(either)
-    _value(either, "--scheduler ADDRESS", "address of a running Dask scheduler")
-    _value(either, "--scheduler-file FILE", "file written by a running Dask scheduler", user_path)
+    exclusive = command.add_mutually_exclusive_group()
+    _workers(exclusive)
+    _value(exclusive, "--scheduler ADDRESS", "address of a running Dask scheduler")
+    _value(
+        exclusive, "--scheduler-file FILE", "file written by a running Dask scheduler", user_path
+    )
     words = "copy matching points from another store"
     _value(command, "--from OLD.zarr", words, values.store, dest="source")
     words = "print the address of Dask's dashboard, which every user of this machine can open"
@@ -133,7 +135,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
 
     command = add(
         "point", "pipeline.cli.points:point", "simulate one point (and the tests of the scene)",
-        f"scene.toml {_AT}",
+        f"scene.toml {_LOAD_AND_VELOCITY}",
     )  # fmt: skip
     _scene(command)
     _operating_point(command, required=True)
@@ -221,7 +223,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         "margin", "pipeline.cli.verdicts:margin",
         "print verdict, probability and errors for one operating point, a table of them, or the "
         "cases of the sweep",
-        f"results/scene.zarr {_AT}",
+        f"results/scene.zarr {_LOAD_AND_VELOCITY}",
     )  # fmt: skip
     _store(command)
     _operating_point(command)
@@ -254,7 +256,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     command = add(
         "report", "pipeline.cli.figures:report",
         "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
-        f"results/scene.zarr {_AT} -o report.html",
+        f"results/scene.zarr {_LOAD_AND_VELOCITY} -o report.html",
     )  # fmt: skip
     _store(command)
     _operating_point(command)

@@ -1,6 +1,6 @@
 """The transition diagram: mild and severe wear in the plane of velocity and load.
 
-All that it draws are variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`.
+It draws only variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from tribo.types import Array
 
 _SIZE = 8.0, 5.6  # width and height of a diagram [in]
 _COLOUR_MAP_END = 0.8  # end of the colour map used for several cases
-_NODES = 96, 48  # least number of velocities and loads of the grid that is drawn
+_NODES = 96, 48  # least numbers of velocities and loads of the drawn grid
 _MAX_LOG_RATIO = 50.0  # largest |y| of a figure
 _EDGE_OFFSET = 1e-6  # distance of a probability from the limit of a region
 _DOT_SIZE = 0.6  # size of the mark of a simulated point over the usual one
@@ -164,8 +164,8 @@ def _plane(
 ) -> tuple[Array, Array, xr.Dataset]:
     """Velocities, loads, and the answers on this grid."""
     x, y = map(_refined, (case.velocities, case.loads), _NODES)
-    at = xr.DataArray(y, dims="load"), xr.DataArray(x, dims="velocity")
-    return x, y, pipeline.margin(ds, *at, **conditions).transpose(..., *PLANE)
+    grid_axes = xr.DataArray(y, dims="load"), xr.DataArray(x, dims="velocity")
+    return x, y, pipeline.margin(ds, *grid_axes, **conditions).transpose(..., *PLANE)
 
 
 def _refined(points: Array, count: int) -> Array:
@@ -195,18 +195,18 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     # The edge of a region is the contour of its probability; a test may end the region at a node.
     highest = np.where(verdict == MILD, high, np.maximum(high, mild + _EDGE_OFFSET))
     lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - _EDGE_OFFSET))
-    outside, legend = (verdict == OUTSIDE).astype(float), Legend()
+    is_outside, legend = (verdict == OUTSIDE).astype(float), Legend()
     for values, levels, gid in (
         (highest, (-1.0, mild), "mild"),
         (highest, (mild, 2.0), "undecided"),
-        (lowest, (severe, 2.0), "severe"),  # upon what is undecided
+        (lowest, (severe, 2.0), "severe"),  # drawn over the undecided region
     ):
         if ((values > levels[0]) & (values < levels[1])).any():
-            filled = axes.contourf(x, y, values, levels, colors=[TINTS[gid]], zorder=0)
-            filled.set_gid(f"{gid} region")
-    if outside.any():
+            region = axes.contourf(x, y, values, levels, colors=[TINTS[gid]], zorder=0)
+            region.set_gid(f"{gid} region")
+    if is_outside.any():
         look: dict[str, Any] = {"colors": ["white"], "hatches": ["///"], "zorder": 0.5}
-        hatched = axes.contourf(x, y, outside, [0.5, 1.5], **look)
+        hatched = axes.contourf(x, y, is_outside, [0.5, 1.5], **look)
         hatched.set(gid="outside", edgecolor=GREY, linewidth=[0.0])
         legend["outside the model (oil film)"] = Patch(fc="none", ec=GREY, hatch="///")
     if (verdict == UNDECIDED).any():
@@ -219,18 +219,20 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
 
     The heavy line is the answer: with tests, if there are any.
     """
-    legend, inside = Legend(), plane["verdict"] != OUTSIDE
+    legend, is_inside = Legend(), plane["verdict"] != OUTSIDE
     has_tests = False
     if plane.attrs["tests"]:
-        above = plane["probability"].where(inside).values - DECIDED[1]
-        has_tests = zero_line(axes, x, y, above, "boundary with tests", **style.BOUNDARY)
+        probability_excess = plane["probability"].where(is_inside).values - DECIDED[1]
+        has_tests = zero_line(
+            axes, x, y, probability_excess, "boundary with tests", **style.BOUNDARY
+        )
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
-    severity = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).where(inside).values
+    severity = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).where(is_inside).values
     look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
     if zero_line(axes, x, y, severity, "boundary", **look):
         distance = abs(plane["temperature_margin"]) - plane["temperature_error"].fillna(0.0)
-        drawn_distance = distance.where(inside).values
+        drawn_distance = distance.where(is_inside).values
         if (drawn_distance < 0).any():
             low = np.nanmin(drawn_distance) - 1.0
             axes.contourf(x, y, drawn_distance, [low, 0.0], colors=[_ERROR["color"]]).set_gid(
@@ -240,7 +242,7 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
         legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
     frictions = case.sweep.base.friction_band or (0.0, 0.0)
     look = {"color": GREY, "lw": style.THIN, "ls": "--"}
-    critical = plane["critical_friction"].where(inside).values
+    critical = plane["critical_friction"].where(is_inside).values
     ends = frictions if frictions[0] < frictions[1] else ()
     is_drawn = [zero_line(axes, x, y, critical - friction, "friction", **look) for friction in ends]
     if any(is_drawn):
@@ -290,8 +292,11 @@ def _mark_points(
     axes: Axes, ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
 ) -> Legend:
     """Mark the points of a single load or velocity, open where they are mild."""
-    at = (xr.DataArray(case.loads, dims="load"), xr.DataArray(case.velocities, dims="velocity"))
-    y = pipeline.margin(ds, *at, **conditions)["log_rise_ratio"].transpose(*PLANE).values
+    plane_axes = (
+        xr.DataArray(case.loads, dims="load"),
+        xr.DataArray(case.velocities, dims="velocity"),
+    )
+    y = pipeline.margin(ds, *plane_axes, **conditions)["log_rise_ratio"].transpose(*PLANE).values
     legend = Legend()
     for gid, is_marked, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
         rows, columns = np.nonzero(is_marked)
@@ -320,15 +325,17 @@ def _mark_simulated(
     for gid, (is_marked, look) in looks.items():
         rows, columns = np.nonzero(is_marked)
         if rows.size:
-            at = state["velocity"].values[columns], state["load"].values[rows]
-            axes.plot(*at, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look)
+            coordinates = state["velocity"].values[columns], state["load"].values[rows]
+            axes.plot(
+                *coordinates, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look
+            )
     yield from ["dots: simulated points"] * bool(is_simulated.any())
     if is_unfinished.any():
         yield f"×: {is_unfinished.sum()} points are pending or failed"
 
 
 def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
-    """Draw the transition of each case in its own colour; return the entries of the legend."""
+    """Draw the boundary of each case in another colour; return the entries of the legend."""
     planes = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).stack(line=dims)
     planes = planes.transpose("line", *PLANE)
     shades = colormaps["viridis"](np.linspace(0.0, _COLOUR_MAP_END, planes.sizes["line"]))
@@ -356,10 +363,14 @@ def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None
         axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
         if len(points) > _MAX_LABELLED:
             continue
-        across, up = axes.transAxes.inverted().transform(axes.transData.transform((velocity, load)))
-        is_low = across + up < 1  # boundaries fall from the upper left to the lower right
-        to_left = across > _LABEL_WIDTH if is_low else across > 1 - _LABEL_WIDTH
-        is_below = up > 1 - _EDGE_HEIGHT or (is_low and up > _EDGE_HEIGHT)
+        x_fraction, y_fraction = axes.transAxes.inverted().transform(
+            axes.transData.transform((velocity, load))
+        )
+        is_low = (
+            x_fraction + y_fraction < 1
+        )  # boundaries fall from the upper left to the lower right
+        to_left = x_fraction > _LABEL_WIDTH if is_low else x_fraction > 1 - _LABEL_WIDTH
+        is_below = y_fraction > 1 - _EDGE_HEIGHT or (is_low and y_fraction > _EDGE_HEIGHT)
         axes.annotate(
             f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
             (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",

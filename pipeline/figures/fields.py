@@ -61,7 +61,7 @@ class DrawnCase(NamedTuple):
 
 
 def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> DrawnCase:
-    """The surface realization of a sweep that a figure shows: by default the one with fields."""
+    """The surface realization of a sweep for a figure; by default the one with stored fields."""
     refuse_cases(ds)
     if "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
@@ -107,7 +107,7 @@ def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) 
 
 
 def wanted_values(axis: str, values: Any) -> list[float]:
-    """Loads or velocities that a user gives, in SI: none, one, or several."""
+    """Loads or velocities of an option, in SI; an empty list without any."""
     if values is None or not np.size(values):
         return []
     read = functools.partial(in_si, axis, like=LIKE[axis])

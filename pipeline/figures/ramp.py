@@ -112,7 +112,7 @@ def _temperatures(
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Conditions and line style of the highest temperature and, if another, the governing one."""
+    """Conditions and line style of the highest and, if different, the governing temperature."""
     highest = replace(conditions, critical_area_fraction=0.0)
     return [(highest, _DASHED), *[(conditions, _SOLID)] * (conditions != highest)]
 

@@ -1,4 +1,4 @@
-"""Operating points row by row: a duty, a cam or a gear mesh, and the row that decides."""
+"""Operating points row by row, such as a load cycle or a gear mesh, and the most critical row."""
 
 from __future__ import annotations
 
@@ -103,6 +103,6 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
 
 
 def deciding_row(margins: xr.Dataset) -> int:
-    """Position of the row that is most likely severe; of equal ones that with the least margin."""
+    """Index of the row with the highest probability; of equal rows, that with the least margin."""
     probability = np.nan_to_num(margins["probability"].values, nan=-1.0)
     return int(np.lexsort((-margins["temperature_margin"].values, probability))[-1])

@@ -1,4 +1,4 @@
-"""A scan beside the random surface that fits it best: heights, spectra along x and y, numbers."""
+"""A scan and the random surface that fits it best: heights, spectra along x and y, numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _BINS = 30  # of the spectrum, in which frequencies are equally wide on the loga
 
 @style.house_style
 def draw_surface(statistics: SurfaceStatistics) -> Figure:
-    """Draw heights, spectra and numbers of a scan beside those of its random surface.
+    """Draw heights, spectra and numbers of a scan and of its random surface.
 
     The spectrum along an axis is the mean over all lines along it, each with a Hann window. Its
     integral over the spatial frequency, of both signs, is Sq².

@@ -26,7 +26,7 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 """Marker and face colour of a test, by its outcome."""
 UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
 """Label in legends."""
-_REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
+_REACH = 1.5  # factor on the sweep's ends beyond which tests are not drawn
 _SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
 _ROW_MARGIN = 0.3  # above and below the rows of tests
 _Y = "log_rise_ratio"
@@ -35,7 +35,7 @@ _AXIS_MARGIN = 1.15  # factor between the outermost values and the axis' ends
 
 @style.house_style
 def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
-    """Draw rise ratio of each test, at its own conditions, and the band that they leave.
+    """Draw the rise ratio of each test at its own conditions, and the band that stays undecided.
 
     A bar joins the mild and the severe end of a transition with a step. The caption counts tests
     without a result.
@@ -64,7 +64,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         axes.plot(ends, [row] * len(ends), color=GREY)
         position = float(ends.mean()), row
         draw_test_marker(axes, str(with_result["test"].values[row]), outcomes[row], position)
-    legend |= legend_of_tests(outcomes)
+    legend |= tests_legend(outcomes)
     ends = np.array(
         [min(low, np.nanmin(pairs)) / _AXIS_MARGIN, max(high, np.nanmax(pairs)) * _AXIS_MARGIN]
     )
@@ -105,8 +105,8 @@ def draw_test_marker(
     )  # fmt: skip
 
 
-def legend_of_tests(outcomes: Iterable[str]) -> dict[str, Any]:
-    """One entry of a legend for all kinds of tests among `outcomes`, side by side."""
+def tests_legend(outcomes: Iterable[str]) -> dict[str, Any]:
+    """Entry of a legend with the marks of all kinds of tests among `outcomes`."""
     kinds = {*outcomes}
     looks = {outcome: look for outcome, look in TESTS.items() if outcome in kinds}
     marks = tuple(
@@ -124,12 +124,12 @@ def mark_tests(
     Returns their operating points, their entry of the legend, and lines of the caption.
     """
     sweep_bulk = case.sweep.conditions.bulk_temperature
-    points, kinds, outside, has_faint = list[OperatingPoint](), list[Any](), list[str](), False
+    points, kinds, omitted, has_faint = list[OperatingPoint](), list[Any](), list[str](), False
     for position, test in enumerate(case.sweep.tests, 1):
         number, point = test.number or str(position), (test.normal_load, abs(test.velocity))
         pairs = zip(point, (case.loads, case.velocities), strict=True)
         if not all(axis[0] / _REACH <= value <= _REACH * axis[-1] for value, axis in pairs):
-            outside.append(number)
+            omitted.append(number)
             continue
         faint = abs((test.bulk_temperature or sweep_bulk) - bulk) > _SAME_BULK
         kinds.append(test.outcome)
@@ -138,6 +138,6 @@ def mark_tests(
         has_faint |= faint
     caption = ["faint: tests at another bulk temperature"] * has_faint
     caption += [
-        f"not shown (outside the axes): test{'s' * (len(outside) > 1)} {', '.join(outside)}"
-    ] * bool(outside)
-    return points, legend_of_tests(kinds), caption
+        f"not shown (outside the axes): test{'s' * (len(omitted) > 1)} {', '.join(omitted)}"
+    ] * bool(omitted)
+    return points, tests_legend(kinds), caption

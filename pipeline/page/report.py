@@ -1,4 +1,4 @@
-"""`report`: the answers on a sweep as one page of HTML, on which nothing is computed."""
+"""`report`: the answers on a sweep as a page of HTML; it computes nothing itself."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ _PAPER = (
 )
 _NOT_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
 _Y = "log_rise_ratio"
-_DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # which the figure of tests shows
+_DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # variables in the figure of tests
 _TABLE_BELOW = "The table below has the numbers."
 _AS_COMPUTED = "Critical velocity as computed"
 _NARROW_WIDTH = 0.075  # width of figures on a telephone [m]
@@ -86,7 +86,7 @@ class Grid(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A figure of a page, for usual and for narrow screens, as addresses that hold all data."""
+    """A figure of a page, for usual and for narrow screens, as data URLs."""
 
     usual: str
     narrow: str
@@ -95,7 +95,7 @@ class Picture(NamedTuple):
 
 
 Section = tuple[str, list[str | Grid | Picture | list[str]]]
-"""Heading of a section, and its parts; several strings are a list."""
+"""Heading of a section, and its parts; a list of strings is printed as a list."""
 
 
 class Answer(NamedTuple):
@@ -190,7 +190,7 @@ def report(
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
         sections=[*answer.sections, *_common(ds, conditions, version, answer.answer)],
     )
-    page = page.encode(errors="replace").decode()  # a shell may give bytes that are no text
+    page = page.encode(errors="replace").decode()  # shells may pass bytes that are no text
     return page if path is None else write_text(page, path)
 
 
@@ -247,7 +247,9 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         verdict = ""
     caption = "Temperature margin of each row: critical minus governing temperature."
     picture = picture_of(lambda: draw_rows(margins, ""), caption, f"{caption} {_TABLE_BELOW}")
-    grid = _table_of(margin_frame(margins), "Operating points; the deciding one is bold", deciding)
+    grid = _frame_grid(
+        margin_frame(margins), "Operating points; the deciding one is bold", deciding
+    )
     notes = [
         *words.conditions_lines(margins), *words.not_included_lines(margins),
         *words.reason_lines(margins), *words.row_warnings(margins), *words.common_lines(margins),
@@ -301,7 +303,7 @@ def _plane(
     crosses = bool(boundary["critical_velocity"].notnull().all())
     is_plain = crosses and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1
     needless += ["outcome"] * is_plain
-    grid = _table_of(without_columns(boundary_frame(boundary), needless), title)
+    grid = _frame_grid(without_columns(boundary_frame(boundary), needless), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if boundary.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
@@ -328,7 +330,7 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     y = tests["log_rise_ratio"].values
     computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
     table.insert(2, "computed", computed)
-    yield _table_of(table, "Tests, each at its own conditions, and what is computed for them")
+    yield _frame_grid(table, "Tests, each at its own conditions, and what is computed for them")
     if lines := [*words.test_lines(tests)]:
         yield lines
 
@@ -344,7 +346,7 @@ def _common(
             is_material = path.startswith("materials")
             table = path.rpartition(".")[0] if is_material else path.partition(".")[0]
             name = path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
-            rows.setdefault(table, []).append(f"{name} {_text_of(value)}")
+            rows.setdefault(table, []).append(f"{name} {_value_text(value)}")
     cells = [[table, "; ".join(texts), "scene"] for table, texts in rows.items()]
     cells += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
     inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], cells)
@@ -368,12 +370,12 @@ def _common(
     yield "How this was computed", [origin]
 
 
-def _text_of(value: Any) -> str:
-    return ", ".join(map(_text_of, value)) if isinstance(value, list) else str(value)
+def _value_text(value: Any) -> str:
+    return ", ".join(map(_value_text, value)) if isinstance(value, list) else str(value)
 
 
 def _without_help(lines: Iterable[str]) -> list[str]:
-    """Lines without references to pages of help, which a reader of the report may not have."""
+    """Lines without references to `irg help`, which a reader of the report may not have."""
     return [re.sub(r" \(irg help [\w-]+\)", "", line) for line in lines]
 
 
@@ -382,7 +384,7 @@ def _as_sentence(line: str) -> str:
     return f"{line[:1].upper()}{line[1:]}" + "." * (not line.endswith("."))
 
 
-def _table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
+def _frame_grid(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:
     """Table with the values of a data frame; the row number `bold` stands out."""
     frame = without_columns(frame.replace("", None))
     heads = [str(head).replace("_", " ") for head in frame]

@@ -168,7 +168,7 @@ class _Tasks:
         return bool(self.running)
 
     def submit(self, jobs: list[_Job]) -> None:
-        """Give tasks to Dask, those for one worker together, which takes half the time."""
+        """Submit tasks to Dask, grouped by worker, which takes half the time."""
         groups = defaultdict[str, list[_Job]](list)
         for job in jobs:
             groups[job.worker].append(job)

@@ -90,7 +90,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         if part and part_tasks:
             parallel = min(workers, len(part_tasks))
             busy = max(1.0, parallel / available)
-            seconds += busy * _seconds_of_tasks(part, part_tasks, *times) / parallel
+            seconds += busy * _task_seconds(part, part_tasks, *times) / parallel
     return Estimate(
         points=len(sweep_tasks),
         tests=len(test_points),
@@ -101,7 +101,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     )
 
 
-def _seconds_of_tasks(
+def _task_seconds(
     sweep: Sweep, sweep_tasks: Iterable[Task], contact_time: float, heat_time: float
 ) -> float:
     """Time of tasks in sequence [s]; tasks of one ramp share its steps."""

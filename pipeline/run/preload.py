@@ -2,7 +2,7 @@
 
 import gc
 
-gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
+gc.disable()  # modules are never freed, and searching them for garbage takes 0.1 s
 import distributed  # noqa: E402, F401
 import scipy.fft  # noqa: E402
 import scipy.linalg  # noqa: E402

@@ -95,7 +95,7 @@ class Watch:
         return self._heartbeats.keys()
 
     def _check(self, workers: list[str]) -> None:
-        """Require that workers can import this program: one that cannot drops all its tasks."""
+        """Require that workers can import this program; otherwise they drop all their tasks."""
 
         async def ask() -> Any:
             return await self._client.run(program, workers=workers, on_error="return")

@@ -1,1 +1,1 @@
-"""Measured surfaces: what a scan says in numbers, and what a scene takes of it."""
+"""Measured surfaces: statistics of a scan, and the windows of it that a scene simulates."""

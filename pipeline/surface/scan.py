@@ -1,7 +1,7 @@
 """Read scans: matrices of heights, and files of instruments by the library SurfaceTopography.
 
-Nothing is guessed: units stand in the file or are given, and a file that is no map of heights, such
-as a profile or a list of points, is refused by name.
+Nothing is guessed: units are in the file or are arguments, and a file that is no map of heights,
+such as a profile or a list of points, is refused.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _WORDS = re.compile(
 _COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 """A number whose decimals follow a comma."""
 _HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
-"""Half of a number, split at the comma before its decimals: whole numbers are not written so."""
+"""Half of a number that was split at a decimal comma: whole numbers have no leading zeros."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +299,7 @@ def _instrument(path: Path, kind: str) -> _File:
 
 def _library_message(error: Exception, suffix: str) -> str:
     text, name = str(error).strip(), type(error).__name__
-    if name == "CannotDetectFileFormat":  # lists what each reader says
+    if name == "CannotDetectFileFormat":  # its text lists the errors of all readers
         reader_message = re.search(
             rf"tried {re.escape(suffix[1:])}reader:\s*(.*)", text, re.IGNORECASE
         )

@@ -1,4 +1,4 @@
-"""What a scan says in numbers, and the random surface that fits it best."""
+"""Statistics of a scan, and the random surface that fits it best."""
 
 from __future__ import annotations
 
