@@ -102,7 +102,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "given._select_entry InputError": "tests/pipeline/test_over.py",
+    "inputs._select_entry InputError": "tests/pipeline/test_over.py",
     "check.check InputError": "test_check.py, with the meaning that is printed before",
     "values.setting ArgumentTypeError": "in the table; tracing stops where the stack runs out",
 }

@@ -313,8 +313,8 @@ def test_results_whose_fetch_is_cancelled_are_computed_again(path, alone, monkey
 
 
 def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
-    monkeypatch.setattr(drive, "_DEATHS", 1)  # three are tried by points that crash
-    monkeypatch.setattr(drive, "_SHARED", 1)
+    monkeypatch.setattr(drive, "_MAX_DEATHS", 1)  # three are tried by points that crash
+    monkeypatch.setattr(drive, "_MAX_SHARED_DEATHS", 1)
     limit = {"processes": True, "memory_limit": "500 MB"}
     with dask.config.set(CONFIGURATION), here(1, **limit) as (_, client):
         outcome = run_sweep(HUNGRY, path, client=client)
