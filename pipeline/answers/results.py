@@ -30,9 +30,9 @@ from pipeline.store.schema import (
     FAILED,
     FIELDS,
     INPUTS,
-    MADE,
     PENDING,
     PLANE,
+    PROGRESS,
     SAMPLING,
     TEST_STEP,
     VARIABLES,
@@ -217,9 +217,7 @@ class CaseResults:
             if name not in self.ds:
                 raise InputError(f"the dataset lacks {name}; keep all of its variables")
             _require_unit(self.ds[name])
-            variable = self.ds[name]
-            variable = variable.broadcast_like(self.ds["status"]) if name in MADE else variable
-            values = variable.transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
+            values = self.ds[name].transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
             self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
         return self._arrays[name]
 
@@ -384,7 +382,7 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
         for key, coordinate in ds.coords.items()
         if not coordinate.ndim and key not in (*COORDINATES, "realization")
     }
-    ds = ds.reset_coords([key for key in MADE if key in ds.coords])
+    ds = ds.reset_coords([key for key in PROGRESS if key in ds.coords])
     if missing_dims := [dim for dim in _SPECIMEN if dim not in ds["status"].dims]:
         # `expand_dims` reads all values, but fields are large, and no answer needs all of them.
         fields = {key: ds[key].variable for key in FIELDS if key in ds}

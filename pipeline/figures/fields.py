@@ -18,6 +18,7 @@ from pipeline.answers.verdict import conditions_of
 from pipeline.answers.words import outside
 from pipeline.figures import style
 from pipeline.quantities import shown_in
+from pipeline.store.schema import COLUMNS
 from pipeline.sweep.conditions import Conditions, allowable_rise
 from pipeline.units import in_si
 from tribo import InputError
@@ -43,7 +44,7 @@ class DrawnCase(NamedTuple):
 
     def columns(self) -> Mapping[str, Any]:
         """Corrected rises, and all other variables by step (load, velocity, step)."""
-        names = {str(k) for k, values in self.case.ds.items() if {"step"} <= {*values.dims}}
+        names = [name for name in COLUMNS if name in self.case.ds]
         return corrected_columns({name: self.values(name) for name in names}, self.conditions)
 
     def words(self, point: PointIndex) -> str:
@@ -67,7 +68,7 @@ def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int |
         seeds = ds["realization"].values.tolist()
         if realization is not None and realization not in seeds:
             raise InputError(f"realization {realization} is not in the sweep, which has {seeds}")
-        field_seed = sweep_of(ds).field_surface
+        field_seed = dict(sweep_of(ds).surface_with_fields).get("realization")
         default_seed = field_seed if field_seed in seeds else seeds[0]
         ds = ds.sel(realization=[default_seed if realization is None else realization])
     case = cases_of(ds)[0]
@@ -159,12 +160,13 @@ def fields(
     if more_points:
         raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
     _require_step(drawn, point, step)
-    images = _surface_fields(drawn, point, step)
-    if np.isnan(images[0]).all():
+    coords, surface = drawn.case.ds.coords, drawn.case.sweep.surface_with_fields
+    if any(dim in coords and coords[dim].item() != label for dim, label in surface):
         raise InputError(
             "no fields are stored for this point: a store keeps those of one surface realization; "
             "leave out the realization"
         )
+    images = _surface_fields(drawn, point, step)
     x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
@@ -209,7 +211,7 @@ def _require_step(drawn: DrawnCase, point: PointIndex, step: int) -> None:
 def _surface_fields(drawn: DrawnCase, point: PointIndex, step: int) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
     conditions = drawn.conditions
-    indexers = {"realization": 0, "load": point[0], "velocity": point[1], "step": step - 1}
+    indexers = {"load": point[0], "velocity": point[1], "step": step - 1}
     step_fields = drawn.case.ds.isel(indexers, missing_dims="ignore")
     step_fields = step_fields.transpose("x", "y", ...)
     rise = step_fields["rise"].values

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.layout import Group, blocks
-from pipeline.store.place import DamagedError
 from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, is_coordinate, path_of
 from tribo.types import Indices, Mask
 
@@ -74,22 +73,21 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
 
 def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
     """A field of each done point; None where it is lost, and of points without fields."""
-    numbers, found = store.group.field_numbers[tuple(where.T)], [None] * len(where)
-    (rows,) = np.nonzero((numbers >= 0) & (store.flags[tuple(where.T)] == DONE))
-    try:
-        made = store.read(name, (numbers[rows],))
-    except DamagedError:  # of one of them
-        parts = [store.try_read(name, (slice(one, one + 1),)) for one in numbers[rows].tolist()]
-        made = [None if one is None else one[0] for one in parts]
-    for row, field_ in zip(rows.tolist(), made, strict=True):
-        found[row] = field_
+    found: list[Any] = [None] * len(where)
+    rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(where.T)])
+    places = store.group.places(name, where)[rows].tolist()
+    chunks = [tuple(slice(i, i + 1) for i in place) for place in places]
+    with ThreadPoolExecutor(_THREADS) as threads:
+        read = threads.map(lambda chunk: store.try_read(name, chunk), chunks)
+        for row, place, one in zip(rows.tolist(), places, read, strict=True):
+            found[row] = None if one is None else one[(0,) * len(place)]
     return found
 
 
 def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
     """What is wrong with each point, from its stored values; empty if it is sound."""
     group, done = store.group, store.flags[tuple(where.T)] == DONE
-    own = group.field_numbers[tuple(where.T)] >= 0
+    own = group.with_fields[tuple(where.T)]
     lost = [name for name, one in values.items() if one is None]
     of_all = {*lost} - {*DATA, "steps"}  # points that failed have no results
     right = values["checksum"] if lost else checksums(group, where, values, done)
@@ -120,7 +118,7 @@ def checksums(
     """
     found = np.zeros(len(where), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
-    own = group.field_numbers[tuple(where.T)] >= 0
+    own = group.with_fields[tuple(where.T)]
     for number, point in enumerate(group.points_at(tuple(where.T))):
         is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
         crc = zlib.crc32(is_of.encode())

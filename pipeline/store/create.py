@@ -281,7 +281,7 @@ def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int
             lost += not (some.faults[row] or same)
             for index in map(store.index, same if found[row] in states else ()):
                 # Points whose fields `other` lacks have to be simulated.
-                needs = store.group.field_numbers[index] >= 0 and found[row] == DONE
+                needs = store.group.with_fields[index] and found[row] == DONE
                 if not some.faults[row] and not (needs and _lacks_fields(some, row)):
                     rows.append(row)
                     targets.append(index)

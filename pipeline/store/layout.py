@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,13 +10,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
-    AT_ENDS,
     DIM,
-    FIELD_POINT,
     FIELDS,
     INPUTS,
     PLANE,
@@ -30,9 +26,9 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.sweep.case import TEST
-from pipeline.sweep.case_table import CaseName, in_order
+from pipeline.sweep.case_table import in_order
 from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
+from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES
@@ -111,9 +107,6 @@ class Group:
         """Lengths of the dimensions."""
         lengths = {name: len(values) for name, values in self.axes.items()}
         lengths[DIM] = sum(sizes_of(self.inputs).values())
-        if self.sweep.fields:
-            on_it = (lengths[dim] for dim in self.dims if dim not in self.seeds)
-            lengths[FIELD_POINT] = math.prod(on_it)
         return lengths
 
     @property
@@ -121,37 +114,28 @@ class Group:
         """Dimensions of the points."""
         return self.variables["status"].dims
 
-    @cached_property
-    def seeds(self) -> frozenset[str]:
-        """Dimensions of surface realizations, of which one alone has fields."""
-        return frozenset(one.name for one in self.sweep.case_table.columns if one.is_seed)
+    def on_surface_with_fields(self, values: Any) -> Any:
+        """View of `values` of all points at those on the surface realization that has fields."""
+        own = {dim: self.axes[dim].index(one) for dim, one in self.sweep.surface_with_fields}
+        return values[tuple(own.get(dim, slice(None)) for dim in self.dims)]
 
     @cached_property
-    def field_index(self) -> int:
-        """Index of the surface realization whose points have fields: one for all cases."""
-        kept = self.sweep.field_surface
-        places = (self.axes[dim].index(kept) for dim in self.seeds if kept is not None)
-        return max(places, default=0)
+    def with_fields(self) -> Mask:
+        """True at points with fields; the shape is that of the points."""
+        mask = np.zeros([self.sizes[dim] for dim in self.dims], bool)
+        self.on_surface_with_fields(mask)[...] = bool(self.sweep.fields)
+        return mask
 
-    @cached_property
-    def field_numbers(self) -> Indices:
-        """Number in the group ``fields`` of each point; -1 for points without fields.
-
-        Points with fields are those on one surface of each case. The shape is that of the points.
-        """
-        numbers = np.full([self.sizes[dim] for dim in self.dims], -1)
-        if self.sweep.fields:
-            own, every = self.field_index, slice(None)
-            on_it = tuple(own if dim in self.seeds else every for dim in self.dims)
-            numbers[on_it] = np.arange(self.sizes[FIELD_POINT]).reshape(numbers[on_it].shape)
-        return numbers
+    def places(self, name: str, where: Indices) -> Indices:
+        """Indices of points, shape (n, n_dim), along those of `dims` that a variable has."""
+        return where[:, [dim in self.variables[name].dims for dim in self.dims]]
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
         block, made = self._block(), dict[str, Document]()
         for name, one in self.variables.items():
-            own = {FIELD_POINT: 1} if name in FIELDS else block
+            own = dict.fromkeys(block, 1) if name in FIELDS else block
             own = {} if is_coordinate(name) or name == "status" else own
             made[name] = array_document(one, self.sizes, own, self.growths)
         return made
@@ -172,13 +156,7 @@ class Group:
     @cached_property
     def coordinates(self) -> dict[str, Any]:
         """Values of coordinates, and of the arrays from the scene's files, by name."""
-        values: dict[str, Any] = self.axes | _made_coordinates(self)
-        if self.sweep.fields:
-            where = np.argwhere(self.field_numbers >= 0)
-            for name in [*self.axes, *PLANE]:
-                if f"{AT_ENDS}/{name}" in self.variables:
-                    along = where[:, self.dims.index(self.variables[name].dims[0])]
-                    values[f"{AT_ENDS}/{name}"] = [self.axes[name][i] for i in along.tolist()]
+        values: dict[str, Any] = {**self.axes}
         if self.inputs:
             values[INPUTS] = np.concatenate([array.ravel() for array in self.inputs.values()])
         return values
@@ -215,42 +193,6 @@ class Group:
 def sizes_of(arrays: Mapping[str, Array]) -> dict[str, int]:
     """Number of values of each array."""
     return {digest: array.size for digest, array in arrays.items()}
-
-
-def _made_coordinates(group: Group) -> dict[str, Array]:
-    """Time [s], load [N] and sliding distance [m] at each step, which follow from the scene.
-
-    They are NaN at unused steps before the first step of a point.
-    """
-    sweep, axes, wanted = group.sweep, group.axes, group.variables
-    stored_steps, dims = choose_stored_steps(sweep), wanted["time"].dims
-
-    @functools.cache
-    def known(name: CaseName, load: float, velocity: float | None) -> list[Any]:
-        kept = stored_steps.select(sweep.case(name).scene, load, velocity)
-        lacking = [(math.nan,) * 3] * (group.sizes[group.step] - len(kept))
-        slid = [math.nan if one.slid is None else one.slid for one in kept]
-        steps = zip(kept, slid, strict=True)
-        return lacking + [(step.time, step.normal_load, way) for step, way in steps]
-
-    def along(dims: Sequence[str], values: Any) -> Any:
-        return xr.Variable(dims, np.reshape(values, [group.sizes[dim] for dim in dims]))
-
-    own = TEST_POINT in axes  # a test may have stages of velocity
-    sizes = [group.sizes[dim] if dim in dims else 1 for dim in group.dims]
-    ramps = [
-        known(point.case, point.load, point.velocity if own else None)
-        for point in group.points_at(np.nonzero(np.ones(sizes)))
-    ]
-    time, normal_load, way = (along(dims, one) for one in np.moveaxis(np.array(ramps), -1, 0))
-    speed: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
-    made = {
-        "time": time,
-        "normal_load": normal_load,
-        "sliding_distance": way.where(way.notnull(), speed * time) if own else speed * time,
-    }
-    lengths = {name: {dim: group.sizes[dim] for dim in wanted[name].dims} for name in made}
-    return {name: array.set_dims(lengths[name]).values for name, array in made.items()}
 
 
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:

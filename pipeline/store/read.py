@@ -11,20 +11,18 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.arrays import read_document
-from pipeline.store.place import ROOT, PathLike, damaged, place_of
+from pipeline.store.place import PathLike, damaged, place_of
 from pipeline.store.schema import (
-    AT_ENDS,
     AT_TESTS,
     DATA,
     DONE,
     FAILED,
     FIELDS,
     INPUTS,
+    PROGRESS,
     RECORDS,
     TEST_STEP,
     attributes_of,
-    is_of_points,
     variable_of_tests,
 )
 from pipeline.store.store import Store, opened
@@ -70,14 +68,12 @@ def completed(ds: xr.Dataset) -> xr.Dataset:
 
 def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store as a dataset whose data are read when they are used."""
-    group, lacks = store.group, set[str]()
-    if store.sweep.fields and read_document(store.place, f"{AT_ENDS}/{ROOT}") is None:
-        lacks = {*FIELDS, "x", "y"}  # a copy may lack the fields, which are most of a store
+    group = store.group
     present: dict[str, Any] = {**group.coordinates, "status": store.flags}
-    coords = {*group.coordinates} - {INPUTS}
+    coords = {*group.coordinates, *PROGRESS} - {INPUTS}
     variables = {}
     for name, variable in group.variables.items():
-        if name in lacks or name == "checksum" or name.startswith(f"{AT_ENDS}/"):
+        if name == "checksum":
             continue
         values = present.get(name)
         if values is None:
@@ -86,9 +82,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
             values = np.array(values, object if variable.dtype == "str" else variable.dtype)
         shown = attributes_of(variable)
         shown.pop("coordinates", None)
-        inner = tuple(dim for dim in variable.dims if not is_of_points(dim))
-        dims = (*group.dims, *inner) if name in FIELDS else variable.dims
-        variables[name] = xr.Variable(dims, values, shown)
+        variables[name] = xr.Variable(variable.dims, values, shown)
     variables["status"].encoding["store"] = str(store.place)
     # Answers are made by the sweep, which a dataset takes with it wherever it goes.
     attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
@@ -116,10 +110,9 @@ class _Masked(BackendArray):
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
         self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
-        if name in FIELDS:  # of points on one surface; the others are NaN
-            self._mask &= store.group.field_numbers >= 0
-        self.shape = self._mask.shape + array.shape[1 if name in FIELDS else self._mask.ndim :]
-        self.dtype = array.dtype
+        if name in FIELDS:
+            self._mask = store.group.on_surface_with_fields(self._mask)
+        self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
 
@@ -133,16 +126,9 @@ class _Masked(BackendArray):
         count = self._mask.ndim
         at = [np.arange(n)[one] for n, one in zip(self._mask.shape, key, strict=False)]
         mask = self._mask[np.ix_(*map(np.atleast_1d, at))]
-        if self._name in FIELDS:
-            numbers = self._store.group.field_numbers[np.ix_(*map(np.atleast_1d, at))]
-            found = self._store.read(self._name, (numbers[mask], *key[count:]))
-            inner = found.shape[1:]
-            values = np.full(mask.shape + inner, np.nan, self.dtype)
-            values[mask] = found
-        else:
-            values = np.asarray(self._store.read(self._name, key), self.dtype)
-            inner = values.shape[sum(one.ndim for one in at) :]
-            values = values.reshape(mask.shape + inner)
+        values = np.asarray(self._store.read(self._name, key), self.dtype)
+        inner = values.shape[sum(one.ndim for one in at) :]
+        values = values.reshape(mask.shape + inner)
         if self._name in DATA:
             self._require_written(values, mask, at, key[count:])
         values[~mask] = self._array.fill_value
@@ -163,8 +149,9 @@ class _Masked(BackendArray):
             values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
         lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done
         if lost.any():
-            every = np.zeros_like(self._mask)
-            every[np.ix_(*map(np.atleast_1d, at))] = lost
+            every = np.zeros_like(self._store.flags, bool)
+            own = self._store.group.on_surface_with_fields(every) if self._name in FIELDS else every
+            own[np.ix_(*map(np.atleast_1d, at))] = lost
             first, *others = map(self._store.group.to_text, self._store.points_where(every))
             what = f"is missing at {first}"
             if others:

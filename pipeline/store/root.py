@@ -27,7 +27,6 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import (
     ABOUT,
-    AT_ENDS,
     DIM,
     FORMAT,
     INPUTS,
@@ -114,7 +113,7 @@ class Root:
             "scene": self.sweep.text,
         }
         facts["digest"] = _digest(facts)
-        found = {AT_ENDS: _group({})} if self.sweep.fields else {}
+        found = dict[str, Document]()
         for group in self.groups:
             found |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
         if self.tests:

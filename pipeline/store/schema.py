@@ -10,13 +10,12 @@ import numpy as np
 
 from pipeline.sweep.case_table import ROWS
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT
-from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 32
+FORMAT = 33
 """Version of the layout of stores."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -57,13 +56,14 @@ COORDINATES = {
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
-MADE = {
-    "time": Variable(("load", "step"), "s", "time since the start of the ramp"),
-    "normal_load": Variable(("load", "step"), "N", "normal load on the pin"),
+PROGRESS = {
+    "time": Variable(_STEP, "s", "time since the start of the ramp"),
+    "normal_load": Variable(_STEP, "N", "normal load on the pin"),
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
 }
-"""Coordinates of steps, which are computed from the scene whenever a store is read."""
+"""Results at each step that are coordinates of the dataset."""
 COLUMNS = {
+    **PROGRESS,
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
     "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
     "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
@@ -115,11 +115,9 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
-ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
-"""Zarr groups: facts of the store, fields on one surface of each case, points of tests."""
-FIELD_POINT = "point"
-"""Dimension of the group ``fields``: points in the order in which the store got room for them."""
-VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
+ABOUT, OF_TESTS = "about", "tests"
+"""Zarr groups: facts of the store, points of tests."""
+VARIABLES = COORDINATES | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
 DATA = COLUMNS | SAMPLING | FILM | FIELDS
 """All results of a simulation."""
@@ -146,15 +144,13 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 
 def path_of(name: str) -> str:
-    """Path of a variable in a store; what is for programs is in ``about``, fields in ``fields``."""
-    if name in ("message", "checksum"):
-        return f"{ABOUT}/{name}"
-    return f"{AT_ENDS}/{name}" if name in FIELDS or name in ("x", "y") else name
+    """Path of a variable in a store; what is for programs is in ``about``."""
+    return f"{ABOUT}/{name}" if name in ("message", "checksum") else name
 
 
 def is_coordinate(name: str) -> bool:
-    """True for a variable without results: a dimension, a coordinate of steps, input arrays."""
-    return name in COORDINATES or name in MADE or name not in VARIABLES
+    """True for a variable without results: a dimension, a column of cases, input arrays."""
+    return name in COORDINATES or name not in VARIABLES
 
 
 def is_of_points(dim: str) -> bool:
@@ -201,21 +197,20 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue
-        dims, outer = variable.dims, _case_dims(name, sweep) if name in MADE else front
-        if name in FIELDS:
-            steps = ("step",) if sweep.fields == "steps" else ()
-            dims, outer = (FIELD_POINT, *steps, "x", "y"), ()
-        inner = tuple(dim for dim in dims if dim not in placed)
-        table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
+        inner = tuple(dim for dim in variable.dims if dim not in placed)
+        table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
     if sweep.fields:
-        seeds = {one.name for one in sweep.case_table.columns if one.is_seed}
-        own = sorted({*PLANE, *placed} - seeds)
-        for name in own:
-            table[f"{AT_ENDS}/{name}"] = table[name]._replace(dims=(FIELD_POINT,))
-        for name in FIELDS:
-            table[name] = table[name]._replace(attributes={"coordinates": " ".join(own)})
+        surface, steps = dict(sweep.surface_with_fields), ("step",) * (sweep.fields == "steps")
+        for name, one in FIELDS.items():
+            *outer, x, y = (dim for dim in table[name].dims if dim not in surface)
+            words = [f"{one.long_name} on {dim} {label}" for dim, label in surface.items()]
+            table[name] = one._replace(
+                dims=(*outer, *steps, x, y),
+                long_name=words[0] if words else one.long_name,
+                attributes=surface,
+            )
     columns = [name for name in placed if table[name].dims != (name,)]
-    along = [*sorted(columns), *MADE]
+    along = [*sorted(columns), *PROGRESS]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
     if TEST_POINT not in sweep.case_table.axes:
@@ -226,16 +221,6 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         )
         for name, one in table.items()
     }
-
-
-def _case_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of cases on which time, load or sliding distance (`name`) depend."""
-    table = sweep.case_table
-    placed = {column.name for column in table.columns} & {*PLANE}
-    if "load" in placed or (placed and name == "sliding_distance"):
-        return tuple(table.axes)
-    ramps = {ramp_of(case.scene) for case in sweep._on_first_surface}
-    return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:

@@ -99,8 +99,7 @@ class Store:
 
     def fields_of(self, case: CaseName) -> Fields:
         """Which fields of the points of a case are stored."""
-        with_fields = {(dim, self.axes[dim][self.group.field_index]) for dim in self.group.seeds}
-        return self.sweep.fields if with_fields <= {*case} else False
+        return self.sweep.fields if {*self.sweep.surface_with_fields} <= {*case} else False
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
@@ -199,12 +198,11 @@ class Store:
         none.
         """
         values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
-        numbers, chunks = self.group.field_numbers[tuple(where.T)], []
+        has_fields, chunks = self.group.with_fields[tuple(where.T)], []
         for name, ones in values.items():
-            at = numbers[:, None] if name in FIELDS else where
-            rows: dict[Index, list[int]] = {}
+            at, rows = self.group.places(name, where), dict[Index, list[int]]()
             for row, chunk in enumerate((at // self.block_of(name)).tolist()):
-                if name not in FIELDS or (numbers[row] >= 0 and ones[row] is not None):
+                if name not in FIELDS or (has_fields[row] and ones[row] is not None):
                     rows.setdefault(tuple(chunk), []).append(row)
             chunks += [(name, chunk, found, at, ones) for chunk, found in rows.items()]
         with ThreadPoolExecutor(_THREADS) as threads:

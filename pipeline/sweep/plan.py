@@ -43,8 +43,7 @@ Moment = Mapping[str, float | Array]
 
 NOT_KNOWN = -1.0
 """Stored at the end of a point instead of NaN, such as for the film of a ball."""
-# Not stored, since they follow from the scene.
-_DERIVED = ("time", "normal_load", "sliding_distance")
+_PROGRESS = ("time", "normal_load", "sliding_distance")  # known without a contact
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
@@ -87,7 +86,7 @@ class PointResult:
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields and "pressure" not in self.columns else {}
-        columns = {name: v.copy() for name, v in self.columns.items() if name not in _DERIVED}
+        columns = {name: v.copy() for name, v in self.columns.items()}
         for values in columns.values():
             values[-1] = _known(values[-1])
         return PointRecord(
@@ -247,8 +246,8 @@ def _increment_values(
         values = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
     if contact.is_requested or not contact.pressure.any():
         return values
-    # Not solved on the grid of the point: only time and load are known.
-    return {name: value if name in _DERIVED else value * np.nan for name, value in values.items()}
+    # Not solved on the grid of the point: only time, load and distance are known.
+    return {name: value if name in _PROGRESS else value * np.nan for name, value in values.items()}
 
 
 def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> Moment:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.case import LARGEST, Case, SpecimenTest
-from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, surfaces
+from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, in_order, surfaces
 from pipeline.sweep.codec import NOT_STORED, digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
@@ -165,6 +165,22 @@ class Sweep:
         for case in self.cases:
             first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
         return tuple(first.values())
+
+    @cached_property
+    def surface_with_fields(self) -> CaseName:
+        """The one surface realization of each case whose fields are stored: dimension and label.
+
+        It is the first, or that of an existing store; empty if cases have no realizations.
+        """
+        first = {
+            column.name: in_order(self.case_table.axes[column.name])[0]
+            for column in self.case_table.columns
+            if column.is_seed
+        }
+        stored_label = self.field_surface
+        return tuple(
+            (dim, label if stored_label is None else stored_label) for dim, label in first.items()
+        )
 
     def _single_case(self, name: CaseName = ()) -> Self:
         """The sweep of one case, by default of the scene itself."""

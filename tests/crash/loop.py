@@ -138,7 +138,7 @@ def places(ds):
 
 def values_of_points(ds):
     """Values of all variables of a dataset as arrays, by name."""
-    return {name: ds[name].values for name in ds.data_vars}
+    return {name: values.values for name, values in ds.variables.items()}
 
 
 def _is_known(values):

@@ -85,17 +85,8 @@ def make(path, sweep):
 
 
 def plain_values(path):
-    """Values of all variables of a store and its groups, as plain xarray reads them.
-
-    Fields are along load and velocity.
-    """
-    groups = [xr.open_zarr(path, group=name, chunks=None) for name in ("fields", "about", None)]
-    groups[0] = (
-        groups[0]
-        .set_index(point=["load", "velocity"])
-        .unstack("point")
-        .transpose("load", "velocity", ...)
-    )
+    """Values of all variables of a store and its groups, as plain xarray reads them."""
+    groups = [xr.open_zarr(path, group=name, chunks=None) for name in ("about", None)]
     return {name: ds[name].values for ds in groups for name in ds.variables}
 
 

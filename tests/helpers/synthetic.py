@@ -8,7 +8,7 @@ import xarray as xr
 import tribo
 from pipeline import Conditions
 from pipeline.answers.results import sweep_of
-from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, TEST_STEP, variable_of_tests
+from pipeline.store.schema import COLUMNS, DONE, FAILED, TEST_STEP, variable_of_tests
 from pipeline.sweep.points_of_tests import TEST_POINT, list_points_of_tests
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
@@ -96,8 +96,7 @@ def sweep(
     ramps = [np.append(np.arange(INCREMENT, F * (1 - 1e-12), INCREMENT), F) for F in loads]
     n_step = max(map(len, ramps))
     shape = (len(loads), len(velocities), n_step)
-    known = COLUMNS | MADE
-    scalars = {name: np.full(shape, np.nan) for name in known.keys() - {"rise_quantile"}}
+    scalars = {name: np.full(shape, np.nan) for name in COLUMNS.keys() - {"rise_quantile"}}
     quantiles = np.full((*shape, len(QUANTILES)), np.nan)
     flags = np.full(shape[:2], DONE, np.int8)
     messages = np.full(shape[:2], "", dtype=object)
@@ -119,7 +118,7 @@ def sweep(
         values[flags != DONE] = np.nan
 
     data = {
-        name: (_STEP, values, {"units": known[name].units, "long_name": name})
+        name: (_STEP, values, {"units": COLUMNS[name].units, "long_name": name})
         for name, values in scalars.items()
     }
     data["rise_quantile"] = ((*_STEP, "area_fraction_below"), quantiles, {"units": "K"})

@@ -19,7 +19,7 @@ from tests.sources.sections import number_in, sections
 
 _HEADS = "key", "give", "default", "meaning"
 _VARIABLES = {
-    "Coordinates": schema.COORDINATES | schema.MADE,
+    "Coordinates": schema.COORDINATES,
     "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Sampling errors of each point": schema.SAMPLING,

@@ -66,9 +66,7 @@ def test_further_realizations_have_one_point_a_load_and_no_fields(small):
     mask, ds = done(small), pipeline.open_sweep(small)
     assert (mask[1:].sum(axis=-1) <= 1).all()
     assert mask[0].any(axis=-1).all()
-    stored = np.isfinite(ds["pressure"].transpose("realization", ...).values).any(axis=(3, 4))
-    assert np.array_equal(stored[0], mask[0])
-    assert not stored[1:].any()
+    assert np.array_equal(np.isfinite(ds["pressure"].values).any(axis=(2, 3)), mask[0])
     assert pipeline.verify_store(small).is_clean
     with pytest.raises(InputError, match="no fields are stored for this point"):
         pipeline.plot(small, "fields", realization=1)

@@ -20,7 +20,6 @@ from pipeline.store.create import copy_points, writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import place_of
-from pipeline.store.schema import FIELDS
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -139,7 +138,7 @@ def test_points_with_fields_are_taken_over_by_a_larger_store_and_by_a_new_one(pa
 
 def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_store_grows(path):
     def opened_plainly():
-        groups = [xr.open_zarr(path, group=group) for group in (None, "fields", "about")]
+        groups = [xr.open_zarr(path, group=group) for group in (None, "about")]
         return [one.drop_vars("wall_time", errors="ignore") for one in groups]
 
     first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
@@ -148,20 +147,13 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
     for load in (200.0, 100.0):  # indices of points change, and change back
         commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
         now = [one.load() for one in opened_plainly()]
-        for plane, fields, about in kept:
-            for old in (
-                *plane.data_vars.values(),
-                *about.data_vars.values(),
-                *map(fields.get, FIELDS),
-            ):
+        for plane, about in kept:
+            for old in (*plane.data_vars.values(), *about.data_vars.values()):
                 with pytest.raises((RuntimeError, ValueError), match=r"checksum|decompression"):
                     old.compute()
-        at = now[1][["load", "velocity", "rise"]].set_xindex(["load", "velocity"])
         for point in points(first):
-            rise = record(point).data["rise"]
-            np.testing.assert_array_equal(
-                at["rise"].sel(load=point.load, velocity=point.velocity), rise
-            )
+            rise = now[0]["rise"].sel(load=point.load, velocity=point.velocity)
+            np.testing.assert_array_equal(rise, record(point).data["rise"])
         kept.append(opened_plainly())
     assert verify_store(path).is_clean
 
@@ -187,15 +179,15 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
         store.commit(rest)
     ds = open_sweep(path)
     expected = run_point(more, Point(150.0, 0.5, (("realization", 1),))).fields["rise"]
-    assert xr.open_zarr(path, group="fields")["rise"].dims == ("point", "x", "y")
-    assert len([*path.glob("fields/rise/c.*")]) == 1
-    np.testing.assert_array_equal(
-        ds["rise"].sel(realization=1).squeeze(), expected.astype(np.float32)
-    )
-    assert ds["rise"].sel(realization=[0, 7]).isnull().all()
-    assert ds["rise"].isel(realization=[2], x=0, y=[1, 2]).isnull().all()
+    assert ds["rise"].dims == ("load", "velocity", "x", "y")
+    assert ds["rise"].attrs["realization"] == 1
+    assert ds["rise"].attrs["long_name"].endswith("coefficient on realization 1")
+    assert [file.name for file in path.glob("rise/c.*")] == ["c.0.0.0.0"]
+    np.testing.assert_array_equal(ds["rise"].squeeze(), expected.astype(np.float32))
     assert verify_store(path).is_clean
     pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
+    with pytest.raises(tribo.InputError, match="a store keeps those of one surface realization"):
+        pipeline.plot(ds.sel(realization=7), "fields", load="150 N", velocity="0.5 m/s")
 
 
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):

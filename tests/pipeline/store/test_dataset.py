@@ -20,7 +20,7 @@ from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test, changed, rows
 from tests.helpers.points import run_point
-from tests.helpers.stores import commit
+from tests.helpers.stores import commit, record
 from tests.pipeline.conftest import commit_all
 from tests.sources import reference
 from tribo import InputError
@@ -64,7 +64,10 @@ def test_what_users_add_stays_through_reads_and_runs(copy, irg):
 PLAIN = {
     "concat": lambda ds: xr.concat([ds.isel(load=[0]), ds.isel(load=slice(1, None))], "load"),
     "interp": lambda ds: ds.compute().interp(load=200.5),
-    "map_blocks": lambda ds: ds.chunk().map_blocks(lambda d: d * 1, template=ds.chunk()),
+    "mean": lambda ds: ds.mean("load"),
+    "map_blocks": lambda ds: (whole := ds.chunk().unify_chunks()).map_blocks(
+        lambda d: d * 1, template=whole
+    ),
 }
 
 
@@ -99,10 +102,26 @@ def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(made):
 
 def test_plain_xarray_works_on_a_half_done_sweep_of_rows(made):
     for ds in (xr.open_zarr(made), pipeline.open_sweep(made)):
-        assert ds.chunks is not None  # fails if chunks along an axis differ in length
+        # Fails if chunks along an axis differ in length: a field has a chunk for each point.
+        assert ds.drop_vars(FIELDS).chunks is not None
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
         for work in PLAIN.values():
             assert work(ds).load().data_vars
+
+
+def test_plain_xarray_selects_the_field_of_a_point_and_one_not_computed_has_no_file(path):
+    point = Point(600.0, 1.5)
+    commit(path, SWEEP, [point])
+    plane = xr.open_zarr(path, chunks=None)
+    here = plane.sel(load=590.0, velocity=1.6, method="nearest")
+    for name in FIELDS:
+        assert here[name].dims == ("x", "y")
+        np.testing.assert_array_equal(here[name], record(point).data[name])
+        assert plane[name].notnull().any(("x", "y")).sum() == 1
+        assert [file.name for file in (path / name).glob("c.*")] == ["c.2.2.0.0"]
+    assert {"time", "normal_load", "sliding_distance"} < {*plane.coords}
+    assert here["sliding_distance"].values.tolist() == [1.5 * time for time in here["time"].values]
+    assert plane["time"].notnull().sum() == len(record(point).data["time"])
 
 
 def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
