@@ -215,12 +215,12 @@ def _notes_on_resuming(store: Store, old_sweep: Sweep) -> Iterator[str]:
     """Notes for the user if the conditions or program versions of `old_sweep` are different."""
     if changed := [*changes_in_words(old_sweep.conditions, store.sweep.conditions)]:
         yield (
-            f"the conditions stored in {store.place} now follow the scene, for all commands: "
+            f"the conditions stored in {store.location} now follow the scene, for all commands: "
             f"{'; '.join(changed)}"
         )
     current = versions()
     if not (began := store.root.history[0]).endswith(current):
         yield (
-            f"{store.place} was {began}; points computed from now on by {current} may differ in "
+            f"{store.location} was {began}; points computed from now on by {current} may differ in "
             "the last digits"
         )

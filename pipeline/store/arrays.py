@@ -34,8 +34,8 @@ Document = dict[str, Any]
 """Content of a JSON document."""
 
 _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # a changed byte is noticed on reading
-_MOST_OF_DOCUMENT = 2**28  # bytes of a JSON document, which has the sweep
-_MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
+_MAX_DOCUMENT_BYTES = 2**28  # bytes of a JSON document, which has the sweep
+_MAX_TEXT_BYTES = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
@@ -76,13 +76,13 @@ def array_document(
 class FolderStore(LocalStore):
     """Zarr store of a folder: it reads regular files alone, and what it writes is on the disk.
 
-    `most` has the most bytes of a chunk of each array, by the path of the array; `touched` has the
-    folders that got files, whose names are on the disk after `Folder.sync`.
+    `max_bytes` has the largest size [bytes] of a chunk of each array, by the path of the array;
+    `touched` has the folders that got files, whose names are on the disk after `Folder.sync`.
     """
 
     def __init__(self, root: Path) -> None:
         super().__init__(root)
-        self.most: dict[str, int] = {}
+        self.max_bytes: dict[str, int] = {}
         self.touched: set[Path] = set()
 
     async def get(
@@ -94,8 +94,8 @@ class FolderStore(LocalStore):
         """Content of the file `key`; None if there is none."""
         make = (prototype or default_buffer_prototype()).buffer.from_bytes
         with suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
-            most = self.most.get(key.rpartition("/")[0], _MOST_OF_DOCUMENT)
-            return make(await asyncio.to_thread(read_file, self.root / key, most))
+            max_bytes = self.max_bytes.get(key.rpartition("/")[0], _MAX_DOCUMENT_BYTES)
+            return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
         return None
 
     async def set(self, key: str, value: Buffer) -> None:
@@ -135,35 +135,35 @@ def open_arrays(
         array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
         if isinstance(store, FolderStore):
             # What does not compress at all grows by less than this.
-            store.most[path.path] = 2 * _size(array.dtype, array.chunks) + _MOST_OF_TEXT
+            store.max_bytes[path.path] = 2 * _size(array.dtype, array.chunks) + _MAX_TEXT_BYTES
     return arrays
 
 
 def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     """Most bytes of values of a type and shape."""
-    return (_MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
+    return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
 def write_arrays(
-    place: StorePlace, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
+    location: StorePlace, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
 ) -> None:
     """Write parts of arrays; a part is (name of the array, slices of whole chunks, values)."""
     sync(_all(arrays[name].async_array.setitem(where, values) for name, where, values in parts))
-    place.sync()
+    location.sync()
 
 
-def write_documents(place: StorePlace, documents: Mapping[str, Document]) -> None:
+def write_documents(location: StorePlace, documents: Mapping[str, Document]) -> None:
     """Create or replace documents of a store, by key."""
     make = default_buffer_prototype().buffer.from_bytes
-    contents = {key: make(json.dumps(one).encode()) for key, one in documents.items()}
-    sync(_all(place.zarr.set(key, content) for key, content in contents.items()))
-    place.sync()
+    contents = {key: make(json.dumps(document).encode()) for key, document in documents.items()}
+    sync(_all(location.zarr.set(key, content) for key, content in contents.items()))
+    location.sync()
 
 
-def read_document(place: StorePlace, key: str) -> bytes | None:
+def read_document(location: StorePlace, key: str) -> bytes | None:
     """Content of the document `key`; None if there is none."""
-    found = sync(place.zarr.get(key, default_buffer_prototype()))
-    return None if found is None else found.to_bytes()
+    content = sync(location.zarr.get(key, default_buffer_prototype()))
+    return None if content is None else content.to_bytes()
 
 
 def list_keys(store: Store) -> set[str]:

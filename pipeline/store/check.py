@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pipeline.store.store import Store
 
 _OF_POINT = ("message", "warning_flags")  # of a record, beside its data
-_AT_ONCE = 2**25  # bytes of fields that are read at once
+_MAX_FIELD_BYTES = 2**25  # bytes of fields that are read at once
 _THREADS = 8  # an object store answers them side by side
 
 Index = tuple[int, ...]
@@ -53,19 +53,21 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
     """
     names = [name for name in store.arrays if not (name == "status" or is_coordinate(name))]
     fields = [name for name in names if name in FIELDS]
-    others = [name for name in names if name not in FIELDS]
-    most = _AT_ONCE // max(1, *(4 * math.prod(store.arrays[name].chunks) for name in fields), 1)
+    columns = [name for name in names if name not in FIELDS]
+    max_points = _MAX_FIELD_BYTES // max(
+        1, *(4 * math.prod(store.arrays[name].chunks) for name in fields), 1
+    )
     everywhere = [*blocks(np.ones(store.flags.shape, bool), store.block_of("message"))]
     for count, (_, block) in enumerate(everywhere, 1):
         with ThreadPoolExecutor(_THREADS) as threads:
-            found = threads.map(lambda name, block=block: store.try_read(name, block), others)
-            read = dict(zip(others, found, strict=True))
+            arrays = threads.map(lambda name, block=block: store.try_read(name, block), columns)
+            read = dict(zip(columns, arrays, strict=True))
         within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
-        for some in np.split(within, range(max(most, 1), len(within), max(most, 1))):
-            if not len(some):
+        for indices in np.split(within, range(max(max_points, 1), len(within), max(max_points, 1))):
+            if not len(indices):
                 continue
-            values = {k: None if v is None else v[tuple(some.T)] for k, v in read.items()}
-            where = some + [part.start for part in block]
+            values = {k: None if v is None else v[tuple(indices.T)] for k, v in read.items()}
+            where = indices + [part.start for part in block]
             values |= {name: _read_fields(store, name, where) for name in fields}
             yield Checked(where, values, _faults(store, where, values))
         progress(Progress(done=count, total=len(everywhere)))
@@ -73,22 +75,22 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
 
 def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
     """A field of each done point; None where it is lost, and of points without fields."""
-    found: list[Any] = [None] * len(where)
+    fields: list[Any] = [None] * len(where)
     rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(where.T)])
-    places = store.group.places(name, where)[rows].tolist()
-    chunks = [tuple(slice(i, i + 1) for i in place) for place in places]
+    chunk_indices = store.group.point_indices(name, where)[rows].tolist()
+    chunks = [tuple(slice(i, i + 1) for i in chunk_index) for chunk_index in chunk_indices]
     with ThreadPoolExecutor(_THREADS) as threads:
         read = threads.map(lambda chunk: store.try_read(name, chunk), chunks)
-        for row, place, one in zip(rows.tolist(), places, read, strict=True):
-            found[row] = None if one is None else one[(0,) * len(place)]
-    return found
+        for row, chunk_index, values in zip(rows.tolist(), chunk_indices, read, strict=True):
+            fields[row] = None if values is None else values[(0,) * len(chunk_index)]
+    return fields
 
 
 def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
     """What is wrong with each point, from its stored values; empty if it is sound."""
     group, done = store.group, store.flags[tuple(where.T)] == DONE
-    own = group.with_fields[tuple(where.T)]
-    lost = [name for name, one in values.items() if one is None]
+    has_fields = group.with_fields[tuple(where.T)]
+    lost = [name for name, array in values.items() if array is None]
     of_all = {*lost} - {*DATA, "steps"}  # points that failed have no results
     right = values["checksum"] if lost else checksums(group, where, values, done)
 
@@ -96,11 +98,11 @@ def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str
         if lost:
             return f"{', '.join(lost)} cannot be read" if done[row] or of_all else ""
         for name in values if done[row] else ():
-            if name not in DATA or (name in FIELDS and not own[row]):
+            if name not in DATA or (name in FIELDS and not has_fields[row]):
                 continue
-            if (one := values[name][row]) is None:
+            if (stored := values[name][row]) is None:
                 return f"{name} cannot be read"
-            end = one[-1] if group.is_stepped(name) else one
+            end = stored[-1] if group.is_stepped(name) else stored
             if end.dtype.kind == "f" and np.isnan(end).any():
                 return f"{name} is missing"
         is_whole = right[row] == values["checksum"][row]
@@ -116,39 +118,39 @@ def checksums(
 
     So a file in the place of another is noticed. Points that failed have no results.
     """
-    found = np.zeros(len(where), np.uint32)
+    sums = np.zeros(len(where), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
-    own = group.with_fields[tuple(where.T)]
+    has_fields = group.with_fields[tuple(where.T)]
     for number, point in enumerate(group.points_at(tuple(where.T))):
         is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
         crc = zlib.crc32(is_of.encode())
         for name in names:
             is_record = name in _OF_POINT
-            if not (is_record or done[number]) or (name in FIELDS and not own[number]):
+            if not (is_record or done[number]) or (name in FIELDS and not has_fields[number]):
                 continue
-            one = values[name][number]
-            if one is None:
+            stored = values[name][number]
+            if stored is None:
                 continue
             if name == "message":
-                one = str(one).encode()
+                stored = str(stored).encode()
             elif group.is_stepped(name):
-                one = one[-int(values["steps"][number]) :]
-            crc = zlib.crc32(one, crc)
-        found[number] = crc
-    return found
+                stored = stored[-int(values["steps"][number]) :]
+            crc = zlib.crc32(stored, crc)
+        sums[number] = crc
+    return sums
 
 
 def find_damage(store: Store, progress: Report = silent) -> Damage:
     """Read all data to find what is damaged; the store must have been opened with `damage`."""
     assert store.damage is not None
-    for some in checked_points(store, progress):
-        for index, fault in zip(some.where.tolist(), some.faults, strict=True):
+    for checked in checked_points(store, progress):
+        for index, fault in zip(checked.where.tolist(), checked.faults, strict=True):
             if fault:
                 store.damage.points[tuple(index)] = fault
     for name, values in sorted(store.group.coordinates.items()):
-        found = store.try_read(name, tuple(slice(0, n) for n in store.arrays[name].shape))
+        stored = store.try_read(name, tuple(slice(0, n) for n in store.arrays[name].shape))
         right = np.asarray(values, store.arrays[name].dtype)
-        if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
+        if stored is None or not np.array_equal(stored, right, equal_nan=right.dtype.kind == "f"):
             store.damage.files.pop(store.key(name, [0] * right.ndim), None)
             store.damage.files[f"{store.group.prefix}{path_of(name)}"] = name, ..., values
     return store.damage

@@ -71,22 +71,22 @@ def writing(
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
     """
-    place, note = place_of(path), "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
-    if isinstance(place, Folder):
-        find_root(place)  # raises if this is no store, before a lock is put beside it
-        with locked(place, progress) as lock:
-            _end_what_was_begun(place)
-            yield _opened(place, sweep, lock, progress, note)
+    location, note = place_of(path), "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
+    if isinstance(location, Folder):
+        find_root(location)  # raises if this is no store, before a lock is put beside it
+        with locked(location, progress) as lock:
+            _end_what_was_begun(location)
+            yield _opened(location, sweep, lock, progress, note)
         return
-    if not place.is_written:
-        raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
-    progress(Progress(f"{place} cannot be locked: make sure that only one run writes to it"))
-    yield _opened(place, sweep, None, progress, note)
+    if not location.is_written:
+        raise StoreError(f"{location} can only be read; write to a folder, or to s3://…")
+    progress(Progress(f"{location} cannot be locked: make sure that only one run writes to it"))
+    yield _opened(location, sweep, None, progress, note)
 
 
 def enlarged(store: Store, sweep: Sweep) -> Store:
     """The store that this process writes, with room for the points of a larger sweep."""
-    return _opened(store.place, sweep, store.lock, silent)
+    return _opened(store.location, sweep, store.lock, silent)
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
@@ -96,150 +96,152 @@ def find_sweep(path: PathLike) -> Sweep | None:
 
 
 def _opened(
-    place: StorePlace,
+    location: StorePlace,
     sweep: Sweep,
     lock: Lock | None,
     progress: Report,
     note: str = "",
 ) -> Store:
     """The store of a sweep, made, enlarged or as it was."""
-    before = find_root(place)
+    before = find_root(location)
     if before and (differing := [*mismatches(before.sweep, sweep)]):
         advice = "use the values of the store, or write to another store"
         goals = [line for line in before.history if line.startswith(GOAL)]
         more = [f"the store is grown by: irg {goals[-1].replace('with', 'SCENE')}"] if goals else []
         raise StoreMismatchError(
-            "\n  ".join([f"{place} belongs to another scene: {advice}", *differing, *more])
+            "\n  ".join([f"{location} belongs to another scene: {advice}", *differing, *more])
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []
     growths = before.plane.growths if before else 0
-    root = Root.of(join(before.sweep if before else None, sweep), lines, growths)
+    root = Root.from_sweep(join(before.sweep if before else None, sweep), lines, growths)
     if before and _have_the_same_points(before, root):
-        store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
+        store = Store(location, root, lock, None if isinstance(location, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
             progress(
-                Progress(f"{place} had {count} damaged points or files, which are computed again")
+                Progress(
+                    f"{location} had {count} damaged points or files, which are computed again"
+                )
             )
-        with io_errors(place, "written"):
-            _update(place, root)
-    elif isinstance(place, Folder):
+        with io_errors(location, "written"):
+            _update(location, root)
+    elif isinstance(location, Folder):
         if before:  # a dataset that is open must not read the numbers of other points
-            root = Root.of(root.sweep, lines, growths + 1)
-        store = _moved_in(place, before, root, lock, progress)
+            root = Root.from_sweep(root.sweep, lines, growths + 1)
+        store = _moved_in(location, before, root, lock, progress)
     elif before:
-        raise _no_room(place, "on an object store a plane is fixed")
+        raise _no_room(location, "on an object store a plane is fixed")
     else:
-        with io_errors(place, "written"):
-            _fill(place, root)
-        store = Store(place, root, lock)
+        with io_errors(location, "written"):
+            _fill(location, root)
+        store = Store(location, root, lock)
     store.damage = None
     store.ask(points(sweep))
     if store.tests:
         rows = store.tests.sweep.case_table.by_name
-        every = points(store.tests.sweep)
-        store.tests.ask(one for one in every if rows[one.case][TEST] != NO_TEST)
+        test_points = points(store.tests.sweep)
+        store.tests.ask(point for point in test_points if rows[point.case][TEST] != NO_TEST)
     return store
 
 
-def _have_the_same_points(one: Root, other: Root) -> bool:
+def _have_the_same_points(root: Root, other: Root) -> bool:
     """True if both have the same points, variables and room for steps."""
-    return [(group.axes, {*group.arrays}) for group in one.groups] == [
+    return [(group.axes, {*group.arrays}) for group in root.groups] == [
         (group.axes, {*group.arrays}) for group in other.groups
     ]
 
 
-def _fill(place: StorePlace, root: Root, before: StorePlace | None = None) -> None:
+def _fill(location: StorePlace, root: Root, before: StorePlace | None = None) -> None:
     """Write all of a store without points; what makes it one comes last.
 
     Attributes that users gave to the store `before` stay.
     """
-    made = root.documents()
-    for key, one in made.items():
+    documents = root.documents()
+    for key, document in documents.items():
         with suppress(ValueError, KeyError, TypeError, RecursionError):  # a damaged document
-            found = json.loads(read_document(before, key) or b"{}") if before else {}
-            one["attributes"] = found["attributes"] | one["attributes"]
-    last = {FACTS: made.pop(FACTS)}
-    write_documents(place, made)
+            old_document = json.loads(read_document(before, key) or b"{}") if before else {}
+            document["attributes"] = old_document["attributes"] | document["attributes"]
+    last = {FACTS: documents.pop(FACTS)}
+    write_documents(location, documents)
     for group in root.groups:
         flags = np.full([group.sizes[dim] for dim in group.dims], PENDING, np.int8)
         parts = [("status", ..., flags)]
         parts += [(name, ..., values) for name, values in group.coordinates.items()]
-        write_arrays(place, open_arrays(place.zarr, group.arrays, group.prefix), parts)
-    write_documents(place, last)
+        write_arrays(location, open_arrays(location.zarr, group.arrays, group.prefix), parts)
+    write_documents(location, last)
 
 
-def _update(place: StorePlace, root: Root) -> None:
+def _update(location: StorePlace, root: Root) -> None:
     """Write the documents of a store that are not those of its root, what makes it one last."""
-    new = stale_documents(place, root)
+    new = stale_documents(location, root)
     last = {key: new.pop(key) for key in [FACTS] if key in new}
-    write_documents(place, new)
-    write_documents(place, last)
+    write_documents(location, new)
+    write_documents(location, last)
 
 
 # Folders
 
 
-def _end_what_was_begun(place: Folder) -> None:
+def _end_what_was_begun(location: Folder) -> None:
     """End what a killed run had begun in a folder or beside it."""
-    new, old = place.beside(NEW).path, place.beside(OLD).path
-    with io_errors(place, "written"):
-        if old.exists() and not place.path.exists():
-            (new if new.exists() else old).rename(place.path)  # killed between two renames
+    new, old = location.sibling(NEW).path, location.sibling(OLD).path
+    with io_errors(location, "written"):
+        if old.exists() and not location.path.exists():
+            (new if new.exists() else old).rename(location.path)  # killed between two renames
         for folder in filter(Path.exists, (new, old)):
             shutil.rmtree(folder)
-        for file in [*place.path.rglob(f"*{PARTIAL}")]:
+        for file in [*location.path.rglob(f"*{PARTIAL}")]:
             file.unlink()
 
 
 def _moved_in(
-    place: Folder, before: Root | None, root: Root, lock: Lock | None, progress: Report
+    location: Folder, before: Root | None, root: Root, lock: Lock | None, progress: Report
 ) -> Store:
-    """Make the store of `root`, with the points of the one at `place`, and put it there."""
-    new, old = place.beside(NEW), place.beside(OLD)
-    if place.path.exists() and (others := sorted(_not_of(before, place))):
-        raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
+    """Make the store of `root`, with the points of the one at `location`, and put it there."""
+    new, old = location.sibling(NEW), location.sibling(OLD)
+    if location.path.exists() and (foreign_files := sorted(_not_of(before, location))):
+        raise _no_room(location, f"{foreign_files[0]}, which is not of this program, would be lost")
     with io_errors(new, "written"):
-        _fill(new, root, place if before else None)
+        _fill(new, root, location if before else None)
     if before:
-        store, other = Store(new, root, lock, Damage()), Store(place, before, None, Damage())
-        for mine, theirs in zip(store.groups, other.groups, strict=False):
-            _, unsound, lost = _take(mine, theirs, (DONE, FAILED))
+        store, other = Store(new, root, lock, Damage()), Store(location, before, None, Damage())
+        for group, other_group in zip(store.groups, other.groups, strict=False):
+            _, unsound, lost = _take(group, other_group, (DONE, FAILED))
             if lost:
-                raise _no_room(place, f"{lost} of its points, which are done, would be lost")
+                raise _no_room(location, f"{lost} of its points, which are done, would be lost")
             if unsound:
                 progress(
-                    Progress(f"{place} had {unsound} damaged points, which are computed again")
+                    Progress(f"{location} had {unsound} damaged points, which are computed again")
                 )
-    with io_errors(place, "written"):
-        if place.path.exists():
-            place.path.rename(old.path)
-        new.path.rename(place.path)
-        sync(place.path.parent)
+    with io_errors(location, "written"):
+        if location.path.exists():
+            location.path.rename(old.path)
+        new.path.rename(location.path)
+        sync(location.path.parent)
         if old.path.exists():
             shutil.rmtree(old.path)
-    return Store(place, root, lock, Damage())
+    return Store(location, root, lock, Damage())
 
 
-def _not_of(root: Root | None, place: Folder) -> Iterator[str]:
+def _not_of(root: Root | None, location: Folder) -> Iterator[str]:
     """Names of the files and links below a folder that are not those of its store."""
-    own = {*(root.documents() if root else ())}
+    keys = {*(root.documents() if root else ())}
     folders = [""]
     while folders:
         folder = folders.pop()
-        for entry in os.scandir(place.path / folder):
+        for entry in os.scandir(location.path / folder):
             key = f"{folder}{entry.name}"
-            is_chunk = _CHUNK.fullmatch(entry.name) and f"{folder}{ROOT}" in own
+            is_chunk = _CHUNK.fullmatch(entry.name) and f"{folder}{ROOT}" in keys
             if entry.is_dir(follow_symlinks=False):
                 folders.append(f"{key}/")
-            elif entry.is_symlink() or not (is_chunk or key in own):
+            elif entry.is_symlink() or not (is_chunk or key in keys):
                 yield key
 
 
-def _no_room(place: StorePlace, reason: str) -> StoreError:
+def _no_room(location: StorePlace, reason: str) -> StoreError:
     return StoreError(
-        f"{place} cannot be extended: {reason}; write a new store and copy the points of this "
-        f"one into it: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
+        f"{location} cannot be extended: {reason}; write a new store and copy the points of this "
+        f"one into it: irg run SCENE -o NEW --from {shlex.quote(str(location))}"
     )
 
 
@@ -254,7 +256,7 @@ def copy_points(store: Store, other: Store) -> int:
     at different times, or `other` lacks a variable of `store`.
     """
     pairs = zip(store.groups, other.groups, strict=False)
-    return sum(_take(mine, theirs, (DONE,))[0] for mine, theirs in pairs)
+    return sum(_take(group, other_group, (DONE,))[0] for group, other_group in pairs)
 
 
 def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int, int]:
@@ -268,45 +270,47 @@ def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int
         or store.sweep.fields not in (False, other.sweep.fields)
     ):
         return 0, 0, 0
-    places = defaultdict[tuple[Any, ...], list[Point]](list)
+    pending = defaultdict[tuple[Any, ...], list[Point]](list)
     for point in store.pending():
-        places[store.group.scene_hash(point), *point[:2]].append(point)
-    taken, unsound, lost = 0, 0, 0
+        pending[store.group.scene_hash(point), *point[:2]].append(point)
+    copied, unsound, lost = 0, 0, 0
     other.damage = other.damage or Damage()
-    for some in checked_points(other):
-        rows, targets, found = list[int](), list[Index](), other.flags[tuple(some.where.T)]
-        for row, here in enumerate(other.group.points_at(tuple(some.where.T))):
-            same = places.get((other.group.scene_hash(here), *here[:2]), ())
-            unsound += bool(some.faults[row] and same)
-            lost += not (some.faults[row] or same)
-            for index in map(store.index, same if found[row] in states else ()):
+    for checked in checked_points(other):
+        rows, targets, flags = list[int](), list[Index](), other.flags[tuple(checked.where.T)]
+        for row, other_point in enumerate(other.group.points_at(tuple(checked.where.T))):
+            same = pending.get((other.group.scene_hash(other_point), *other_point[:2]), ())
+            unsound += bool(checked.faults[row] and same)
+            lost += not (checked.faults[row] or same)
+            for index in map(store.index, same if flags[row] in states else ()):
                 # Points whose fields `other` lacks have to be simulated.
-                needs = store.group.with_fields[index] and found[row] == DONE
-                if not some.faults[row] and not (needs and _lacks_fields(some, row)):
+                needs = store.group.with_fields[index] and flags[row] == DONE
+                if not checked.faults[row] and not (needs and _lacks_fields(checked, row)):
                     rows.append(row)
                     targets.append(index)
         if rows:
             names = store.arrays.keys() - {"checksum"}
             values = {
-                name: one[rows] if isinstance(one, np.ndarray) else [one[row] for row in rows]
-                for name, one in some.values.items()
-                if name in names and one is not None
+                name: stored[rows]
+                if isinstance(stored, np.ndarray)
+                else [stored[row] for row in rows]
+                for name, stored in checked.values.items()
+                if name in names and stored is not None
             }
-            store.write(np.array(targets), values, found[rows])
-        taken += len(rows)
-    return taken, unsound, lost
+            store.write(np.array(targets), values, flags[rows])
+        copied += len(rows)
+    return copied, unsound, lost
 
 
-def _lacks_fields(some: Checked, row: int) -> bool:
-    return any(some.values[name][row] is None for name in FIELDS if name in some.values)
+def _lacks_fields(checked: Checked, row: int) -> bool:
+    return any(checked.values[name][row] is None for name in FIELDS if name in checked.values)
 
 
 @functools.cache
 def versions() -> str:
     """Versions of the packages that compute and store, such as "numpy 2.1, scipy 1.15"."""
     names = ("irg-transition", "numpy", "scipy", "zarr")
-    found = []
+    texts = []
     for name in names:
         with suppress(metadata.PackageNotFoundError):  # run from its source
-            found.append(f"{name} {metadata.version(name)}")
-    return ", ".join(found)
+            texts.append(f"{name} {metadata.version(name)}")
+    return ", ".join(texts)

@@ -66,7 +66,7 @@ def sync(folder: Path) -> None:
 def require_no_link(path: Path) -> None:
     """Raise an `OSError` for a link."""
     if path.is_symlink():
-        what = (
+        problem = (
             "it is a symbolic link, which a store must not contain: replace it by the file itself"
         )
-        raise OSError(errno.ELOOP, what, os.fspath(path))
+        raise OSError(errno.ELOOP, problem, os.fspath(path))

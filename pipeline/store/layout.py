@@ -38,7 +38,7 @@ Axes = dict[str, list[Any]]
 """Values along each dimension, and values of coordinates that lie along another dimension."""
 Slices = tuple[slice, ...]
 
-_LARGEST, _MOST = 2**22, 1024  # bytes of a chunk, and points in it, at most
+_MAX_BYTES, _MAX_POINTS = 2**22, 1024  # bytes of a chunk, and points in it, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,23 +71,25 @@ class Group:
         }
         scenes = [case.scene for case in sweep._on_first_surface]
         if self.prefix:
-            kept = (
+            steps_of_points = (
                 stored_steps.select(sweep.case(name).scene, load, velocity)
                 for load, velocity, name in self._points
             )
         else:
             ramps = {ramp_of(scene): scene for scene in scenes}.values()
-            kept = (stored_steps.select(*one) for one in itertools.product(ramps, sweep.loads))
+            steps_of_points = (
+                stored_steps.select(*labels) for labels in itertools.product(ramps, sweep.loads)
+            )
         values = {
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
             **rows,
-            self.step: [*range(1 - max(map(len, kept)), 1)],
+            self.step: [*range(1 - max(map(len, steps_of_points)), 1)],
             "area_fraction_below": [*QUANTILES],
             "x": scenes[0].grid.coordinates(0).tolist(),
             "y": scenes[0].grid.coordinates(1).tolist(),
         }
-        return {name: one for name, one in values.items() if name in variables_of(sweep)}
+        return {name: labels for name, labels in values.items() if name in variables_of(sweep)}
 
     @cached_property
     def _points(self) -> list[Point]:
@@ -116,8 +118,10 @@ class Group:
 
     def on_surface_with_fields(self, values: Any) -> Any:
         """View of `values` of all points at those on the surface realization that has fields."""
-        own = {dim: self.axes[dim].index(one) for dim, one in self.sweep.surface_with_fields}
-        return values[tuple(own.get(dim, slice(None)) for dim in self.dims)]
+        surface = {
+            dim: self.axes[dim].index(label) for dim, label in self.sweep.surface_with_fields
+        }
+        return values[tuple(surface.get(dim, slice(None)) for dim in self.dims)]
 
     @cached_property
     def with_fields(self) -> Mask:
@@ -126,28 +130,28 @@ class Group:
         self.on_surface_with_fields(mask)[...] = bool(self.sweep.fields)
         return mask
 
-    def places(self, name: str, where: Indices) -> Indices:
+    def point_indices(self, name: str, where: Indices) -> Indices:
         """Indices of points, shape (n, n_dim), along those of `dims` that a variable has."""
         return where[:, [dim in self.variables[name].dims for dim in self.dims]]
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
-        block, made = self._block(), dict[str, Document]()
-        for name, one in self.variables.items():
-            own = dict.fromkeys(block, 1) if name in FIELDS else block
-            own = {} if is_coordinate(name) or name == "status" else own
-            made[name] = array_document(one, self.sizes, own, self.growths)
-        return made
+        block, documents = self._block(), dict[str, Document]()
+        for name, variable in self.variables.items():
+            chunk = dict.fromkeys(block, 1) if name in FIELDS else block
+            chunk = {} if is_coordinate(name) or name == "status" else chunk
+            documents[name] = array_document(variable, self.sizes, chunk, self.growths)
+        return documents
 
     def _block(self) -> dict[str, int]:
         """Number of points in a chunk along each dimension; a field is a chunk of its own."""
-        most = max(
-            8 * math.prod(self.sizes[dim] for dim in one.dims if not is_of_points(dim))
-            for name, one in self.variables.items()
+        max_bytes = max(
+            8 * math.prod(self.sizes[dim] for dim in variable.dims if not is_of_points(dim))
+            for name, variable in self.variables.items()
             if not (name in FIELDS or is_coordinate(name))
         )
-        return chunk_sizes({dim: self.sizes[dim] for dim in self.dims}, most)
+        return chunk_sizes({dim: self.sizes[dim] for dim in self.dims}, max_bytes)
 
     def paths(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by path in the store."""
@@ -200,9 +204,9 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
     `sizes` are the lengths of the dimensions, and `bytes_of_a_point` is for the largest variable.
     """
-    room, block = min(max(_LARGEST // bytes_of_a_point, 1), _MOST), dict[str, int]()
+    max_points, block = min(max(_MAX_BYTES // bytes_of_a_point, 1), _MAX_POINTS), dict[str, int]()
     for dim in sorted(sizes, key=lambda dim: (dim != "load", dim != "velocity")):
-        block[dim] = max(1, min(sizes[dim], room // math.prod(block.values())))
+        block[dim] = max(1, min(sizes[dim], max_points // math.prod(block.values())))
     return block
 
 

@@ -30,7 +30,7 @@ class Lock:
     """A lock that this process holds: the open lock file of a store."""
 
     def __init__(self, folder: Folder) -> None:
-        self.path = folder.beside(LOCK).path
+        self.path = folder.sibling(LOCK).path
         make_folder(self.path.parent)
         self.descriptor = open_regular(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
 
@@ -91,15 +91,15 @@ def _flock(folder: Folder, descriptor: int) -> bool:
     raise StoreError(f"{folder} is in use by {holder}; wait, or write to another store")
 
 
-def holder_of(place: StorePlace) -> str | None:
+def holder_of(location: StorePlace) -> str | None:
     """Process and host that write to a store, or make it, in words; None if no process does.
 
     It is also None if that is not known, as on an object store.
     """
-    if not isinstance(place, Folder):
+    if not isinstance(location, Folder):
         return None
     with suppress(OSError):
-        descriptor = os.open(place.beside(LOCK).path, os.O_RDONLY | os.O_NONBLOCK)
+        descriptor = os.open(location.sibling(LOCK).path, os.O_RDONLY | os.O_NONBLOCK)
         try:
             name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):

@@ -94,15 +94,15 @@ class Folder:
 
         return FolderStore(self.path)
 
-    def beside(self, ending: str) -> Folder:
+    def sibling(self, ending: str) -> Folder:
         """What lies beside this folder, by its `ending`: `NEW`, `OLD` or `LOCK`."""
         return Folder(self.path.with_name(self.path.name + ending))
 
     def stamp(self) -> tuple[int, int] | None:
         """What changes once another folder stands at this path; files written there do not."""
         with suppress(FileNotFoundError, NotADirectoryError):
-            found = (self.path / "status" / ROOT).stat()
-            return found.st_ino, found.st_mtime_ns
+            status = (self.path / "status" / ROOT).stat()
+            return status.st_ino, status.st_mtime_ns
         return None
 
     def keys(self) -> set[str]:
@@ -191,48 +191,48 @@ def place_of(path: PathLike | None) -> StorePlace:
 
 
 @contextmanager
-def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
+def io_errors(location: StorePlace, verb: str = "read") -> Iterator[None]:
     """Context manager: turn an error of disk or network into a `StoreError`.
 
-    Its message says that the file or `place` cannot be read, or "written" if this is the `verb`.
+    Its message says that the file or `location` cannot be read, or "written" if this is the `verb`.
     """
     try:
         yield
     except Exception as error:
         # A bucket's library may raise errors of any class.
-        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)
+        is_expected = isinstance(error, OSError) or isinstance(location, Bucket)
         if not is_expected or isinstance(error, TriboError) or is_lack_of_memory(error):
             raise
         file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error
         raise StoreError(
-            f"{file or place} cannot be {verb}: {reason}; finished points are saved. Check free "
+            f"{file or location} cannot be {verb}: {reason}; finished points are saved. Check free "
             "space, permissions and the disk, then repeat the command"
         ) from error
 
 
 @contextmanager
-def read_errors(place: StorePlace, name: str) -> Iterator[None]:
+def read_errors(location: StorePlace, name: str) -> Iterator[None]:
     """Context manager: turn errors of reading the variable `name` from a store into store errors.
 
     Bad data raise a `DamagedError`, errors of disk or network a `StoreError`.
     """
-    with io_errors(place):
+    with io_errors(location):
         try:
             yield
         except (RuntimeError, ValueError, DamagedError) as error:
             if is_lack_of_memory(error):  # which is no damage
                 raise
-            raise damaged(place, name) from error
+            raise damaged(location, name) from error
 
 
-def damaged(place: StorePlace, name: str, what: str = "cannot be read") -> DamagedError:
+def damaged(location: StorePlace, name: str, problem: str = "cannot be read") -> DamagedError:
     """Error that the data `name` of a store are damaged."""
-    return DamagedError(f"{place}: {name} {what}; irg verify names what is damaged; {REMEDY}")
+    return DamagedError(f"{location}: {name} {problem}; irg verify names what is damaged; {REMEDY}")
 
 
 def is_lack_of_memory(error: BaseException) -> bool:
     """True if an error means that memory has run out."""
     if isinstance(error, OSError):
         return error.errno in (errno.ENOMEM, errno.EAGAIN)
-    said = ("start new thread", "failed to map segment", "annot allocate memory")
-    return isinstance(error, MemoryError) or any(words in str(error) for words in said)
+    phrases = ("start new thread", "failed to map segment", "annot allocate memory")
+    return isinstance(error, MemoryError) or any(words in str(error) for words in phrases)

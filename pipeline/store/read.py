@@ -35,8 +35,8 @@ def open_store(path: PathLike) -> xr.Dataset:
 
     The store may still be in use by a run. Raises a `StoreError` if there is no readable store.
     """
-    place = place_of(path)
-    return xr.open_dataset(str(place), engine=_Backend, chunks=None)
+    location = place_of(path)
+    return xr.open_dataset(str(location), engine=_Backend, chunks=None)
 
 
 class _Backend(BackendEntrypoint):
@@ -62,8 +62,8 @@ def completed(ds: xr.Dataset) -> xr.Dataset:
     if "sweep" in ds.attrs or source is None or "status" not in ds.variables:
         return ds
     store = opened(source)
-    found = ds.assign_coords(_test_coordinates(store))
-    return found.assign_attrs(sweep=json.dumps(store.root.plain))
+    with_tests = ds.assign_coords(_test_coordinates(store))
+    return with_tests.assign_attrs(sweep=json.dumps(store.root.plain))
 
 
 def _dataset_of(store: Store) -> xr.Dataset:
@@ -80,13 +80,13 @@ def _dataset_of(store: Store) -> xr.Dataset:
             values = indexing.LazilyIndexedArray(_Masked(store, name))
         elif name in group.axes:
             values = np.array(values, object if variable.dtype == "str" else variable.dtype)
-        shown = attributes_of(variable)
-        shown.pop("coordinates", None)
-        variables[name] = xr.Variable(variable.dims, values, shown)
-    variables["status"].encoding["store"] = str(store.place)
+        attributes = attributes_of(variable)
+        attributes.pop("coordinates", None)
+        variables[name] = xr.Variable(variable.dims, values, attributes)
+    variables["status"].encoding["store"] = str(store.location)
     # Answers are made by the sweep, which a dataset takes with it wherever it goes.
-    attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
-    return xr.Dataset(variables, attrs=attributes).set_coords(coords & {*variables})
+    dataset_attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
+    return xr.Dataset(variables, attrs=dataset_attributes).set_coords(coords & {*variables})
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
@@ -97,10 +97,10 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
     ds = ds.isel({TEST_POINT: order[ds[TEST].values[order] != NO_TEST]})
     names = [name for name in AT_TESTS if name in ds.variables]
-    found = {variable_of_tests(name): ds[name].variable for name in names}
-    message = found[variable_of_tests("message")]
+    coordinates = {variable_of_tests(name): ds[name].variable for name in names}
+    message = coordinates[variable_of_tests("message")]
     message.values = message.values.astype(object)
-    return {TEST: ds[TEST].variable, **found}
+    return {TEST: ds[TEST].variable, **coordinates}
 
 
 class _Masked(BackendArray):
@@ -124,15 +124,15 @@ class _Masked(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part of the variable; `key` has an index for each dimension (outer indexing)."""
         count = self._mask.ndim
-        at = [np.arange(n)[one] for n, one in zip(self._mask.shape, key, strict=False)]
+        at = [np.arange(n)[index] for n, index in zip(self._mask.shape, key, strict=False)]
         mask = self._mask[np.ix_(*map(np.atleast_1d, at))]
         values = np.asarray(self._store.read(self._name, key), self.dtype)
-        inner = values.shape[sum(one.ndim for one in at) :]
+        inner = values.shape[sum(index.ndim for index in at) :]
         values = values.reshape(mask.shape + inner)
         if self._name in DATA:
             self._require_written(values, mask, at, key[count:])
         values[~mask] = self._array.fill_value
-        return values.reshape([*(n for one in at for n in one.shape), *inner])
+        return values.reshape([*(n for index in at for n in index.shape), *inner])
 
     def _require_written(self, values: Any, done: Any, at: Sequence[Any], key: Any) -> None:
         """Raise a `DamagedError` if a done point lacks values: they are not what was written.
@@ -149,11 +149,17 @@ class _Masked(BackendArray):
             values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
         lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done
         if lost.any():
-            every = np.zeros_like(self._store.flags, bool)
-            own = self._store.group.on_surface_with_fields(every) if self._name in FIELDS else every
-            own[np.ix_(*map(np.atleast_1d, at))] = lost
-            first, *others = map(self._store.group.to_text, self._store.points_where(every))
-            what = f"is missing at {first}"
-            if others:
-                what += f" and at {len(others)} more"
-            raise damaged(self._store.place, self._name, what)
+            is_lost_point = np.zeros_like(self._store.flags, bool)
+            is_lost = (
+                self._store.group.on_surface_with_fields(is_lost_point)
+                if self._name in FIELDS
+                else is_lost_point
+            )
+            is_lost[np.ix_(*map(np.atleast_1d, at))] = lost
+            first, *more_points = map(
+                self._store.group.to_text, self._store.points_where(is_lost_point)
+            )
+            problem = f"is missing at {first}"
+            if more_points:
+                problem += f" and at {len(more_points)} more"
+            raise damaged(self._store.location, self._name, problem)

@@ -54,7 +54,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
 
 def _field_surface(before: Sweep, sweep: Sweep) -> int | None:
     """The surface realization that has fields: that of the store, also if smaller seeds come."""
-    dims = [one.name for one in sweep.case_table.columns if one.is_seed]
+    dims = [column.name for column in sweep.case_table.columns if column.is_seed]
     if not (before.fields and dims):
         return None
     if dims[0] in before.case_table.axes:
@@ -62,7 +62,7 @@ def _field_surface(before: Sweep, sweep: Sweep) -> int | None:
         return first if before.field_surface is None else before.field_surface
     stored = {*before._scene_hashes.values()}  # on a single surface, which had no number yet
     hashes = sweep._scene_hashes.items()
-    return next((dict(name)[dims[0]] for name, one in hashes if one in stored), None)  # type: ignore[return-value]
+    return next((dict(name)[dims[0]] for name, scene_hash in hashes if scene_hash in stored), None)  # type: ignore[return-value]
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:
@@ -70,37 +70,37 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
     values = in_order([*old, *new])
     for low, high in itertools.pairwise(values):
         if math.isclose(low, high, rel_tol=1e-9):
-            stored, given = (low, high) if low in old else (high, low)
+            in_store, in_scene = (low, high) if low in old else (high, low)
             raise InputError(
-                f"{name}: {given!r} in the scene equals {stored!r} in the store within rounding; "
-                f"give {stored!r}"
+                f"{name}: {in_scene!r} in the scene equals {in_store!r} in the store within "
+                f"rounding; give {in_store!r}"
             )
     return tuple(values)
 
 
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that those of a scene lack: what is done stays."""
-    known, kept = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
+    known, former = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former):
-        places = {(sweep._hash_scene(test.case.scene), *place) for place in test.points}
-        kept += [test] if places - known else []
-        known |= places
-    return tuple(kept)
+        test_points = {(sweep._hash_scene(test.case.scene), *point) for point in test.points}
+        former += [test] if test_points - known else []
+        known |= test_points
+    return tuple(former)
 
 
 def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can."""
     old, new = stored.case_table, sweep.case_table
-    kept, wanted = (one._scene_hashes for one in (stored, sweep))
-    if [*old.axes] != [*new.axes] and not {*kept.values()} <= {*wanted.values()}:
+    old_hashes, new_hashes = (compared._scene_hashes for compared in (stored, sweep))
+    if [*old.axes] != [*new.axes] and not {*old_hashes.values()} <= {*new_hashes.values()}:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
         yield f"axes: {have} in the store, {gives} in the scene, which lacks cases of the store"
         return
-    for name in kept.keys() & wanted.keys():
+    for name in old_hashes.keys() & new_hashes.keys():
         before, after = old.by_name[name], new.by_name[name]
         different = [_differs(k, before[k], after[k]) for k in before if before[k] != after.get(k)]
-        if kept[name] != wanted[name]:
-            scenes = (one.case(name).scene for one in (stored, sweep))
+        if old_hashes[name] != new_hashes[name]:
+            scenes = (compared.case(name).scene for compared in (stored, sweep))
             different += changes_in_words(*scenes)
         if different:
             row = f"scene with {', '.join(case_words(name))}: " if name else ""
@@ -119,7 +119,9 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 def changes_in_words(old: Any, new: Any) -> Iterator[str]:
     """Yield, in words, what differs between two objects: scenes, or conditions; numbers in SI."""
     for path, before, after in differences(encode(old), encode(new)):
-        first = next((one for one in _ENTRIES if path == one or path.startswith(f"{one}.")), "")
+        first = next(
+            (entry for entry in _ENTRIES if path == entry or path.startswith(f"{entry}.")), ""
+        )
         yield _differs(_ENTRIES.get(first, "") + path[len(first) :], before, after)
 
 

@@ -61,7 +61,7 @@ class Root:
     plain: Any  # data of the sweep, for JSON
 
     @classmethod
-    def of(
+    def from_sweep(
         cls,
         sweep: Sweep,
         history: Sequence[str],
@@ -74,8 +74,8 @@ class Root:
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former:
-            own = sweep_of_tests(sweep, judges_holds(sweep))
-            tests = Group(own, prefix=f"{OF_TESTS}/", growths=growths)
+            test_sweep = sweep_of_tests(sweep, judges_holds(sweep))
+            tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths)
         plane = Group(sweep, arrays, growths=growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
@@ -113,17 +113,19 @@ class Root:
             "scene": self.sweep.text,
         }
         facts["digest"] = _digest(facts)
-        found = dict[str, Document]()
+        documents = dict[str, Document]()
         for group in self.groups:
-            found |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
+            documents |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
         if self.tests:
-            found[OF_TESTS] = _group({})
-        found[ABOUT] = _group(facts)
+            documents[OF_TESTS] = _group({})
+        documents[ABOUT] = _group(facts)
         # Zarr finds the members of a group only where they stand side by side.
-        members = {path: found[path] for path in sorted(found, key=lambda p: p.rpartition("/")[0])}
-        whole = {"kind": "inline", "must_understand": False, "metadata": members}
-        keys = {f"{path}/{ROOT}": one for path, one in found.items()}
-        return {ROOT: _group(self.attributes) | {_COPY: whole}} | keys
+        members = {
+            path: documents[path] for path in sorted(documents, key=lambda p: p.rpartition("/")[0])
+        }
+        consolidated = {"kind": "inline", "must_understand": False, "metadata": members}
+        keys = {f"{path}/{ROOT}": document for path, document in documents.items()}
+        return {ROOT: _group(self.attributes) | {_COPY: consolidated}} | keys
 
 
 def _group(attributes: Document) -> Document:
@@ -132,59 +134,61 @@ def _group(attributes: Document) -> Document:
 
 def _digest(facts: Mapping[str, Any]) -> str:
     """SHA-256 of the facts without their own digest."""
-    said = [facts[name] for name in ("format", "history", "inputs", "growths", "sweep")]
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
+    contents = [facts[name] for name in ("format", "history", "inputs", "growths", "sweep")]
+    return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
 
 # Reading
 
 
-def read_root(place: StorePlace) -> Root:
+def read_root(location: StorePlace) -> Root:
     """Read what a store holds; `StoreError` if it is missing, damaged or of another version."""
-    if root := find_root(place):
+    if root := find_root(location):
         return root
-    if holder := holder_of(place):
-        raise StoreError(f"{place} is being created by {holder}; try again in a few seconds")
-    near = ""
-    if isinstance(place, Folder) and not place.path.exists():
-        if place.beside(NEW).path.exists():
-            raise StoreError(f"a run was cut short as it made {place}; run its scene again")
-        near = path_hint(place.path)
-    raise StoreError(f"no store at {place}{near}; run a scene first, or give the path of a store")
+    if holder := holder_of(location):
+        raise StoreError(f"{location} is being created by {holder}; try again in a few seconds")
+    hint = ""
+    if isinstance(location, Folder) and not location.path.exists():
+        if location.sibling(NEW).path.exists():
+            raise StoreError(f"a run was cut short as it made {location}; run its scene again")
+        hint = path_hint(location.path)
+    raise StoreError(
+        f"no store at {location}{hint}; run a scene first, or give the path of a store"
+    )
 
 
-def find_root(place: StorePlace) -> Root | None:
+def find_root(location: StorePlace) -> Root | None:
     """Read what a store holds; None for an empty place, `StoreError` for other content."""
-    with io_errors(place):
-        content = read_document(place, FACTS)
-        keys = place.keys() if content is None else set()
+    with io_errors(location):
+        content = read_document(location, FACTS)
+        keys = location.keys() if content is None else set()
     if content is not None:
-        return _parsed(place, content)
-    is_file = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
-    if is_file or (keys and not _is_begun(place, keys)):
-        raise StoreError(f"{place} is not a store: {_what_it_is(keys)}")
+        return _parsed(location, content)
+    is_file = isinstance(location, Folder) and location.path.exists() and not location.path.is_dir()
+    if is_file or (keys and not _is_begun(location, keys)):
+        raise StoreError(f"{location} is not a store: {_what_it_is(keys)}")
     return None
 
 
-def _is_begun(place: StorePlace, keys: set[str]) -> bool:
+def _is_begun(location: StorePlace, keys: set[str]) -> bool:
     """True for what a creation that was cut short may leave on an object store: no results."""
     try:
-        source = json.loads(read_document(place, ROOT) or b"")["attributes"]["source"]
+        source = json.loads(read_document(location, ROOT) or b"")["attributes"]["source"]
     except (ValueError, KeyError, TypeError):
         return False
     names = {key.rpartition("/")[0].rpartition("/")[2] for key in keys if not key.endswith(ROOT)}
     return (
-        isinstance(place, Bucket)
+        isinstance(location, Bucket)
         and source == _SOURCE
         and all(is_coordinate(name) or name == "status" for name in names)
     )
 
 
-def _parsed(place: StorePlace, content: bytes) -> Root:
+def _parsed(location: StorePlace, content: bytes) -> Root:
     """The root from its document. Whatever is wrong with it, a `StoreError` says so in a line."""
 
     def is_damaged(why: object) -> StoreError:
-        return StoreError(f"{place}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
+        return StoreError(f"{location}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
 
     try:
         facts = json.loads(content)["attributes"]
@@ -194,31 +198,31 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
         raise StoreError(
-            f"{place}: its {FACTS} has format {version!r:.20}, and this program reads {FORMAT}; "
+            f"{location}: its {FACTS} has format {version!r:.20}, and this program reads {FORMAT}; "
             "run the scene into another store, or read it with the version that wrote it "
             f"({history[-1]:.200})"
         )
     if not is_whole:
         raise is_damaged("it is not what was written")
     try:
-        arrays = _read_inputs(place, facts["inputs"], facts["growths"])
+        arrays = _read_inputs(location, facts["inputs"], facts["growths"])
         sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
-        return Root.of(sweep, history, facts["growths"], (facts["sweep"], arrays))
+        return Root.from_sweep(sweep, history, facts["growths"], (facts["sweep"], arrays))
     except StoreError:
         raise
     except TriboError as error:
         raise is_damaged(error) from error
 
 
-def _read_inputs(place: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:
+def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:
     """Contents of the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
-    (one,) = inputs_variable(sizes).values()
-    document = array_document(one, {DIM: sum(sizes.values())}, {}, growths)
-    array = open_arrays(place.zarr, {INPUTS: document})[INPUTS]
-    with read_errors(place, INPUTS):
-        return split_arrays(array[:], one.attributes)
+    (variable,) = inputs_variable(sizes).values()
+    document = array_document(variable, {DIM: sum(sizes.values())}, {}, growths)
+    array = open_arrays(location.zarr, {INPUTS: document})[INPUTS]
+    with read_errors(location, INPUTS):
+        return split_arrays(array[:], variable.attributes)
 
 
 def _what_it_is(keys: set[str]) -> str:
@@ -227,11 +231,11 @@ def _what_it_is(keys: set[str]) -> str:
         return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
     if ROOT in keys:
         return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
-    what = "a folder with other files" if keys else "no folder"
-    return f"it is {what}; give the folder written by irg run, or a new one"
+    kind = "a folder with other files" if keys else "no folder"
+    return f"it is {kind}; give the folder written by irg run, or a new one"
 
 
-def stale_documents(place: StorePlace, root: Root) -> dict[str, Document]:
+def stale_documents(location: StorePlace, root: Root) -> dict[str, Document]:
     """Documents that are not as the root has them, by key, as they ought to be.
 
     Attributes and arrays that users added stay. On an object store only those of the whole are
@@ -239,24 +243,26 @@ def stale_documents(place: StorePlace, root: Root) -> dict[str, Document]:
     """
     stale = dict[str, Document]()
     for key, right in root.documents().items():
-        if isinstance(place, Bucket) and key not in (ROOT, FACTS):
+        if isinstance(location, Bucket) and key not in (ROOT, FACTS):
             continue
         try:
-            whole = _with_additions(found := json.loads(read_document(place, key) or b"{}"), right)
+            complete = _with_additions(
+                stored := json.loads(read_document(location, key) or b"{}"), right
+            )
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            found, whole = {}, right
-        if whole != found:
-            stale[key] = whole
+            stored, complete = {}, right
+        if complete != stored:
+            stale[key] = complete
     return stale
 
 
-def _with_additions(found: Document, right: Document) -> Document:
-    """A document as it ought to be, with what users added to it, as it was `found`."""
-    whole = found | right | {"attributes": found.get("attributes", {}) | right["attributes"]}
-    if found and _COPY in right:  # Zarr drops its copy of all metadata if a user adds an array
-        whole[_COPY], theirs = found.get(_COPY), (found.get(_COPY) or {}).get("metadata", {})
-        if theirs:
-            own = right[_COPY]["metadata"].items()
-            merged = {path: _with_additions(theirs.get(path, {}), one) for path, one in own}
-            whole[_COPY] = right[_COPY] | {"metadata": theirs | merged}
-    return whole
+def _with_additions(stored: Document, right: Document) -> Document:
+    """A document as it ought to be, with what users added to it, as it was `stored`."""
+    complete = stored | right | {"attributes": stored.get("attributes", {}) | right["attributes"]}
+    if stored and _COPY in right:  # Zarr drops its copy of all metadata if a user adds an array
+        complete[_COPY], old = stored.get(_COPY), (stored.get(_COPY) or {}).get("metadata", {})
+        if old:
+            members = right[_COPY]["metadata"].items()
+            merged = {path: _with_additions(old.get(path, {}), member) for path, member in members}
+            complete[_COPY] = right[_COPY] | {"metadata": old | merged}
+    return complete

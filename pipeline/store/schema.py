@@ -164,9 +164,11 @@ def require_free_names(sweep: Sweep) -> None:
     The error is also raised if two columns have the same name. A load or a velocity of each row is
     allowed.
     """
-    names = Counter(one.name for one in sweep.case_table.columns)
+    names = Counter(column.name for column in sweep.case_table.columns)
     used = {INPUTS, *VARIABLES} - {*PLANE}
-    for name in (one.name for one in sweep.case_table.columns if one.along and not one.is_seed):
+    for name in (
+        column.name for column in sweep.case_table.columns if column.along and not column.is_seed
+    ):
         if name in used or names[name] > 1:
             raise InputError(
                 f"a column of the cases is called {name}, like a variable of the dataset; "
@@ -180,14 +182,14 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     first = sweep.case_table.rows[0]
     kinds = {str: "str", int: "int64", float: "float64"}
     table = {
-        one.name: Variable(
-            (one.along or one.name,),
-            one.unit,
-            one.meaning,
-            kinds[type(first[one.name])],
-            {"shown_in": one.shown} if one.shown else {},
+        column.name: Variable(
+            (column.along or column.name,),
+            column.unit,
+            column.meaning,
+            kinds[type(first[column.name])],
+            {"shown_in": column.shown} if column.shown else {},
         )
-        for one in sweep.case_table.columns
+        for column in sweep.case_table.columns
     }
     front = tuple(sweep.case_table.axes)
     absent = {*ROWS}  # the table of cases adds its own
@@ -201,12 +203,12 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
     if sweep.fields:
         surface, steps = dict(sweep.surface_with_fields), ("step",) * (sweep.fields == "steps")
-        for name, one in FIELDS.items():
+        for name, field in FIELDS.items():
             *outer, x, y = (dim for dim in table[name].dims if dim not in surface)
-            words = [f"{one.long_name} on {dim} {label}" for dim, label in surface.items()]
-            table[name] = one._replace(
+            words = [f"{field.long_name} on {dim} {label}" for dim, label in surface.items()]
+            table[name] = field._replace(
                 dims=(*outer, *steps, x, y),
-                long_name=words[0] if words else one.long_name,
+                long_name=words[0] if words else field.long_name,
                 attributes=surface,
             )
     columns = [name for name in placed if table[name].dims != (name,)]
@@ -216,10 +218,10 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     if TEST_POINT not in sweep.case_table.axes:
         return table
     return {
-        TEST_STEP if name == "step" else name: one._replace(
-            dims=tuple(TEST_STEP if dim == "step" else dim for dim in one.dims)
+        TEST_STEP if name == "step" else name: variable._replace(
+            dims=tuple(TEST_STEP if dim == "step" else dim for dim in variable.dims)
         )
-        for name, one in table.items()
+        for name, variable in table.items()
     }
 
 

@@ -111,14 +111,14 @@ def summary_of(store: Store) -> Summary:
         total=int(np.count_nonzero(flags != NOT_NEEDED)),
         done=int(np.count_nonzero(flags == DONE)),
         pending=int(np.count_nonzero(flags == PENDING)),
-        failed=_told(store, {index: str(messages[index]) for index in failed}),
+        failed=_failed_points(store, {index: str(messages[index]) for index in failed}),
         warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
-        running=holder_of(store.place),
+        running=holder_of(store.location),
         tests=summary_of(store.tests) if store.tests and store.sweep.tests else None,
     )
 
 
-def _told(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
+def _failed_points(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
     """Points by index, each with what is wrong with it."""
     points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
     return tuple(
@@ -149,11 +149,13 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     >>> verification.done, verification.damaged, verification.is_clean
     (24, (), True)
     """
-    place = place_of(path)
-    store = Store(place, read_root(place), damage=Damage())
-    found = _verified(store, progress or silent)
-    with io_errors(place):
-        return replace(found, shared=(*found.shared, *stale_documents(place, store.root)))
+    location = place_of(path)
+    store = Store(location, read_root(location), damage=Damage())
+    verification = _verified(store, progress or silent)
+    with io_errors(location):
+        return replace(
+            verification, shared=(*verification.shared, *stale_documents(location, store.root))
+        )
 
 
 def _verified(store: Store, progress: Report) -> Verification:
@@ -161,7 +163,7 @@ def _verified(store: Store, progress: Report) -> Verification:
     of_done = sum(bool(store.flags[index] == DONE) for index in damage.points)
     return Verification(
         done=int(np.count_nonzero(store.flags == DONE)) - of_done,
-        damaged=_told(store, damage.points),
+        damaged=_failed_points(store, damage.points),
         shared=tuple(damage.files),
         tests=_verified(store.tests, silent) if store.tests else None,
     )

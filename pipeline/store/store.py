@@ -59,33 +59,33 @@ class Store:
 
     def __init__(
         self,
-        place: StorePlace,
+        location: StorePlace,
         root: Root,
         lock: Lock | None = None,
         damage: Damage | None = None,
         group: Group | None = None,
     ) -> None:
-        self.place, self.root, self.lock, self.damage = place, root, lock, damage
-        self.group = own = group or root.plane
-        self.sweep, self.axes, self.dims = own.sweep, own.axes, own.dims
-        self.arrays = open_arrays(place.zarr, own.arrays, own.prefix)
+        self.location, self.root, self.lock, self.damage = location, root, lock, damage
+        self.group = layout = group or root.plane
+        self.sweep, self.axes, self.dims = layout.sweep, layout.axes, layout.dims
+        self.arrays = open_arrays(location.zarr, layout.arrays, layout.prefix)
         self._numbers = [
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
-        self._stamp = place.stamp()
-        self.flags: NDArray[np.int8] = self._found_flags()
+        self._stamp = location.stamp()
+        self.flags: NDArray[np.int8] = self._read_flags()
         self.tests: Store | None = None
         if root.tests and group is None:
-            self.tests = Store(place, root, lock, damage and Damage(), root.tests)
+            self.tests = Store(location, root, lock, damage and Damage(), root.tests)
 
-    def _found_flags(self) -> Any:
+    def _read_flags(self) -> Any:
         """Statuses in the store. No store has none: where they are lost, all points are pending."""
         shape = tuple(self.group.sizes[dim] for dim in self.dims)
-        found = self.try_read("status", tuple(slice(0, n) for n in shape))
-        if found is not None and (found >= 0).all():
-            return found
+        flags = self.try_read("status", tuple(slice(0, n) for n in shape))
+        if flags is not None and (flags >= 0).all():
+            return flags
         if self.damage is None:
-            raise damaged(self.place, "status")
+            raise damaged(self.location, "status")
         lost = np.full(shape, PENDING, np.int8)
         self.damage.files[self.key("status", [0] * len(shape))] = "status", ..., lost
         return lost
@@ -104,8 +104,8 @@ class Store:
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
         labels = {"load": point.load, "velocity": point.velocity, **dict(point[2])}
-        found = zip(self.dims, self._numbers, strict=True)
-        return tuple(numbers[labels[dim]] for dim, numbers in found)
+        numbered_dims = zip(self.dims, self._numbers, strict=True)
+        return tuple(numbers[labels[dim]] for dim, numbers in numbered_dims)
 
     def points_where(self, mask: Any) -> list[Point]:
         """Points where a mask of the shape of `flags` is True."""
@@ -134,11 +134,11 @@ class Store:
     def read(self, name: str, key: Any) -> Any:
         """Read a part of a variable by outer indexing; `DamagedError` if a chunk is damaged."""
         try:
-            with read_errors(self.place, name):
+            with read_errors(self.location, name):
                 return self.arrays[name].oindex[key]
         finally:
-            if self.place.stamp() != self._stamp:
-                raise StoreError(f"{self.place} was enlarged since it was opened; open it again")
+            if self.location.stamp() != self._stamp:
+                raise StoreError(f"{self.location} was enlarged since it was opened; open it again")
 
     def try_read(self, name: str, block: Slices) -> Any:
         """Values of a variable at `block`, which is a chunk.
@@ -178,17 +178,17 @@ class Store:
         tables = [record.data or {} for record in records]
         if not any(tables):
             return values
-        steps = np.array([len(one.get("max_rise", ())) for one in tables], np.int32)
+        steps = np.array([len(data.get("max_rise", ())) for data in tables], np.int32)
         for name in DATA.keys() & self.arrays.keys():
             if name in FIELDS:
-                values[name] = [one.get(name) for one in tables]
+                values[name] = [data.get(name) for data in tables]
                 continue
-            array, room = self.arrays[name], (steps.max(),) * self.group.is_stepped(name)
-            shape = len(tables), *room, *array.shape[len(self.dims) + len(room) :]
-            values[name] = made = np.full(shape, array.fill_value, array.dtype)
+            array, step_shape = self.arrays[name], (steps.max(),) * self.group.is_stepped(name)
+            shape = len(tables), *step_shape, *array.shape[len(self.dims) + len(step_shape) :]
+            values[name] = stacked = np.full(shape, array.fill_value, array.dtype)
             for row, table in enumerate(tables):
                 if table:
-                    made[(row, slice(-steps[row], None)) if room else row] = table[name]
+                    stacked[(row, slice(-steps[row], None)) if step_shape else row] = table[name]
         return values | {"steps": steps}
 
     def write(self, where: Indices, values: Mapping[str, Any], states: NDArray[np.int8]) -> None:
@@ -199,14 +199,17 @@ class Store:
         """
         values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
         has_fields, chunks = self.group.with_fields[tuple(where.T)], []
-        for name, ones in values.items():
-            at, rows = self.group.places(name, where), dict[Index, list[int]]()
+        for name, point_values in values.items():
+            at, rows = self.group.point_indices(name, where), dict[Index, list[int]]()
             for row, chunk in enumerate((at // self.block_of(name)).tolist()):
-                if name not in FIELDS or (has_fields[row] and ones[row] is not None):
+                if name not in FIELDS or (has_fields[row] and point_values[row] is not None):
                     rows.setdefault(tuple(chunk), []).append(row)
-            chunks += [(name, chunk, found, at, ones) for chunk, found in rows.items()]
+            chunks += [
+                (name, chunk, rows_of_chunk, at, point_values)
+                for chunk, rows_of_chunk in rows.items()
+            ]
         with ThreadPoolExecutor(_THREADS) as threads:
-            self.put([*threads.map(lambda one: self._changed(*one), chunks)])
+            self.put([*threads.map(lambda part: self._changed(*part), chunks)])
         flags = self.flags.copy()
         flags[tuple(where.T)] = states
         self.set_flags(flags)
@@ -218,20 +221,23 @@ class Store:
         array, sizes = self.arrays[name], self.block_of(name)
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
         if name not in FIELDS and np.isin(self.flags[block], (DONE, FAILED)).any():
-            whole = self.read(name, block)
+            chunk_values = self.read(name, block)
         else:  # what is there may be damaged
             ends = [min(part.stop, n) for part, n in zip(block, array.shape, strict=False)]
             shape = [end - part.start for end, part in zip(ends, block, strict=True)]
-            whole = np.full((*shape, *array.shape[len(block) :]), array.fill_value, array.dtype)
+            chunk_values = np.full(
+                (*shape, *array.shape[len(block) :]), array.fill_value, array.dtype
+            )
         within = tuple((at[rows] - [part.start for part in block]).T)
-        made = np.array([values[row] for row in rows], array.dtype)
+        new_values = np.array([values[row] for row in rows], array.dtype)
         if self.group.is_stepped(name):
-            n = min(made.shape[1], whole.shape[len(block)])  # what is longer has no values
-            whole[within] = array.fill_value
-            whole[(*within, slice(-n, None))] = made[:, -n:]
+            # Steps beyond the chunk have no values.
+            n = min(new_values.shape[1], chunk_values.shape[len(block)])
+            chunk_values[within] = array.fill_value
+            chunk_values[(*within, slice(-n, None))] = new_values[:, -n:]
         else:
-            whole[within] = made
-        return name, block, whole
+            chunk_values[within] = new_values
+        return name, block, chunk_values
 
     # Statuses
 
@@ -270,22 +276,22 @@ class Store:
     def put(self, parts: Iterable[tuple[str, Any, Any]]) -> None:
         """Write parts of arrays; the lock must be in its place before and after."""
         self._require_lock()
-        with io_errors(self.place, "written"):
-            write_arrays(self.place, self.arrays, parts)
+        with io_errors(self.location, "written"):
+            write_arrays(self.location, self.arrays, parts)
         self._require_lock()
 
     def _require_lock(self) -> None:
         if self.lock and not self.lock.is_in_place():
             raise StoreError(
-                f"{self.place}: the lock file ({self.lock.path}) was deleted or replaced. The run "
-                "stops, because another one may be writing; finished points are saved. Run the "
+                f"{self.location}: the lock file ({self.lock.path}) was deleted or replaced. The "
+                "run stops, because another one may be writing; finished points are saved. Run the "
                 "command again"
             )
 
 
 def opened(path: PathLike) -> Store:
     """Open a store to read it."""
-    return Store(place := place_of(path), read_root(place))
+    return Store(location := place_of(path), read_root(location))
 
 
 _PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits: as much work as a kill may cost
@@ -299,7 +305,7 @@ class Writer:
 
     def __init__(self, store: Store) -> None:
         self.store = store
-        self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
+        self._min_pause = _PAUSE_OF_BUCKET if isinstance(store.location, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
         self._bytes = 0  # of the results that wait
         self._next = 0.0  # time of the next commit
@@ -315,7 +321,7 @@ class Writer:
         """Add records to those that wait."""
         for record in records:
             self._waiting.append(record)
-            self._bytes += sum(np.asarray(one).nbytes for one in (record.data or {}).values())
+            self._bytes += sum(np.asarray(values).nbytes for values in (record.data or {}).values())
 
     def written(self) -> list[PointRecord]:
         """Write the waiting records if it is time to, or they are large; and return them."""
@@ -328,5 +334,5 @@ class Writer:
         if records:
             self.store.commit(records)
             pause = _SHARE * (time.monotonic() - began)
-            self._next = time.monotonic() + min(max(self._least, pause), _LONGEST_PAUSE)
+            self._next = time.monotonic() + min(max(self._min_pause, pause), _LONGEST_PAUSE)
         return records
