@@ -1,15 +1,15 @@
-"""A specimen from its realizations: its rise at each point, and how far its mean may be off.
+"""A specimen from its realizations: its rise at each point, and the error of their mean.
 
-Each random surface of a case is a realization of one specimen. Realizations differ by nearly a
-constant along velocity, so a realization that lacks a point counts by its difference from the first
-realization at the nearest point of that load which both have. At each load those realizations count
-that have a point there. Loads that the first realization has alone, between loads of several
-realizations, are left out: a single realization is up to some percent off there, and the specimen's
-rises follow from the loads beside.
+Each random surface of a case is a realization of one specimen. The difference between two
+realizations is nearly constant along velocity. A realization that lacks a point therefore takes its
+difference from the first realization at the nearest velocity of this load at which both have a
+point. The mean at a load is over the realizations that have a point at this load. A load that only
+the first realization has, between loads that several have, is omitted: a single realization may err
+by some percent, and the specimen's rise there is interpolated from the neighbouring loads.
 
-At a load fewer realizations may be simulated than at another. Realizations differ alike at loads
-beside each other, so those that are simulated at the other load alone count, too: as much as the
-differences at both loads are correlated (a control variate with a slope that is fixed before).
+A load may have fewer realizations than another one. Differences between realizations are correlated
+between neighbouring loads, so realizations that only the other load has improve the mean, too, by a
+control variate whose slope is fixed beforehand.
 """
 
 from __future__ import annotations
@@ -33,251 +33,260 @@ _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
 
 
 class JackknifeQuality(NamedTuple):
-    """What a realization alone tells of how realizations differ, by its jackknife."""
+    """How well the jackknife of a single realization estimates the deviation of realizations."""
 
     degrees: int = GROUPS - 1  # of freedom
-    factor: float = 1.0  # of the deviation of realizations over that which one states
+    factor: float = 1.0  # deviation of realizations over the jackknife estimate of one of them
 
     @classmethod
     def of(cls, scene: Scene) -> JackknifeQuality:
-        """What a realization of a scene tells."""
+        """Quality of the jackknife of a realization of a scene."""
         is_local = scene.wear is not None and scene.wear.pattern == "local"
         return JackknifeQuality(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
 
 
 SWEPT = JackknifeQuality()
-"""What a realization alone tells unless wear is local."""
+"""Quality of the jackknife unless wear is local."""
 
 
 class RealizationMean(NamedTuple):
     """ln(rise) of a specimen by its realizations, at points (n_load, n_velocity)."""
 
     offset: Array  # ln(rise) of the specimen minus that of its first realization
-    bound: Array  # of the error at 95 % due to the choice of realizations
-    deviation: Array  # of one realization
-    shared: Array  # part of `bound` that rests on realizations at the load `shared_from`
-    shared_from: Indices  # (n_load,); −1 at loads whose own realizations decide
+    bound: Array  # 95 % bound of the error by the choice of realizations
+    deviation: Array  # standard deviation of a realization
+    shared: Array  # part of `bound` from realizations of the load `shared_from`
+    shared_from: Indices  # (n_load,); −1 where only realizations of the load itself count
 
 
 class Specimen(NamedTuple):
-    """The specimen of a case, how its realizations differ, and what else is known at its points."""
+    """The specimen of a case, the differences of its realizations, and warnings of its points."""
 
     field: Field  # ln(rise) [K]
     # ln(rise) of each realization minus that of the first one (m, n_load, n_velocity); NaN at loads
     # where the realization has no point.
-    apart: Array
+    differences: Array
     mean: RealizationMean
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
-    is_highest: bool  # the highest temperature decides: then that of the hottest realization
-    alone: JackknifeQuality
+    is_highest: bool  # True if the highest temperature governs, that of the hottest realization
+    jackknife: JackknifeQuality
 
     @property
     def realizations(self) -> Indices:
         """Number of realizations with a point at each load (n_load,)."""
-        return np.asarray(np.isfinite(self.apart[..., 0]).sum(axis=0))
+        return np.asarray(np.isfinite(self.differences[..., 0]).sum(axis=0))
 
     def offset_at(self, load: float, velocity: float) -> float:
-        """ln(rise) minus that of the first realization; beyond the points that of the nearest."""
-        f = self.field
-        along = [np.interp(velocity, f.velocities, row) for row in self.mean.offset]
-        return float(np.interp(math.log(load), np.log(f.loads), along))
+        """ln(rise) minus that of the first realization; beyond the points, that of the nearest."""
+        field = self.field
+        offsets = [np.interp(velocity, field.velocities, row) for row in self.mean.offset]
+        return float(np.interp(math.log(load), np.log(field.loads), offsets))
 
 
 def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     """The specimen of a case."""
-    counts = case.usable_realizations
-    y = case.log_rises(conditions)[counts]
-    sampling = _mean_stated(case.sampling(conditions)[counts])
-    kinds = np.bitwise_or.reduce(case.warning_flags[counts], 0)
-    durations = case.durations[counts].max(axis=0)
+    usable = case.usable_realizations
+    y = case.log_rises(conditions)[usable]
+    sampling = _rms_over_realizations(case.sampling(conditions)[usable])
+    kinds = np.bitwise_or.reduce(case.warning_flags[usable], 0)
+    durations = case.durations[usable].max(axis=0)
     axes = [case.loads, case.velocities]
     for axis, x in enumerate(axes):
         starts = np.flatnonzero(np.append(True, np.diff(np.log(x)) >= TWINS))
         if len(starts) < len(x):
-            axes[axis] = _means(x, starts)
-            y, sampling = _means(y, starts, axis + 1), _means(sampling, starts, axis)
+            axes[axis] = _group_means(x, starts)
+            y, sampling = _group_means(y, starts, axis + 1), _group_means(sampling, starts, axis)
             kinds = np.bitwise_or.reduceat(kinds, starts, axis)
             durations = np.maximum.reduceat(durations, starts, axis)
     loads, velocities = axes
     factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
     is_highest = conditions.critical_area_fraction == 0
-    alone = JackknifeQuality.of(case.sweep.scene)
-    return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, alone)
+    jackknife = JackknifeQuality.of(case.sweep.scene)
+    return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, jackknife)
 
 
 def merged(
     loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
     factor: Callable[[Array], Array] = np.ones_like, is_highest: bool = False,
-    alone: JackknifeQuality = SWEPT,
+    jackknife: JackknifeQuality = SWEPT,
 ) -> Specimen:  # fmt: skip
-    """The specimen of realizations with ln(rise) `y` (m, n_load, n_velocity), NaN without a result.
+    """Specimen from ln(rise) `y` of realizations (m, n_load, n_velocity), NaN without a result.
 
-    Of realizations of the highest temperature it has the highest, of others the mean.
+    It has the highest rise if `is_highest`, otherwise the mean.
     """
-    level, differences = y[0], [np.zeros_like(y[0])]
-    for own in y[1:]:
-        differences.append(_extended(own - y[0], loads))
-        level = np.where(np.isnan(level), own - differences[-1], level)
+    level, filled = y[0], [np.zeros_like(y[0])]
+    for log_rises in y[1:]:
+        filled.append(_fill_differences(log_rises - y[0], loads))
+        level = np.where(np.isnan(level), log_rises - filled[-1], level)
     has_point = np.asarray(np.isfinite(y).any(axis=2))
     has_point[0] = has_point.any(axis=0)
-    is_alone = _between_several(has_point)
-    known = has_point & ~is_alone
-    apart = np.where(known[..., None], np.array(differences), np.nan)
-    mean = mean_of_realizations(loads, apart, sampling, alone, is_highest)
-    offset = _along_load(loads, mean.offset, np.asarray(known.any(axis=0)))
-    plane = np.where(is_alone[:, None], np.nan, level + offset)
+    is_single = _is_single_between_several(has_point)
+    is_counted = has_point & ~is_single
+    differences = np.where(is_counted[..., None], np.array(filled), np.nan)
+    mean = mean_of_realizations(loads, differences, sampling, jackknife, is_highest)
+    offset = _interpolate_loads(loads, mean.offset, np.asarray(is_counted.any(axis=0)))
+    plane = np.where(is_single[:, None], np.nan, level + offset)
     field = Field(loads, velocities, plane, factor)
     mean = mean._replace(offset=offset)
-    return Specimen(field, apart, mean, flags, durations, is_highest, alone)
+    return Specimen(field, differences, mean, flags, durations, is_highest, jackknife)
 
 
-def _mean_stated(sampling: Array) -> Array:
-    """Root mean square over realizations at each point; where none tells, that of the nearest."""
-    known = np.isfinite(sampling)
-    squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=0), known.sum(axis=0)
+def _rms_over_realizations(sampling: Array) -> Array:
+    """Root mean square over realizations; where all are NaN, that of the nearest velocity."""
+    is_known = np.isfinite(sampling)
+    squares, count = np.square(np.where(is_known, sampling, 0.0)).sum(axis=0), is_known.sum(axis=0)
     with np.errstate(invalid="ignore"):
-        return _of_nearest(np.sqrt(squares / count))
+        return _fill_from_nearest_velocity(np.sqrt(squares / count))
 
 
-def _of_nearest(values: Array) -> Array:
-    """Values (n_load, n_velocity), where unknown those of the nearest velocity of a load."""
-    number = np.arange(values.shape[1])
-    known = np.isfinite(values)[:, None, :]
-    away = np.where(known, np.abs(number[:, None] - number), np.inf)
-    return np.take_along_axis(values, away.argmin(axis=-1), axis=1)
+def _fill_from_nearest_velocity(values: Array) -> Array:
+    """Values (n_load, n_velocity); NaN is replaced by the value of the nearest velocity."""
+    columns = np.arange(values.shape[1])
+    is_known = np.isfinite(values)[:, None, :]
+    distance = np.where(is_known, np.abs(columns[:, None] - columns), np.inf)
+    return np.take_along_axis(values, distance.argmin(axis=-1), axis=1)
 
 
-def _extended(difference: Array, loads: Array) -> Array:
-    """Differences from the first realization at all points, from those that both have."""
-    known = np.isfinite(difference)
-    if known.all():
+def _fill_differences(difference: Array, loads: Array) -> Array:
+    """Differences from the first realization, filled where one of the two has no point."""
+    is_known = np.isfinite(difference)
+    if is_known.all():
         return difference
-    rows, nearest = np.asarray(known.any(axis=1)), _of_nearest(difference)
-    return np.where(rows[:, None], nearest, _along_load(loads, nearest, rows))
+    has_known, nearest = np.asarray(is_known.any(axis=1)), _fill_from_nearest_velocity(difference)
+    return np.where(has_known[:, None], nearest, _interpolate_loads(loads, nearest, has_known))
 
 
-def _along_load(loads: Array, values: Array, rows: Mask) -> Array:
-    """Values (n_load, n_velocity), at loads other than `rows` interpolated in ln(load)."""
-    if rows.all():
+def _interpolate_loads(loads: Array, values: Array, is_known: Mask) -> Array:
+    """Values (n_load, n_velocity), interpolated in ln(load) except at the loads `is_known`."""
+    if is_known.all():
         return values
-    if not rows.any():
+    if not is_known.any():
         return np.zeros_like(values)
     x = np.log(loads)
-    return np.transpose([np.interp(x, x[rows], column) for column in values[rows].T])
+    return np.transpose([np.interp(x, x[is_known], column) for column in values[is_known].T])
 
 
-def _between_several(has_point: Mask) -> Mask:
-    """Mask of the loads (n_load,) of one realization (m, n_load) between loads of several."""
-    counts, number = has_point.sum(axis=0), np.arange(has_point.shape[1])
+def _is_single_between_several(has_point: Mask) -> Mask:
+    """True at loads (n_load,) with one realization, between loads with several."""
+    counts, rows = has_point.sum(axis=0), np.arange(has_point.shape[1])
     several = np.flatnonzero(counts > 1)
     first, last = several[[0, -1]] if several.size else (0, 0)
-    return np.asarray((counts == 1) & (first < number) & (number < last))
+    return np.asarray((counts == 1) & (first < rows) & (rows < last))
 
 
-def _means(values: Array, starts: Indices, axis: int = 0) -> Array:
+def _group_means(values: Array, starts: Indices, axis: int = 0) -> Array:
     """Means of the known values of each group along an axis."""
-    known = np.isfinite(values)
-    total = np.add.reduceat(np.where(known, values, 0.0), starts, axis)
+    is_known = np.isfinite(values)
+    total = np.add.reduceat(np.where(is_known, values, 0.0), starts, axis)
     with np.errstate(invalid="ignore"):
-        return np.asarray(total / np.add.reduceat(known.astype(int), starts, axis))
+        return np.asarray(total / np.add.reduceat(is_known.astype(int), starts, axis))
 
 
 def mean_of_realizations(
-    loads: Array, apart: Array, sampling: Array, alone: JackknifeQuality, is_highest: bool
+    loads: Array, differences: Array, sampling: Array, jackknife: JackknifeQuality, is_highest: bool
 ) -> RealizationMean:
-    """Mean of realizations; the highest of them if the highest temperature decides.
+    """Mean of realizations; the highest of them if the highest temperature governs.
 
     Parameters
     ----------
     loads : ndarray, shape (n_load,)
         Loads [N].
-    apart : ndarray, shape (m, n_load, n_velocity)
-        ln(rise) of each realization minus that of the first one; NaN at loads where it has none.
+    differences : ndarray, shape (m, n_load, n_velocity)
+        ln(rise) of each realization minus that of the first one; NaN at loads without a point.
     sampling : ndarray, shape (n_load, n_velocity)
-        Deviation of realizations that they state themselves, by their jackknife; NaN if unknown.
-    alone : JackknifeQuality
-        What a realization alone tells.
+        Jackknife estimate of the deviation of realizations; NaN if unknown.
+    jackknife : JackknifeQuality
+        How well one realization estimates it.
     is_highest : bool
-        True if the highest temperature decides.
+        True if the highest temperature governs.
 
     Examples
     --------
-    Of four realizations at 100 N two are simulated at 200 N, too. They are hotter than the mean
-    at 100 N, so the specimen is less hot at 200 N than they are:
+    Two of four realizations at 100 N are simulated at 200 N, too. At 100 N they are hotter than
+    the mean of all four, so the specimen at 200 N is less hot than these two:
 
-    >>> apart = np.array([[0.0, 0.0], [0.02, 0.02], [-0.05, np.nan], [-0.07, np.nan]])[..., None]
-    >>> stated = np.full((2, 1), 0.04)
+    >>> lifts = np.array([[0.0, 0.0], [0.02, 0.02], [-0.05, np.nan], [-0.07, np.nan]])[..., None]
+    >>> sampling = np.full((2, 1), 0.04)
     >>> loads = np.array([100.0, 200.0])
-    >>> mean_of_realizations(loads, apart, stated, SWEPT, False).offset.ravel().round(4).tolist()
+    >>> mean_of_realizations(loads, lifts, sampling, SWEPT, False).offset.ravel().round(4).tolist()
     [-0.025, -0.0145]
     """
-    known = np.isfinite(apart)
-    count = known[..., :1].sum(axis=0)  # (n_load, 1)
-    zeroed = np.where(known, apart, 0.0)
-    offset = zeroed.sum(axis=0) / np.maximum(count, 1)
-    squares = np.square(np.where(known, apart - offset, 0.0)).sum(axis=0)
+    has_point = np.isfinite(differences)
+    count = has_point[..., :1].sum(axis=0)  # (n_load, 1)
+    known = np.where(has_point, differences, 0.0)
+    offset = known.sum(axis=0) / np.maximum(count, 1)
+    squares = np.square(np.where(has_point, differences - offset, 0.0)).sum(axis=0)
     if is_highest:
-        offset = np.where(known, apart, -np.inf).max(axis=0)
-    stated = _stated(squares, count, sampling, alone)
-    found = RealizationMean(
+        offset = np.where(has_point, differences, -np.inf).max(axis=0)
+    deviation = _scaled_jackknife_deviation(squares, count, sampling, jackknife)
+    mean = RealizationMean(
         offset,
-        bound=surface_sampling_bound(count, squares, stated, is_highest, alone),
-        deviation=_deviation(count, squares, stated, alone)[0],
+        bound=surface_sampling_bound(count, squares, deviation, is_highest, jackknife),
+        deviation=_deviation(count, squares, deviation, jackknife)[0],
         shared=np.zeros_like(squares),
         shared_from=np.full(len(loads), -1),
     )
     if is_highest:
-        return found
+        return mean
     for load in np.argsort(-count[:, 0], kind="stable").tolist():
-        more = np.flatnonzero(count[:, 0] > count[load, 0])
-        if count[load, 0] > 1 and more.size:
-            nearest = int(more[np.argmin(np.abs(np.log(loads[more] / loads[load])))])
-            _share(found, load, nearest, apart, stated, alone)
-    return found
+        richer_loads = np.flatnonzero(count[:, 0] > count[load, 0])
+        if count[load, 0] > 1 and richer_loads.size:
+            other_load = int(
+                richer_loads[np.argmin(np.abs(np.log(loads[richer_loads] / loads[load])))]
+            )
+            _share_realizations(mean, load, other_load, differences, deviation, jackknife)
+    return mean
 
 
-def _share(
-    found: RealizationMean, load: int, other: int, apart: Array, stated: Array,
-    alone: JackknifeQuality,
+def _share_realizations(
+    mean: RealizationMean, load: int, other_load: int, differences: Array, deviation: Array,
+    jackknife: JackknifeQuality,
 ) -> None:  # fmt: skip
-    """Let realizations of another load count at a load, if its error gets smaller."""
-    both = np.isfinite(apart[:, [load, other], 0]).all(axis=1)
+    """Add realizations of another load to the mean at a load, if its error gets smaller."""
+    in_both = np.isfinite(differences[:, [load, other_load], 0]).all(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = CORRELATION * float(np.median(stated[load] / stated[other]))
-    if both.sum() < 2 or not 0 < slope < np.inf:
+        slope = CORRELATION * float(np.median(deviation[load] / deviation[other_load]))
+    if in_both.sum() < 2 or not 0 < slope < np.inf:
         return
-    rest = apart[both, load] - slope * apart[both, other]
-    squares = np.square(rest - rest.mean(axis=0)).sum(axis=0)
-    prior = np.sqrt(1 - CORRELATION**2) * stated[load]
-    own = surface_sampling_bound(int(both.sum()), squares, prior, alone=alone)
-    shared = slope * found.bound[other]
-    bound = np.hypot(own, shared)
-    if np.median(bound) < np.median(found.bound[load]):
-        found.offset[load] = rest.mean(axis=0) + slope * found.offset[other]
-        found.bound[load], found.shared[load], found.shared_from[load] = bound, shared, other
+    residuals = differences[in_both, load] - slope * differences[in_both, other_load]
+    squares = np.square(residuals - residuals.mean(axis=0)).sum(axis=0)
+    residual_deviation = np.sqrt(1 - CORRELATION**2) * deviation[load]
+    residual_bound = surface_sampling_bound(
+        int(in_both.sum()), squares, residual_deviation, alone=jackknife
+    )
+    shared = slope * mean.bound[other_load]
+    bound = np.hypot(residual_bound, shared)
+    if np.median(bound) < np.median(mean.bound[load]):
+        mean.offset[load] = residuals.mean(axis=0) + slope * mean.offset[other_load]
+        mean.bound[load], mean.shared[load], mean.shared_from[load] = bound, shared, other_load
 
 
-def _stated(squares: Array, count: Indices, sampling: Array, alone: JackknifeQuality) -> Array:
-    """What realizations state of their deviation, scaled by what their spread tells of it.
+def _scaled_jackknife_deviation(
+    squares: Array, count: Indices, sampling: Array, jackknife: JackknifeQuality
+) -> Array:
+    """Jackknife deviation, scaled by the ratio of the observed spread to it.
 
-    Loads share this ratio: their realizations are the same surfaces.
+    All loads share this ratio, because their realizations are the same surfaces.
     """
-    own = np.square(alone.factor * sampling)
-    freedom = np.where(own > 0, np.maximum(count - 1, 0), 0)
-    ratio = np.divide(squares, own, out=np.zeros_like(squares), where=own > 0).sum(axis=0)
-    ratio, most = ratio / np.maximum(freedom.sum(axis=0), 1), freedom.max(axis=0)
-    return np.asarray(sampling * np.sqrt((alone.degrees + most * ratio) / (alone.degrees + most)))
+    variance = np.square(jackknife.factor * sampling)
+    freedom = np.where(variance > 0, np.maximum(count - 1, 0), 0)
+    ratio = np.divide(squares, variance, out=np.zeros_like(squares), where=variance > 0).sum(axis=0)
+    ratio, max_freedom = ratio / np.maximum(freedom.sum(axis=0), 1), freedom.max(axis=0)
+    return np.asarray(
+        sampling
+        * np.sqrt((jackknife.degrees + max_freedom * ratio) / (jackknife.degrees + max_freedom))
+    )
 
 
 def _deviation(
-    count: Any, squares: Any, sampling: Any, alone: JackknifeQuality
+    count: Any, squares: Any, sampling: Any, jackknife: JackknifeQuality
 ) -> tuple[Array, Array]:
-    """Deviation of a realization, and Student's t that bounds it."""
-    own = np.where(np.isnan(sampling), 0, alone.degrees)
-    freedom = own + count - 1
-    known = own * (alone.factor * np.nan_to_num(sampling)) ** 2 + squares
-    deviation = np.sqrt(known / np.where(freedom > 0, freedom, np.nan))
+    """Standard deviation of a realization, and the quantile of Student's t of its bound."""
+    prior_freedom = np.where(np.isnan(sampling), 0, jackknife.degrees)
+    freedom = prior_freedom + count - 1
+    total_squares = prior_freedom * (jackknife.factor * np.nan_to_num(sampling)) ** 2 + squares
+    deviation = np.sqrt(total_squares / np.where(freedom > 0, freedom, np.nan))
     return deviation, np.asarray(stdtrit(freedom, _BOUND))
 
 
@@ -285,12 +294,12 @@ def surface_sampling_bound(
     count: Indices | int, squares: Array | float, sampling: Array | float,
     is_highest: bool = False, alone: JackknifeQuality = SWEPT,
 ) -> Array:  # fmt: skip
-    """Bound of ln(rise) at 95 % due to the choice of `count` realizations.
+    """95 % bound of the error of ln(rise) by the choice of `count` realizations.
 
-    The deviation s of a realization has the realizations' own estimates J (`sampling`) and their
-    spread, the sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P).
-    The bound of the mean of P realizations is t s/√P, with Student's t of 6 + P degrees; the
-    highest of them is as uncertain as one. It is NaN for a single realization that states nothing.
+    The deviation s of a realization follows from the jackknife estimate J (`sampling`) and from the
+    sum of `squares` of differences from the mean of P realizations: s² = (7 J² + squares)/(6 + P).
+    The bound of the mean is t s/√P, with Student's t of 6 + P degrees; that of the highest is t s.
+    It is NaN for a single realization without a jackknife estimate.
 
     Examples
     --------
@@ -299,17 +308,23 @@ def surface_sampling_bound(
     >>> float(surface_sampling_bound(16, 0.006, 0.02).round(4))
     0.0104
     """
-    deviation, reduced = _deviation(count, squares, sampling, alone)
-    return np.asarray(deviation * reduced / (1.0 if is_highest else np.sqrt(np.maximum(count, 1))))
+    deviation, student_t = _deviation(count, squares, sampling, alone)
+    return np.asarray(
+        deviation * student_t / (1.0 if is_highest else np.sqrt(np.maximum(count, 1)))
+    )
 
 
 def realizations_needed(
-    count: int, ratio: float, most: int, is_highest: bool = False, alone: JackknifeQuality = SWEPT
+    count: int,
+    ratio: float,
+    max_count: int,
+    is_highest: bool = False,
+    alone: JackknifeQuality = SWEPT,
 ) -> int:
-    """Number of realizations, `most` at most, whose bound is that of `count` of them over `ratio`.
+    """Number of realizations, up to `max_count`, whose bound is that of `count` over `ratio`.
 
-    It is taken that further realizations differ as those that there are. The highest of them is as
-    uncertain as one, so that no number suffices.
+    Further realizations are assumed to differ as the present ones do. If `is_highest`, the bound
+    hardly depends on their number, so that none may suffice.
 
     Examples
     --------
@@ -320,27 +335,27 @@ def realizations_needed(
     """
     if ratio <= 1:
         return count
-    numbers = np.arange(1, most + 1)
-    shares = realizations_share(numbers, is_highest, alone)
-    enough = numbers[shares <= shares[count - 1] / ratio]
-    return int(enough[0]) if enough.size else most
+    counts = np.arange(1, max_count + 1)
+    shares = realizations_share(counts, is_highest, alone)
+    sufficient = counts[shares <= shares[count - 1] / ratio]
+    return int(sufficient[0]) if sufficient.size else max_count
 
 
 def realizations_share(
-    count: Any, is_highest: bool = False, alone: JackknifeQuality = SWEPT
+    count: Any, is_highest: bool = False, jackknife: JackknifeQuality = SWEPT
 ) -> Array:
-    """Bound by `count` realizations over the deviation of one; all state their own deviation."""
-    bound = stdtrit(alone.degrees - 1 + count, _BOUND)
+    """Bound of `count` realizations over the deviation of one, if all have jackknife estimates."""
+    bound = stdtrit(jackknife.degrees - 1 + count, _BOUND)
     return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
 
 
-def least_variance_share(count: Any, alone: JackknifeQuality = SWEPT) -> Array:
-    """Least variance of realizations at 97.5 % over that which `count` of them tell.
+def least_variance_share(count: Any, jackknife: JackknifeQuality = SWEPT) -> Array:
+    """Lower 97.5 % bound of the variance of realizations over the estimate from `count` of them.
 
     Examples
     --------
     >>> least_variance_share(np.array([1, 16, 256])).round(2).tolist()
     [0.44, 0.6, 0.85]
     """
-    freedom = alone.degrees + np.asarray(count) - 1
+    freedom = jackknife.degrees + np.asarray(count) - 1
     return np.asarray(freedom / chdtri(freedom, 1 - _BOUND))

@@ -281,7 +281,7 @@ class Search:
             specimen.field.bilinear(one, *place).item() / exponent
             for one in (mean.bound, mean.deviation, mean.shared)
         )
-        count, kind = int(specimen.realizations[load]), (specimen.is_highest, specimen.alone)
+        count, kind = int(specimen.realizations[load]), (specimen.is_highest, specimen.jackknife)
 
         def number(error: float, room: float) -> int:
             return realizations_needed(count, error / room, 4 * MOST_REALIZATIONS, *kind)
@@ -324,7 +324,9 @@ class Search:
     @property
     def _least_share(self) -> Array:
         """Share of the realizations needed that may suffice, as few tell badly (n_load,)."""
-        return least_variance_share(np.maximum(self.specimen.realizations, 1), self.specimen.alone)
+        return least_variance_share(
+            np.maximum(self.specimen.realizations, 1), self.specimen.jackknife
+        )
 
     def _further_realizations(self, loads: set[int]) -> list[Place]:
         """Points of further realizations beside the crossings, about as many as each load needs."""
