@@ -1,7 +1,8 @@
-"""Where wear turns severe along the velocities of one load, from as few points as possible.
+"""Critical velocities at one load, from as few points as possible.
 
-y = ln(rise/limit) is known at the computed points. Between and beyond them y − ln(µ) rises with
-ln(velocity), with slopes in `RISE_SLOPES`: this bounds y, so that its sign is known or open.
+y = ln(rise/limit) is known at the simulated points. Between and beyond them, y − ln(µ) is assumed
+to rise with ln(velocity) with slopes in `RISE_SLOPES`. This bounds y, whose sign is then known or
+open.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from pipeline.answers.pchip import Pchip
 from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST
 from tribo.types import Array, Indices, Mask
 
-_NARROW = 1e-9  # in place of a range of velocities of 0
-_PARTS = 64  # parts of an interval of velocities at which the sign is looked at
+_MIN_RANGE = 1e-9  # of ln(velocity), if there is only one velocity
+_PARTS = 64  # parts of an interval of velocities in `sign_grid`
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Line:
     """ln(rise/limit) at the velocities of one load.
 
     `x` (n,) is ln(velocity), ascending, of the points that can be computed; `y` (n,) is NaN where
-    they are not computed. `friction` is ln(µ) relative to the nominal coefficient, at `places`.
+    not computed. `friction` is ln(µ) relative to the nominal coefficient, on `sign_grid`.
     """
 
     x: Array
@@ -35,8 +36,8 @@ class Line:
     friction: Array
 
     @classmethod
-    def of_heat(cls, x: Array, heat: Array, friction: Array) -> Self:
-        """Line from y − ln(µ) at the velocities, and ln(µ) at the places of `places_along`."""
+    def from_heat(cls, x: Array, heat: Array, friction: Array) -> Self:
+        """Line from y − ln(µ) at the velocities, and ln(µ) on their `sign_grid`."""
         return cls(x, heat + friction[::_PARTS][: len(x)], friction)
 
     @functools.cached_property
@@ -45,44 +46,44 @@ class Line:
         return np.flatnonzero(np.isfinite(self.y))
 
     @functools.cached_property
-    def _places(self) -> Array:
-        return places_along(self.x)
+    def _grid(self) -> Array:
+        return sign_grid(self.x)
 
     @property
-    def _bends(self) -> bool:
+    def _friction_varies(self) -> bool:
         """True if friction varies with velocity, so that the sign may change several times."""
         return bool(np.ptp(self.friction) > 0)
 
     @functools.cached_property
     def _curve(self) -> tuple[Array, Array, Array]:
-        """Lower bound, estimate and upper bound of y at all places."""
-        at, x = self._places, self.x[self.known]
+        """Lower bound, estimate and upper bound of y on the grid."""
+        grid, x = self._grid, self.x[self.known]
         heat = (self.y - self.friction[::_PARTS])[self.known]  # y − ln(µ)
         slopes = np.diff(heat) / np.diff(x)
-        # Wider than usual if computed points have shown other slopes.
-        shown, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST], RISE_SLOPES
-        gentle, steep = min(gentle, shown.min(initial=gentle)), max(steep, shown.max(initial=steep))
-        away = at - x[:, None]
-        ends = [
-            np.where(away > 0, one, other) * away + heat[:, None]
-            for one, other in ((gentle, steep), (steep, gentle))
+        # The range of slopes includes those between computed points.
+        usual, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST], RISE_SLOPES
+        gentle, steep = min(gentle, usual.min(initial=gentle)), max(steep, usual.max(initial=steep))
+        distance = grid - x[:, None]
+        bounds = [
+            np.where(distance > 0, below, above) * distance + heat[:, None]
+            for below, above in ((gentle, steep), (steep, gentle))
         ]
-        low, high = np.sort([ends[0].max(axis=0), ends[1].min(axis=0)], axis=0)
-        middle = (low + high) / 2
+        low, high = np.sort([bounds[0].max(axis=0), bounds[1].min(axis=0)], axis=0)
+        estimate = (low + high) / 2
         if len(x) > 1:
-            # A monotone cubic, with the mean slope beyond the computed points.
-            inner, mean = np.clip(at, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
-            cubic = Pchip(x, heat[:, None]).beyond(inner)[:, 0] + mean * (at - inner)
-            middle = np.clip(cubic, low, high)
-            off = ROUGH_LINE + CURVATURE * _bow(x, at)
-            low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
-        return low + self.friction, middle + self.friction, high + self.friction
+            # A monotone cubic, continued with the mean slope beyond the computed points.
+            clipped, mean_slope = np.clip(grid, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
+            cubic = Pchip(x, heat[:, None]).beyond(clipped)[:, 0] + mean_slope * (grid - clipped)
+            estimate = np.clip(cubic, low, high)
+            margin = ROUGH_LINE + CURVATURE * _sagitta(x, grid)
+            low, high = np.maximum(low, estimate - margin), np.minimum(high, estimate + margin)
+        return low + self.friction, estimate + self.friction, high + self.friction
 
     def crossings(self) -> Array:
         """ln(velocity) at which wear changes, ascending."""
         if not self.known.size:
             return np.empty(0)
-        x, y = self._places, self._curve[1]
+        x, y = self._grid, self._curve[1]
         (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
         return np.asarray(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))
 
@@ -96,7 +97,7 @@ class Line:
         """True if wear is severe at the lowest velocity, by the estimate."""
         return bool(self.known.size and self._curve[1][0] > 0)
 
-    def wanted(self, guess: float, tolerance: float) -> int | None:
+    def next_velocity(self, guess: float, tolerance: float) -> int | None:
         """Index of the velocity to compute next; None if none is needed.
 
         `guess` is ln(velocity) at which to begin, `tolerance` the error of a crossing in
@@ -107,81 +108,81 @@ class Line:
             return None
         if not self.known.size:
             return int(np.argmin(np.abs(self.x - guess)))
-        steps = (
-            self._doubtful(is_open),
-            self._unsure(is_open, tolerance),
-            self._touching(is_open),
-            self._end(is_open),
+        indices = (
+            self._most_doubtful(is_open),
+            self._near_uncertain_crossing(is_open, tolerance),
+            self._near_possible_crossing(is_open),
+            self._end_velocity(is_open),
         )
-        return next((step for step in steps if step is not None), None)
+        return next((index for index in indices if index is not None), None)
 
-    def _doubtful(self, is_open: Mask) -> int | None:
-        """The velocity not computed next to which the sign is most in doubt."""
+    def _most_doubtful(self, is_open: Mask) -> int | None:
+        """Uncomputed velocity nearest to where the sign is most in doubt."""
         low, _, high = self._curve
-        depth = np.minimum(high, -low)
-        # Each place belongs to the nearer of the two velocities about it that is not computed.
-        cell = np.minimum(np.arange(len(depth)) // _PARTS, len(self.x) - 1)
-        above = np.minimum(cell + (np.arange(len(depth)) % _PARTS > 0), len(self.x) - 1)
-        depth = np.where(is_open[cell] | is_open[above], depth, -math.inf)
-        place = int(np.argmax(depth))
-        if depth[place] <= 0:
+        doubt = np.minimum(high, -low)
+        # A grid position counts if one of the two velocities around it is not computed.
+        lower = np.minimum(np.arange(len(doubt)) // _PARTS, len(self.x) - 1)
+        upper = np.minimum(lower + (np.arange(len(doubt)) % _PARTS > 0), len(self.x) - 1)
+        doubt = np.where(is_open[lower] | is_open[upper], doubt, -math.inf)
+        position = int(np.argmax(doubt))
+        if doubt[position] <= 0:
             return None
-        sides = [side for side in (int(cell[place]), int(above[place])) if is_open[side]]
-        return min(sides, key=lambda side: float(abs(self.x[side] - self._places[place])))
+        candidates = [k for k in (int(lower[position]), int(upper[position])) if is_open[k]]
+        return min(candidates, key=lambda k: float(abs(self.x[k] - self._grid[position])))
 
-    def _unsure(self, is_open: Mask, tolerance: float) -> int | None:
-        """A velocity beside a crossing whose error by points left out is too large."""
+    def _near_uncertain_crossing(self, is_open: Mask, tolerance: float) -> int | None:
+        """Uncomputed velocity next to a crossing whose interpolation error is too large."""
         x, known = self.x, self.known
         heat = (self.y - self.friction[::_PARTS])[known]
         for crossing in self.crossings():
             error = curve_errors(x[known], heat, np.array([crossing]))[0]
-            slope = max(np.diff(heat).sum() / max(np.ptp(x[known]), _NARROW), FLATTEST)
+            slope = max(np.diff(heat).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
             after = int(np.searchsorted(x[known], crossing))
             low = known[after - 1] if after else -1
             high = known[after] if after < len(known) else len(x)
-            is_within = 0 < after < len(known)
-            if is_within and error <= tolerance * slope:
+            is_inside = 0 < after < len(known)
+            if is_inside and error <= tolerance * slope:
                 continue
-            within = np.flatnonzero(is_open[low + 1 : high]) + low + 1
-            if within.size:
-                return int(within[np.argmin(np.abs(x[within] - crossing))])
-            for beside in (low - 1, high + 1):
-                if 0 <= beside < len(x) and is_open[beside]:
-                    return int(beside)
+            candidates = np.flatnonzero(is_open[low + 1 : high]) + low + 1
+            if candidates.size:
+                return int(candidates[np.argmin(np.abs(x[candidates] - crossing))])
+            for neighbour in (low - 1, high + 1):
+                if 0 <= neighbour < len(x) and is_open[neighbour]:
+                    return int(neighbour)
         return None
 
-    def _touching(self, is_open: Mask) -> int | None:
-        """A velocity beside two of one sign, between which varying friction may turn y."""
+    def _near_possible_crossing(self, is_open: Mask) -> int | None:
+        """Uncomputed velocity next to two of equal sign, if the sign may change between them."""
         low, _, high = self._curve
         for first in np.flatnonzero(~is_open[:-1] & ~is_open[1:]).tolist():
-            inside = slice(_PARTS * first + 1, _PARTS * (first + 1))
-            may_turn = self._bends and np.any((low[inside] < 0) & (high[inside] > 0))
+            interval = slice(_PARTS * first + 1, _PARTS * (first + 1))
+            may_turn = self._friction_varies and np.any((low[interval] < 0) & (high[interval] > 0))
             if may_turn and (self.y[first] > 0) == (self.y[first + 1] > 0):
-                for beside in (first - 1, first + 2):
-                    if 0 <= beside < len(self.x) and is_open[beside]:
-                        return int(beside)
+                for neighbour in (first - 1, first + 2):
+                    if 0 <= neighbour < len(self.x) and is_open[neighbour]:
+                        return int(neighbour)
         return None
 
-    def _end(self, is_open: Mask) -> int | None:
-        """A velocity at an end, if wear does not change: an answer then says "throughout"."""
+    def _end_velocity(self, is_open: Mask) -> int | None:
+        """Uncomputed velocity at an end of a line without a crossing, to confirm this."""
         if self.crossings().size:
             return None
         # With constant friction one end decides: the highest if wear is mild, else the lowest.
-        # The point beside it shows how the rise goes on.
+        # The point next to it gives the slope there.
         last = len(self.x) - 1
-        end, beside, other = (0, 1, last) if self.is_severe else (last, last - 1, 0)
-        wanted = (end, other) if self._bends else (end, beside)
-        return next((one for one in wanted if 0 <= one <= last and is_open[one]), None)
+        end, neighbour, other_end = (0, 1, last) if self.is_severe else (last, last - 1, 0)
+        candidates = (end, other_end) if self._friction_varies else (end, neighbour)
+        return next((k for k in candidates if 0 <= k <= last and is_open[k]), None)
 
 
-def places_along(x: Array) -> Array:
-    """ln(velocity) at which the sign is looked at: each of `x`, and 63 places in each interval."""
+def sign_grid(x: Array) -> Array:
+    """ln(velocity) at which the sign is evaluated: `x`, and 63 values in each interval."""
     return np.interp(np.arange(_PARTS * (len(x) - 1) + 1) / _PARTS, np.arange(len(x)), x)
 
 
-def _bow(x: Array, at: Array) -> Array:
-    """Distance of a curve with second derivative 1 from its chord, or beyond from its tangent."""
-    last = np.searchsorted(x, at).clip(1, len(x) - 1)
-    within = (at - x[last - 1]) * (x[last] - at) / 2
-    beyond = np.maximum(x[0] - at, at - x[-1])
-    return np.asarray(np.where(beyond > 0, beyond, within))
+def _sagitta(x: Array, grid: Array) -> Array:
+    """Distance of a curve with second derivative 1 from its chord, or outside from its tangent."""
+    last = np.searchsorted(x, grid).clip(1, len(x) - 1)
+    inside = (grid - x[last - 1]) * (x[last] - grid) / 2
+    beyond = np.maximum(x[0] - grid, grid - x[-1])
+    return np.asarray(np.where(beyond > 0, beyond, inside))
