@@ -1,4 +1,4 @@
-"""A goal of a run: which points of its store the boundary of each scene still needs."""
+"""Goal of a run: which points the boundary of each scene still needs."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from pipeline.sweep.sweep import Point, Sweep
 from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
 
-_ROOM = 0.8  # largest share of an accuracy that a preset may take
-_LEAST_REALIZATIONS = 4  # of a new store: to make room for more takes as long as some points
+_MAX_PRESET_SHARE = 0.8  # of an accuracy, for the preset's error
+_LEAST_REALIZATIONS = 4  # of a new store; extending it takes as long as some points
 _ADVICE = {
     "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may take a finer preset",
     "warnings": "change what the warnings name: irg status",
     "surface": "there are too few surface realizations: set a larger --accuracy",
 }
-"""What reduces the largest part of an error that is too large."""
+"""How to reduce an error that is too large, by its largest part."""
 
 
 def percent(share: float) -> str:
@@ -42,22 +42,24 @@ def percent(share: float) -> str:
 
 
 def require_boundary(sweep: Sweep) -> None:
-    """Raise an `InputError` unless a sweep has a boundary, whose error can be a goal."""
-    why = ""
+    """Raise an `InputError` unless a sweep has a boundary whose error can be a goal."""
+    reason = ""
     if any({"load", "velocity"} & row.keys() for row in sweep.case_table.rows):
-        why = "each row of the sweep has its own load and velocity"
+        reason = "each row of the sweep has its own load and velocity"
     elif not any(velocity > 0 for velocity in sweep.velocities):
-        why = "sweep.velocities has none above 0"
+        reason = "sweep.velocities has none above 0"
     elif any(case.critical_from_tests for case in sweep.cases):
-        why = "temperature.critical is from tests, whose points come first; run without an accuracy"
+        reason = (
+            "temperature.critical is from tests, whose points come first; run without an accuracy"
+        )
     elif not np.isfinite([allowable_rise(case.conditions) for case in sweep.cases]).all():
-        why = "friction.coefficient is 0"
-    if why:
-        raise InputError(f"there is no boundary whose error can be a goal: {why}")
+        reason = "friction.coefficient is 0"
+    if reason:
+        raise InputError(f"there is no boundary whose error can be a goal: {reason}")
 
 
 def why_fixed(sweep: Sweep) -> str:
-    """Why there are no further realizations of a sweep's surface, in words; empty if there are."""
+    """Why a sweep's surface has no further realizations, in words; empty if it has."""
     if sweep.scene.roughness is None:
         return "smooth, not reduced by computing"
     if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
@@ -68,34 +70,40 @@ def why_fixed(sweep: Sweep) -> str:
 
 
 def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Sweep:
-    """The sweep with the coarsest preset whose error leaves room for others in an accuracy.
+    """The sweep with the coarsest preset whose error is a small enough share of an accuracy.
 
-    `before` is the sweep of the store, if there is one, whose preset is kept.
+    `before` is the sweep of the store, if there is one; its preset does not change.
     """
-    if any(one.key.startswith("fidelity.") for one in sweep.case_table.columns):
+    if any(column.key.startswith("fidelity.") for column in sweep.case_table.columns):
         raise InputError("sweep.over varies [fidelity], which the accuracy chooses; leave it out")
     if before is not None:
-        able = [sweep.with_fidelity(before.scene.fidelity, before.preset)]
+        candidates = [sweep.with_fidelity(before.scene.fidelity, before.preset)]
     else:
         presets = presets_for(sweep.scene, ["standard", "fine"])
-        able = [sweep.with_fidelity(one, name) for name, one in presets.items()]
-    errors = [math.inf if (x := velocity_error(one)) is None else x for one in able]
-    room = [one for one, error in zip(able, errors, strict=True) if error <= _ROOM * accuracy]
-    if room or errors[-1] < accuracy:
-        return room[0] if room else able[-1]
-    which = "the preset of the store" if before else "the preset fine"
-    known = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
+        candidates = [sweep.with_fidelity(fidelity, name) for name, fidelity in presets.items()]
+    errors = [
+        math.inf if (x := velocity_error(candidate)) is None else x for candidate in candidates
+    ]
+    suitable = [
+        candidate
+        for candidate, error in zip(candidates, errors, strict=True)
+        if error <= _MAX_PRESET_SHARE * accuracy
+    ]
+    if suitable or errors[-1] < accuracy:
+        return suitable[0] if suitable else candidates[-1]
+    subject = "the preset of the store" if before else "the preset fine"
+    statement = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
     raise InputError(
-        f"accuracy is {percent(accuracy)}, and {which} {known}; set a larger --accuracy"
+        f"accuracy is {percent(accuracy)}, and {subject} {statement}; set a larger --accuracy"
         + (", or give another store by -o OUT.zarr" if before else "")
     )
 
 
 class GoalRun:
-    """A run whose goal is the relative error `accuracy` of the boundary of each scene of a sweep.
+    """A run until the boundary of each scene of a sweep has at most the relative error `accuracy`.
 
-    `sweep` has the preset and the realizations that this takes. `before` is the sweep of the store,
-    if there is one. `is_fixed` is True if no further realizations can be simulated.
+    `before` is the sweep of the store, if there is one. The attribute `sweep` has the preset and
+    the realizations needed; `is_fixed` is True if no further realizations can be simulated.
     """
 
     def __init__(
@@ -113,11 +121,11 @@ class GoalRun:
             )
         require_boundary(sweep)
         if before is None and sweep.steps is None:
-            sweep = replace(sweep, steps="end")  # no earlier step decides
+            sweep = replace(sweep, steps="end")  # no earlier step governs
         chosen = with_preset_for(sweep, before, self.accuracy)
-        own = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
+        remark = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
         error = percent(velocity_error(chosen) or 0.0)
-        report(Progress(f"preset {chosen.preset} (up to {error}){own}"))
+        report(Progress(f"preset {chosen.preset} (up to {error}){remark}"))
         self.is_fixed, self._report = bool(why_fixed(chosen)), report
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
@@ -130,35 +138,39 @@ class GoalRun:
         return tuple(map(int, self.sweep.case_table.axes.get("realization", (0,))))
 
     def next_points(self, store: Store) -> list[Point]:
-        """Points to compute next, all on the first realization or all on others; empty at the end.
+        """Points to compute next, of the first realization if it needs any; empty at the end.
 
-        `sweep` then has as many realizations as these points need. It may also have further
-        velocities, where the search needs these before it can name points.
+        `sweep` gets the realizations that these points need, or further velocities if the search
+        needs these first.
         """
         cases = cases_of(ascending(store_dataset(store)))
-        found, to_come, most, between = list[tuple[Point, int]](), 0, 0, set[float]()
-        has_seeds, axes = "realization" in self.sweep.case_table.axes, self._seeds
-        seeds = axes if self.is_fixed else range(axes[0], axes[0] + MOST_REALIZATIONS)
+        points, to_come, count, new_velocities = list[tuple[Point, int]](), 0, 0, set[float]()
+        has_seeds, sweep_seeds = "realization" in self.sweep.case_table.axes, self._seeds
+        seeds = (
+            sweep_seeds
+            if self.is_fixed
+            else range(sweep_seeds[0], sweep_seeds[0] + MOST_REALIZATIONS)
+        )
         for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
             places = search.next_places()
-            between |= {*search.next_velocities()}
-            most = max(most, *(place.realization + 1 for place in places)) if places else most
+            new_velocities |= {*search.next_velocities()}
+            count = max(count, *(place.realization + 1 for place in places)) if places else count
             to_come += search.to_come()
             for realization, load, velocity in places:
-                at = float(search.loads[load]), float(search.velocities[velocity])
+                coordinates = float(search.loads[load]), float(search.velocities[velocity])
                 seed = (("realization", seeds[realization]),) if has_seeds else ()
-                found.append((Point(*at, (*case.name, *seed)), realization))
-        if most > len(axes) and not self.is_fixed:
-            # Those to come, too: to grow the store takes as long as some points.
-            self.sweep = self.sweep._with_realizations(min(MOST_REALIZATIONS, most + most // 2))
-        if between and not found:
-            velocities = tuple(sorted({*self.sweep.velocities, *between}))
+                points.append((Point(*coordinates, (*case.name, *seed)), realization))
+        if count > len(sweep_seeds) and not self.is_fixed:
+            # More than needed now, because extending the store takes as long as some points.
+            self.sweep = self.sweep._with_realizations(min(MOST_REALIZATIONS, count + count // 2))
+        if new_velocities and not points:
+            velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
             self.sweep = replace(self.sweep, velocities=velocities)
-        first = [point for point, realization in found if not realization]
-        if found and not first and self.is_on_first_realization:
+        first = [point for point, realization in points if not realization]
+        if points and not first and self.is_on_first_realization:
             self._report(Progress(f"first realization done; about {to_come} points to come"))
         self.is_on_first_realization = bool(first)
-        return first or [point for point, _ in found]
+        return first or [point for point, _ in points]
 
 
 def searches(
@@ -167,14 +179,14 @@ def searches(
     is_fixed: bool,
     realizations: int = MOST_REALIZATIONS,
 ) -> Iterator[tuple[CaseResults, Search]]:
-    """The search of each case of a store, in the present state."""
+    """The search of each case of a store in its present state."""
     for case in cases:
         model = JudgedCase(case).under(case.sweep.conditions)
         yield case, search_of(model, Goal(accuracy, realizations, not is_fixed))
 
 
 def search_of(model: VerdictModel, goal: Goal) -> Search:
-    """The search of one case by what answers know of it."""
+    """The search of one case, with the rises and errors of its answers."""
     case, specimen = model.case, model.specimen
     first = case.log_rises(model.conditions)[0] + specimen.mean.offset - model.limit
     tried = np.isin(case.status, (DONE, FAILED))
@@ -184,12 +196,12 @@ def search_of(model: VerdictModel, goal: Goal) -> Search:
 class Reached(NamedTuple):
     """Largest numerical error of the critical velocities of one scene, relative, at 95 %."""
 
-    case: str  # values of varied entries that tell the scene from others
+    case: str  # values of the varied entries of the scene
     preset: str | None
-    load: float  # where the error is largest [N]; NaN if no load has a critical velocity
-    total: float  # without the part by the surface, unless it counts
-    parts: dict[str, float]  # at this load, by cause
-    surface: float  # largest part by the surface at any load
+    load: float  # load with the largest error [N]; NaN if none has a critical velocity
+    total: float  # error at this load, without surface sampling unless that counts
+    parts: dict[str, float]  # parts of the error at this load
+    surface: float  # largest error by surface sampling at any load
     without: tuple[float, ...]  # loads without a critical velocity in the plane [N]
 
     def is_below(self, accuracy: float) -> bool:
@@ -197,7 +209,7 @@ class Reached(NamedTuple):
         return not np.isfinite(self.load) or self.total < accuracy
 
     def lines(self, accuracy: float, surface: str) -> Iterator[str]:
-        """Lines in words; `surface` says why its part does not count, or is empty."""
+        """Lines of text; `surface` is the reason why its part does not count, or empty."""
         case = f"{self.case}: " if self.case else ""
         if np.isfinite(self.load):
             counted = {k: x for k, x in self.parts.items() if x and (k != "surface" or not surface)}
@@ -218,22 +230,22 @@ class Reached(NamedTuple):
 
 
 def reached(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[Reached]:
-    """What was reached for each case of a dataset."""
-    found = list[Reached]()
+    """Largest error of each case of a dataset."""
+    goals = list[Reached]()
     for case, search in searches(cases_of(ds), accuracy, is_fixed):
         loads, crosses = search.loads, np.isfinite(search.critical)
-        whole = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
-        worst = int(np.argmax(np.where(crosses, np.nan_to_num(whole, nan=np.inf), -np.inf)))
-        own = case.sweep.case_table.to_text(case.name) if case.name else {}
-        found.append(
+        totals = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
+        worst = int(np.argmax(np.where(crosses, np.nan_to_num(totals, nan=np.inf), -np.inf)))
+        labels = case.sweep.case_table.to_text(case.name) if case.name else {}
+        goals.append(
             Reached(
-                case=", ".join(f"{key} {value}" for key, value in own.items()),
+                case=", ".join(f"{key} {value}" for key, value in labels.items()),
                 preset=case.sweep.preset,
                 load=float(loads[worst]) if crosses.any() else np.nan,
-                total=float(whole[worst]),
+                total=float(totals[worst]),
                 parts=dict(zip(PARTS, search.errors[:, worst].tolist(), strict=True)),
                 surface=float(search.errors[SURFACE].max(where=crosses, initial=0.0)),
                 without=tuple(loads[~crosses].tolist()),
             )
         )
-    return found
+    return goals
