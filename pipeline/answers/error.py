@@ -24,10 +24,10 @@ from pipeline.answers.specimen import Specimen
 from pipeline.constants import (
     BEYOND,
     LEAST_BENT,
-    OF_WARNED,
     RISE_SHARE,
     ROUGH_GAP,
     UNSEEN_BENT,
+    WARNING_ERRORS,
 )
 from tribo import WarningKind
 from tribo.types import Array, Indices
@@ -210,5 +210,5 @@ def warned_errors(flags: Indices, durations: Array) -> Array:
     errors = np.where(is_warm, warm, 0.0)
     for kind in {*WarningKind} - {WarningKind.PRESENT_HEAT}:
         is_kind = (flags & int(kind)) > 0
-        errors = np.where(is_kind, np.maximum(errors, OF_WARNED.get(kind, math.nan)), errors)
+        errors = np.where(is_kind, np.maximum(errors, WARNING_ERRORS.get(kind, math.nan)), errors)
     return errors

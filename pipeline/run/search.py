@@ -31,7 +31,7 @@ from pipeline.answers.specimen import (
     realizations_needed,
     realizations_share,
 )
-from pipeline.constants import OF_GAP, OF_LOADS, OF_POINTS
+from pipeline.constants import GAP_SHARE, LOAD_SHARE, VELOCITY_SHARE
 from pipeline.run.line_search import Line, sign_grid
 from tribo.types import Array, Indices, Mask
 
@@ -164,7 +164,7 @@ class Search:
 
         There the interpolation error requires many realizations, or makes the goal unreachable.
         """
-        share = OF_GAP if self.goal.counts_surface else 1.0
+        share = GAP_SHARE if self.goal.counts_surface else 1.0
         velocities = set[float]()
         for load in loads:
             critical, error = self.critical[load], self.errors[INTERPOLATION, load]
@@ -191,7 +191,7 @@ class Search:
 
     def _first_realization_places(self, loads: set[int]) -> list[Place]:
         """Next point of the first realization at each load that still needs one."""
-        places, tolerance = [], OF_POINTS * self.error_budget
+        places, tolerance = [], VELOCITY_SHARE * self.error_budget
         for load in sorted(loads):
             line, columns = self._lines[load]
             guess = 0.0 if line.known.size else self._guess_crossing(load)
@@ -221,7 +221,7 @@ class Search:
         for low, high in itertools.pairwise(sorted(loads)):
             inner = np.arange(low + 1, high)
             inner = inner[np.isfinite(self.critical[inner])]
-            errors = np.fmax(self.errors[INTERPOLATION] / OF_LOADS, self.reducible)[inner]
+            errors = np.fmax(self.errors[INTERPOLATION] / LOAD_SHARE, self.reducible)[inner]
             if not inner.size or (errors <= self.error_budget[inner]).all():
                 continue
             load = int(inner[np.argmax(np.nan_to_num(errors, nan=np.inf))])
@@ -245,7 +245,7 @@ class Search:
             inner = np.arange(low + 1, high)
             lines = [self._lines[end][0] for end in (low, high)]
             differ = len({(line.is_severe, len(line.crossings())) for line in lines}) > 1
-            errors = np.fmax(self.errors[INTERPOLATION] / OF_LOADS, self.reducible)[inner]
+            errors = np.fmax(self.errors[INTERPOLATION] / LOAD_SHARE, self.reducible)[inner]
             exceeds = ~(errors <= self.error_budget[inner])  # True also if unknown
             if inner.size and (differ or (lines[0].turns and exceeds.any())):
                 distance = np.abs(x[inner] - (x[low] + x[high]) / 2)
@@ -308,7 +308,7 @@ class Search:
         position = ordered.index(load)
         low, high = ordered[max(position - 1, 0)], ordered[min(position + 1, len(ordered) - 1)]
         largest = np.append(errors[low + 1 : load], errors[load + 1 : high]).max(initial=0.0)
-        is_interpolated = largest <= OF_LOADS * self.error_budget[load]
+        is_interpolated = largest <= LOAD_SHARE * self.error_budget[load]
         return max(float(errors[load]), float(largest) if is_interpolated else 0.0)
 
     def is_out_of_reach(self, loads: set[int]) -> bool:
