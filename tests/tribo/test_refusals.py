@@ -78,10 +78,10 @@ class Flat:
     """A user's own surface with given heights."""
 
     def __init__(self, heights):
-        self.given = heights
+        self._heights = heights
 
     def heights(self, pixels):
-        return self.given if isinstance(self.given, np.ndarray) else 1 / 0
+        return self._heights if isinstance(self._heights, np.ndarray) else 1 / 0
 
 
 class Law:

@@ -29,9 +29,9 @@ def love(x, y, dx, dy):
 
 
 @pytest.mark.parametrize("dy", [1.0, 1.25, 100.0, 0.01, 1000.0, 0.001])
-@pytest.mark.parametrize("place", [(0, 0), (1, 0), (0, 1), (3, 2), (19, 1), (25, 30), (200, 150)])
-def test_free_kernel_equals_love(place, dy):
-    i, j = place
+@pytest.mark.parametrize("index", [(0, 0), (1, 0), (0, 1), (3, 2), (19, 1), (25, 30), (200, 150)])
+def test_free_kernel_equals_love(index, dy):
+    i, j = index
     influence = elastic_influence(Grid((i + 1, j + 1), (1.0, dy), (False, False)), UNIT)
     expected = float(love(i, j * dy, 1.0, dy))
     assert influence[i, j] == pytest.approx(expected, abs=1e-13 * influence[0, 0])
@@ -62,22 +62,22 @@ def by_images(x, y, dy, ny):
 
 
 PERIODIC = [
-    (dy, ny, place)
+    (dy, ny, index)
     for dy, ny in ((1.25, 16), (300.0, 1), (0.2, 27), (1000.0, 7))
-    for place in ((1, 0), (0, ny // 3), (0, ny // 2), (5, ny // 4), (40, 0), (60, ny // 2))
-    if any(place)
+    for index in ((1, 0), (0, ny // 3), (0, ny // 2), (5, ny // 4), (40, 0), (60, ny // 2))
+    if any(index)
 ]
 
 
 @pytest.mark.parametrize("axis", [1, 0])
-@pytest.mark.parametrize(("dy", "ny", "place"), PERIODIC)
-def test_line_periodic_kernel_equals_the_extrapolated_sum_over_images(dy, ny, place, axis):
+@pytest.mark.parametrize(("dy", "ny", "index"), PERIODIC)
+def test_line_periodic_kernel_equals_the_extrapolated_sum_over_images(dy, ny, index, axis):
     order = slice(None, None, 1 if axis == 1 else -1)
-    grid = Grid((2 * place[0] + 2, ny)[order], (1.0, dy)[order], (False, True)[order])
+    grid = Grid((2 * index[0] + 2, ny)[order], (1.0, dy)[order], (False, True)[order])
     influence = elastic_influence(grid, UNIT)
-    difference = influence[place[order]] - influence[0, 0]
+    difference = influence[index[order]] - influence[0, 0]
     self_term = ElasticHalfSpace(grid, UNIT).self_influence
-    expected = by_images(float(place[0]), place[1] * dy, dy, ny)
+    expected = by_images(float(index[0]), index[1] * dy, dy, ny)
     assert difference == pytest.approx(expected, abs=1e-12 * self_term)
 
 
@@ -133,8 +133,12 @@ def test_nearest_image_kernel_is_the_element_and_its_image_one_period_back(order
     (dx, dy), ny = (1.632e-6, 1.9e-6), 10
     axes = slice(None, None, order)
     grid = Grid((7, ny)[axes], (dx, dy)[axes], (False, True)[axes])
-    near = elastic_influence(grid, UNIT, "nearest-image")
-    alone = elastic_influence(Grid((7, ny + 1)[axes], (dx, dy)[axes], (False, False)), UNIT)
+    influence = elastic_influence(grid, UNIT, "nearest-image")
+    free_influence = elastic_influence(
+        Grid((7, ny + 1)[axes], (dx, dy)[axes], (False, False)), UNIT
+    )
     for i, j in ((0, 0), (0, 1), (3, 5), (6, 9), (2, 7)):
-        place, nearest, image = (pair[axes] for pair in ((i, j), (i, j), (i, ny - j)))
-        assert near[place] == pytest.approx(alone[nearest] + alone[image], rel=1e-12)
+        index, nearest, image = (pair[axes] for pair in ((i, j), (i, j), (i, ny - j)))
+        assert influence[index] == pytest.approx(
+            free_influence[nearest] + free_influence[image], rel=1e-12
+        )

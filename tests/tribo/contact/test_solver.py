@@ -134,10 +134,10 @@ def test_the_start_changes_the_way_but_not_the_answer():
     solid = ElasticHalfSpace(grid, E_STAR)
     z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 4e-6, 0)
     cold = solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-10)
-    near = solve_contact(solid, z, 2.02, 6.6e9, tolerance=1e-10)
-    warm = solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=near.pressure)
+    neighbour = solve_contact(solid, z, 2.02, 6.6e9, tolerance=1e-10)
+    warm = solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=neighbour.pressure)
     odd = solve_contact(
-        solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=near.pressure[::-1] * 7
+        solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=neighbour.pressure[::-1] * 7
     )
     assert warm.iterations < cold.iterations
     for other in (warm, odd):

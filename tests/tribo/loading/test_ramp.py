@@ -32,9 +32,9 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
 
 
 def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
-    held = Ramp(150.0, 750.0, hold=4.0)
+    with_hold = Ramp(150.0, 750.0, hold=4.0)
     for load in (200.0, 600.0):
-        plain, load_steps = list(RAMP.load_steps(load, 5)), list(held.load_steps(load, 5))
+        plain, load_steps = list(RAMP.load_steps(load, 5)), list(with_hold.load_steps(load, 5))
         assert load_steps[: len(plain)] == plain
         hold = load_steps[len(plain) :]
         assert {s.normal_load for s in hold} == {load}
@@ -52,8 +52,8 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
 @pytest.mark.parametrize("increments", [5, 25, 100])
 def test_each_step_of_a_hold_has_the_same_share_of_the_impulse_so_far(hold, increments):
     *_, reached = Ramp(150.0, 750.0).load_steps(600.0, increments)
-    held = [s for s in Ramp(150.0, 750.0, hold).load_steps(600.0, increments) if s.holding]
-    impulses = np.array([reached.impulse, *(load_step.impulse for load_step in held)])
-    assert impulses[1:] / impulses[:-1] == pytest.approx((1 + hold / 2) ** (1 / len(held)))
-    assert len(held) <= 1 + increments * math.log1p(hold / 2) / 4
-    assert held[-1].time == pytest.approx(4.0 + hold)
+    hold_steps = [s for s in Ramp(150.0, 750.0, hold).load_steps(600.0, increments) if s.holding]
+    impulses = np.array([reached.impulse, *(load_step.impulse for load_step in hold_steps)])
+    assert impulses[1:] / impulses[:-1] == pytest.approx((1 + hold / 2) ** (1 / len(hold_steps)))
+    assert len(hold_steps) <= 1 + increments * math.log1p(hold / 2) / 4
+    assert hold_steps[-1].time == pytest.approx(4.0 + hold)

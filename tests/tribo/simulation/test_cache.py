@@ -19,19 +19,19 @@ def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
         *_, state = simulate(scene, 600.0, velocity)
         return state.heat.rise
 
-    alone = [rise(velocity) for velocity in velocities]
+    serial_rises = [rise(velocity) for velocity in velocities]
     forget_kernels()
     with ThreadPoolExecutor(4) as threads:
-        assert np.array_equal(list(threads.map(rise, velocities)), alone)
+        assert np.array_equal(list(threads.map(rise, velocities)), serial_rises)
 
 
 def test_a_thread_that_wants_what_another_computes_waits_for_it():
-    kept = Cache(size_of=lambda _: 1, limit=8)
+    cache = Cache(size_of=lambda _: 1, limit=8)
 
     def slowly():
         time.sleep(0.05)
         return object()
 
     with ThreadPoolExecutor(4) as threads:
-        found = set(threads.map(lambda _: kept.get("key", slowly), range(4)))
-    assert len(found) == 1
+        values = set(threads.map(lambda _: cache.get("key", slowly), range(4)))
+    assert len(values) == 1

@@ -86,9 +86,11 @@ def test_a_recorded_load_warms_a_track_as_its_own_loads_do(steps):
     """The point ends at the record's last load, or before it, at half of it."""
     times, loads = [0.0, 4.0, 8.0, 10.0, 20.0], [0.0, 2400.0, 600.0, 1500.0, 3000.0]
     course = tuple((time, load / 3000.0) for time, load in zip(times, loads, strict=True))
-    by_loads, recorded = (tribo.Corrections(track=TRACK, course=one) for one in ((), course))
-    whole = added(by_loads, record(times[:steps], loads[:steps], 4.1))
+    by_loads, recorded = (
+        tribo.Corrections(track=TRACK, course=record_course) for record_course in ((), course)
+    )
+    warming = added(by_loads, record(times[:steps], loads[:steps], 4.1))
     # Of a recorded load few steps are stored; what came before follows from the record.
     last = record(times[steps - 1 : steps], loads[steps - 1 : steps], 4.1)
-    assert added(recorded, last) == pytest.approx(whole, rel=1e-12)
-    assert added(by_loads, last) != pytest.approx(whole, rel=0.01)
+    assert added(recorded, last) == pytest.approx(warming, rel=1e-12)
+    assert added(by_loads, last) != pytest.approx(warming, rel=0.01)

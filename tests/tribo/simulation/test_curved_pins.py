@@ -138,6 +138,6 @@ def test_a_temperature_over_positions_is_the_mean_of_those_at_each():
     pressures = (state.pressure, *state.passing)
     heats = [heat(scene, replace(state, pressure=p, passing=()), 1.0) for p in pressures]
     for name in ("max_rise", "mean_rise", "pin_heat_share", "rise_quantile"):
-        values = np.array([getattr(one, name) for one in heats])
+        values = np.array([getattr(mean_heat, name) for mean_heat in heats])
         assert getattr(state.heat, name) == pytest.approx(values.mean(axis=0), rel=1e-9), name
         assert np.ptp(values[:, ..., -1] if values.ndim > 1 else values) > 0

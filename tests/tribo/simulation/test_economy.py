@@ -82,14 +82,14 @@ def smooth(pattern, **fidelity):
 def test_a_smooth_scene_is_a_plane_one(pattern):
     plane, full = smooth(pattern)
     assert plane.grid.shape == (96, 1)
-    ours, theirs = (list(simulate(scene, 600.0, 1.25)) for scene in (plane, full))
-    assert total_work(theirs) > 50 * total_work(ours)
-    one, other = ours[-1], theirs[-1]
-    assert one.heat.rise_quantile == pytest.approx(other.heat.rise_quantile, rel=1e-6)
+    plane_states, full_states = (list(simulate(scene, 600.0, 1.25)) for scene in (plane, full))
+    assert total_work(full_states) > 50 * total_work(plane_states)
+    plane_state, full_state = plane_states[-1], full_states[-1]
+    assert plane_state.heat.rise_quantile == pytest.approx(full_state.heat.rise_quantile, rel=1e-6)
     for name in ("pressure", "wear_depth"):
-        field = getattr(other, name)
+        field = getattr(full_state, name)
         same = pytest.approx(field, abs=1e-6 * field.max())
-        assert np.broadcast_to(getattr(one, name), field.shape) == same
-    values, expected = measures(plane, one), measures(full, other)
+        assert np.broadcast_to(getattr(plane_state, name), field.shape) == same
+    values, expected = measures(plane, plane_state), measures(full, full_state)
     for name in ("contact_width", "mean_pressure", "wear_volume", "max_rise", "pin_heat_share"):
         assert values[name] == pytest.approx(expected[name], rel=1e-6)

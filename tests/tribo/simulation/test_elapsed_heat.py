@@ -53,7 +53,9 @@ def test_it_is_the_integral_of_its_formula():
     """Heat that was missing while the load grew, over its age τ, with each body's share twice."""
     state = last(WORN, 600.0, 0.001)
     steps = list(WORN.all_load_steps(600.0, 0.001))
-    times, loads = ([0.0, *(getattr(one, n) for one in steps)] for n in ("time", "normal_load"))
+    times, loads = (
+        [0.0, *(getattr(load_step, n) for load_step in steps)] for n in ("time", "normal_load")
+    )
     both, share = WORN.velocities_at(0.001), state.heat.pin_heat_share
 
     def warming(age):

@@ -73,12 +73,12 @@ def test_elements_are_larger_where_the_rise_is_a_mean_over_positions(length, siz
 def test_a_point_has_the_elements_of_its_surface():
     scene = rough((1.5, 1.5), increments=4)
     pixels = replace(scene, fidelity=fit_elements(scene, 600.0).fidelity)
-    alone, exact = (list(simulate(one, 600.0, 1.25)) for one in (scene, pixels))
-    assert alone[-1].pressure.shape == (128, 128)
-    for one, other in zip(alone, exact, strict=True):
-        assert np.array_equal(one.pressure, other.pressure)
-    assert np.array_equal(alone[-1].heat.rise, exact[-1].heat.rise)
-    assert tribo.measures(scene, alone[-1]) == tribo.measures(pixels, exact[-1])
+    states, pixel_states = (list(simulate(case, 600.0, 1.25)) for case in (scene, pixels))
+    assert states[-1].pressure.shape == (128, 128)
+    for state, pixel_state in zip(states, pixel_states, strict=True):
+        assert np.array_equal(state.pressure, pixel_state.pressure)
+    assert np.array_equal(states[-1].heat.rise, pixel_states[-1].heat.rise)
+    assert tribo.measures(scene, states[-1]) == tribo.measures(pixels, pixel_states[-1])
 
 
 # Number of steps by the wear
@@ -131,5 +131,5 @@ def test_parts_of_a_step_are_steps_for_the_wear():
 def test_other_wear_is_not(changes):
     scene = local(**{"imprint": 1.0} | changes)
     plain = replace(scene, fidelity=replace(scene.fidelity, imprint=0.0))
-    one, other = (last(each, 750.0, 1.25) for each in (scene, plain))
-    assert np.array_equal(one.pressure, other.pressure)
+    smooth, plain_state = (last(case, 750.0, 1.25) for case in (scene, plain))
+    assert np.array_equal(smooth.pressure, plain_state.pressure)

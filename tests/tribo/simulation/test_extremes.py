@@ -34,7 +34,7 @@ class Extreme:
     """An extreme scene, and the expected outcome."""
 
     group: str
-    what: str
+    label: str
     scene: Callable
     outcome: str = SOLVED
     error: type | None = None
@@ -198,9 +198,9 @@ def materials():
     for share in (0.9, 0.3, 1e-3, 1e-21, 0.0):
         hardness = 1e9 / share if share else math.inf
         steel = replace(STEEL, hardness=hardness)
-        what = f"mean pressure {share:g} of the hardness"
+        label = f"mean pressure {share:g} of the hardness"
         load = 1e9 / 6.6e9 * CAPACITY
-        yield Extreme("material", what, bodies(steel, steel, loading=Ramp(150.0, load)), load=load)
+        yield Extreme("material", label, bodies(steel, steel, loading=Ramp(150.0, load)), load=load)
     for pin, disk in itertools.product(MATERIALS, repeat=2):
         if pin != disk and "steel" not in (pin, disk):
             continue
@@ -215,7 +215,7 @@ def materials():
 EXTREMES = [*velocities(), *loads(), *wear(), *times(), *grids(), *surfaces(), *materials()]
 
 
-@pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.what}")
+@pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.label}")
 def test_extremes_end_in_a_proven_result_or_a_named_error(case):
     if case.error is None:
         _, state = case.run()

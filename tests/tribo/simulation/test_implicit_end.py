@@ -54,8 +54,8 @@ def test_higher_loads_pass_through_it_only_with_the_heat_of_all_steps(heat_model
     assert (passed.history is None) == (heat_model == "history")
     if passed.history:
         assert not np.array_equal(passed.pressure, passed.history.pressure)
-    *_, alone = simulate(scene, 600.0, VELOCITY)
+    *_, direct = simulate(scene, 600.0, VELOCITY)
     ramp_cache = RampCache()
     list(simulate(scene, 375.0, VELOCITY, ramp_cache))
     *_, gone_on = simulate(scene, 600.0, VELOCITY, ramp_cache)
-    assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
+    assert np.array_equal(gone_on.heat.rise, direct.heat.rise)

@@ -89,12 +89,12 @@ def test_the_worn_volume_is_that_of_the_work_on_the_whole_track(preset, pattern)
     fidelity = replace(PRESETS[preset], increments=4, partition="local")
     scene = replace(small_scene(pattern), motion=RATIO, fidelity=fidelity)
     scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)))
-    kept = measures(scene, state := end(scene, 1.25))
-    assert kept["wear_volume"] == pytest.approx(1.2e-15 * 1.25 * 5.0 * LOAD / 2, rel=1e-10)
+    values = measures(scene, state := end(scene, 1.25))
+    assert values["wear_volume"] == pytest.approx(1.2e-15 * 1.25 * 5.0 * LOAD / 2, rel=1e-10)
     # The wear is spread evenly over the pin's track, which is 33 windows long.
     share = 96 * 4e-6 / (2 * math.pi * RADIUS)
     assert state.wear_depth.mean() == pytest.approx(
-        share * kept["wear_volume"] / (96 * 4e-6 * LENGTH), rel=1e-10
+        share * values["wear_volume"] / (96 * 4e-6 * LENGTH), rel=1e-10
     )
     assert (state.wear_depth == state.wear_depth[0]).all()
 

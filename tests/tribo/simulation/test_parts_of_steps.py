@@ -35,10 +35,10 @@ def test_contacts_at_positions_of_the_disk_wear_by_the_loads_of_their_parts():
     first = next(scene.load_steps(75.0))
     distance = VELOCITY * first.time
     begin = start(scene)
-    found = list(passes(scene, begin, first, scene.wear, distance, False, "implicit"))
-    assert len(found) > 2
-    slid = VELOCITY * first.time / len(found)
-    worn = np.cumsum([one.stage.normal_load * one.stage.distance for one in found])
+    parts = list(passes(scene, begin, first, scene.wear, distance, False, "implicit"))
+    assert len(parts) > 2
+    slid = VELOCITY * first.time / len(parts)
+    worn = np.cumsum([part.stage.normal_load * part.stage.distance for part in parts])
     # V ∫F dt until the end of each part
-    expected = [RATE * (n * slid) ** 2 / VELOCITY / 2 for n in range(1, len(found) + 1)]
+    expected = [RATE * (n * slid) ** 2 / VELOCITY / 2 for n in range(1, len(parts) + 1)]
     assert worn == pytest.approx(expected, rel=1e-12)

@@ -21,17 +21,17 @@ def test_direction_of_sliding_is_a_mirror():
 def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     """As in Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
     scene = small_scene()
-    held = replace(scene, loading=replace(scene.loading, hold=4.0))
-    states = list(simulate(held, 600.0, 1.25, requested=range(100)))
+    with_hold = replace(scene, loading=replace(scene.loading, hold=4.0))
+    states = list(simulate(with_hold, 600.0, 1.25, requested=range(100)))
     rises = [state.heat.mean_rise for state in states]
     assert len(states) == 8 + 2
     assert np.argmax(rises) == 7
     assert (np.diff(rises[7:]) < 0).all()
     assert {state.normal_load for state in states[7:]} == {600.0}
-    volumes = [measures(held, state)["wear_volume"] for state in states]
+    volumes = [measures(with_hold, state)["wear_volume"] for state in states]
     # Implicit wear at a constant load is exact: k·F·V·t.
     assert volumes[-1] - volumes[7] == pytest.approx(1.2e-15 * 600.0 * 1.25 * 4.0, rel=1e-9)
-    unworn = replace(held, wear=None)
+    unworn = replace(with_hold, wear=None)
     states = simulate(unworn, 600.0, 1.25, requested=range(100))
     rises = [state.heat.mean_rise for state in states]
     assert (np.diff(rises) >= 0).all()

@@ -24,25 +24,25 @@ def assert_told(words, scene, state, kind):
     assert not words or words in messages[0]
 
 
-def touching(scene, places):
+def touching(scene, elements):
     """State of a scene with contact at some elements, without a temperature."""
     state = start(scene)
     pressure = np.zeros_like(state.pressure)
-    pressure[places] = 1e9
+    pressure[elements] = 1e9
     return replace(state, pressure=pressure, normal_load=100.0, time=1.0, index=5)
 
 
 @pytest.mark.parametrize(
-    ("place", "named"),
+    ("elements", "edge"),
     [((-1, 5), "x edge"), ((5, 0), "y edge"), ((0, 0), "x edge and y edge"), ((-2, -2), None)],
 )
-def test_each_free_edge_is_looked_at(place, named):
+def test_each_free_edge_is_looked_at(elements, edge):
     scene = replace(small_scene(periodic=(False, False)), pin=BALL)
     edges = [
-        warning for warning in warnings(scene, touching(scene, place)) if "edge" in warning.text
+        warning for warning in warnings(scene, touching(scene, elements)) if "edge" in warning.text
     ]
-    assert len(edges) == bool(named)
-    assert not named or f"reaches the {named} of the window at 100 N" in edges[0].text
+    assert len(edges) == bool(edge)
+    assert not edge or f"reaches the {edge} of the window at 100 N" in edges[0].text
 
 
 def scene_of(**choices):
@@ -159,9 +159,9 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "scene", "made", "words"), ROWS)
-def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, made, words):
-    assert_told(words, scene, made(scene), kind)
+@pytest.mark.parametrize(("kind", "scene", "build_state", "words"), ROWS)
+def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, build_state, words):
+    assert_told(words, scene, build_state(scene), kind)
 
 
 def test_kinds_keep_the_bits_that_stores_have():

@@ -99,11 +99,11 @@ def test_units_scale(seed):
         ),
         wear=replace(scene.wear, specific_wear_rate=scene.wear.specific_wear_rate / stress),
     )
-    here = last(scene, load, velocity)
-    there = last(other, load * newton, velocity * metre)
-    assert_alike(here, replace(there, pressure=there.pressure / stress))
-    assert there.wear_depth / metre == pytest.approx(
-        here.wear_depth, abs=1e-5 * max(here.wear_depth.max(), 1e-300)
+    state = last(scene, load, velocity)
+    scaled = last(other, load * newton, velocity * metre)
+    assert_alike(state, replace(scaled, pressure=scaled.pressure / stress))
+    assert scaled.wear_depth / metre == pytest.approx(
+        state.wear_depth, abs=1e-5 * max(state.wear_depth.max(), 1e-300)
     )
 
 
@@ -115,10 +115,10 @@ def test_neither_the_order_of_a_sweep_nor_its_cache_changes_a_bit(seed):
     fidelity = replace(scene.fidelity, contact_tolerance=1e-4)
     scene = replace(scene, loading=Ramp(scene.loading.rate, full), fidelity=fidelity)
     loads = sorted({share * full for share in shares})
-    alone = {load: last(scene, load, velocity) for load in reversed(loads)}
+    expected = {load: last(scene, load, velocity) for load in reversed(loads)}
     ramp_cache = RampCache(limit)
     for load in [*loads, *reversed(loads)]:
         states = list(simulate(scene, load, velocity, ramp_cache))
-        assert np.array_equal(states[-1].pressure, alone[load].pressure)
-        assert np.array_equal(states[-1].wear_depth, alone[load].wear_depth)
-        assert np.array_equal(states[-1].heat.rise, alone[load].heat.rise)
+        assert np.array_equal(states[-1].pressure, expected[load].pressure)
+        assert np.array_equal(states[-1].wear_depth, expected[load].wear_depth)
+        assert np.array_equal(states[-1].heat.rise, expected[load].heat.rise)

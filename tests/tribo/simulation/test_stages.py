@@ -38,12 +38,12 @@ def rises(states):
 @pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"heat_model": "history"}])
 def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
     scene, cached = worn_scene(**fidelity), RampCache()
-    whole = stages_of(scene, 400.0, 2.0, cached)
+    states = stages_of(scene, 400.0, 2.0, cached)
     for load, count in ((100.0, 2), (250.0, 4)):
-        alone = stages_of(scene, load, 2.0)
-        for other in (whole[:count], stages_of(scene, load, 2.0, cached)):
-            assert len(other) == len(alone) == count
-            for a, b in zip(other, alone, strict=True):
+        expected = stages_of(scene, load, 2.0)
+        for other in (states[:count], stages_of(scene, load, 2.0, cached)):
+            assert len(other) == len(expected) == count
+            for a, b in zip(other, expected, strict=True):
                 assert a.time == b.time
                 assert np.array_equal(a.heat.rise, b.heat.rise)
                 assert np.array_equal(a.wear_depth, b.wear_depth)
@@ -51,15 +51,15 @@ def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
 
 def test_stages_are_within_1_percent_of_a_record_typed_by_hand():
     scene = worn_scene()
-    found = rises(stages_of(scene, 400.0, 2.0))
+    stage_rises = rises(stages_of(scene, 400.0, 2.0))
     times = np.cumsum([0.0, 100 / 150, 10.0, 1.0, 20.0, 1.0])
     record = MeasuredLoad(times, np.array([0.0, 100.0, 100.0, 250.0, 250.0, 400.0]))
     typed = replace(scene, loading=record, fidelity=replace(scene.fidelity, increments=96))
     *_, end = simulate(typed, 400.0, 2.0)
-    assert found[4] == pytest.approx(rises([end])[0], rel=0.01)
+    assert stage_rises[4] == pytest.approx(rises([end])[0], rel=0.01)
     # A fresh pin at the same place is far hotter.
     *_, fresh = simulate(replace(scene, loading=Ramp(150.0, 400.0)), 400.0, 2.0)
-    assert rises([fresh])[0] > 1.2 * found[4]
+    assert rises([fresh])[0] > 1.2 * stage_rises[4]
 
 
 def test_worn_volume_and_distance_add_up_over_stages_of_velocity():
@@ -79,17 +79,17 @@ def test_a_stage_of_velocity_is_heated_by_its_own_velocity_alone():
     slow, fast = (
         Stages((300.0,), (10.0, 10.0), 150.0, velocities=(0.5, velocity)) for velocity in (1.0, 2.0)
     )
-    one, other = (
+    slow_states, fast_states = (
         stages_of(worn_scene(stages), 300.0, stages.velocities[-1]) for stages in (slow, fast)
     )
     # Both meet the second stage with the same wear, at the same time; only the heat differs.
-    assert np.array_equal(one[2].pressure, other[2].pressure)
-    assert rises(one[:2]) == pytest.approx(rises(other[:2]), rel=1e-12)
-    assert 1.3 < rises(other)[2] / rises(one)[2] < 2.0
+    assert np.array_equal(slow_states[2].pressure, fast_states[2].pressure)
+    assert rises(slow_states[:2]) == pytest.approx(rises(fast_states[:2]), rel=1e-12)
+    assert 1.3 < rises(fast_states)[2] / rises(slow_states)[2] < 2.0
     # The first stage is a ramp with a hold at that velocity.
     fresh = replace(worn_scene(), loading=Ramp(150.0, 300.0, hold=10.0))
-    reached, *_, held = (one for one in simulate(fresh, 300.0, 0.5) if one.heat)
-    assert rises(one[:2]) == pytest.approx(rises([reached, held]), rel=0.01)
+    reached, *_, after_hold = (state for state in simulate(fresh, 300.0, 0.5) if state.heat)
+    assert rises(slow_states[:2]) == pytest.approx(rises([reached, after_hold]), rel=0.01)
 
 
 def test_a_verdict_is_of_the_hottest_stage_so_far():
@@ -97,11 +97,12 @@ def test_a_verdict_is_of_the_hottest_stage_so_far():
     loads = 100.0, 120.0, 400.0
     scene = worn_scene(Stages(loads, (60.0, 10.0, 10.0), 150.0))
     verdicts = [judge(scene, load, 2.0, oil) for load in loads]
-    alone = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
-    assert alone[2] < alone[0]  # a worn pin is cooler at 120 N than the unworn one at 100 N
-    expected = np.maximum.accumulate(alone)[1::2]
-    found = [one.governing_temperature for one in verdicts]
-    assert found == pytest.approx(list(expected), rel=1e-3)
+    temperatures = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
+    # A worn pin is cooler at 120 N than the unworn one at 100 N.
+    assert temperatures[2] < temperatures[0]
+    expected = np.maximum.accumulate(temperatures)[1::2]
+    governing = [verdict.governing_temperature for verdict in verdicts]
+    assert governing == pytest.approx(list(expected), rel=1e-3)
     assert verdicts[1].time == verdicts[0].time == pytest.approx(100 / 150)
 
 

@@ -33,20 +33,20 @@ def test_one_call_gives_the_verdict_of_a_sweep(loading, parts):
     oil = tribo.Conditions(
         friction=0.1, bulk_temperature=298.15, critical_temperature=418.15, corrections=parts
     )
-    found = tribo.judge(sweep.scene, 600.0, 1.5, oil)
-    assert found == expected
-    whole = found.bulk_temperature + found.contact_rise + found.added_rise
-    assert found.governing_temperature == pytest.approx(whole, rel=1e-12)
-    assert (found.added_rise != 0) == (parts is not None)
-    assert found.is_severe == (found.governing_temperature > 418.15)
+    verdict = tribo.judge(sweep.scene, 600.0, 1.5, oil)
+    assert verdict == expected
+    temperature = verdict.bulk_temperature + verdict.contact_rise + verdict.added_rise
+    assert verdict.governing_temperature == pytest.approx(temperature, rel=1e-12)
+    assert (verdict.added_rise != 0) == (parts is not None)
+    assert verdict.is_severe == (verdict.governing_temperature > 418.15)
 
 
 def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
-    found = tribo.judge(
+    verdict = tribo.judge(
         tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)
     )
-    assert (found.is_severe, found.failed_area_fraction) == (None, None)
-    assert found.governing_temperature > 300.0
+    assert (verdict.is_severe, verdict.failed_area_fraction) == (None, None)
+    assert verdict.governing_temperature > 300.0
 
 
 def test_the_script_of_the_page_prints_a_verdict(capsys):
@@ -61,12 +61,12 @@ def test_the_script_of_the_page_prints_a_verdict(capsys):
 def test_the_bodies_of_a_motion_turn_as_the_scene_says():
     scene = replace(tiny.sweep().scene, motion=tribo.Motion(slide_roll_ratio=0.5))
     both = tribo.Corrections(track=TRACK, pin_track=TRACK)
-    said, repeated = (
+    corrections, turning = (
         tribo.Conditions(friction=0.1, bulk_temperature=300.0, corrections=parts)
         for parts in (both, replace(both, motion=scene.motion))
     )
-    found = tribo.judge(scene, 600.0, 1.5, said)
-    assert found == tribo.judge(scene, 600.0, 1.5, repeated)
+    verdict = tribo.judge(scene, 600.0, 1.5, corrections)
+    assert verdict == tribo.judge(scene, 600.0, 1.5, turning)
 
 
 def test_a_hotter_step_below_the_load_does_not_count():

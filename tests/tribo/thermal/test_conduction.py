@@ -53,11 +53,11 @@ def thermal_influence(grid, material, velocity, time, nodes=10, length=math.inf)
     return np.fft.irfft2(body.spectrum, s=padded_shape(grid))
 
 
-def source(place, side, period, spread):
+def source(position, side, period, spread):
     """∫ exp(−(place − x')²/spread²) dx' over an element and its images, over √π/2 · spread."""
     count = int(9 * spread / period) + 1 if period else 0
-    nearest = round(-place / period) if period else 0
-    middle = np.abs(place + period * np.arange(nearest - count, nearest + count + 1))
+    nearest = round(-position / period) if period else 0
+    middle = np.abs(position + period * np.arange(nearest - count, nearest + count + 1))
     low, high = (middle - side / 2) / spread, (middle + side / 2) / spread
     # Beyond 1 the complement keeps the digits of nearly equal values.
     return np.where(low > 1, erfc(low) - erfc(high), erf(high) - erf(low)).sum()
@@ -132,32 +132,35 @@ def test_a_moving_square_is_hottest_as_tabulated(peclet):
         assert height == pytest.approx(at_rest, rel=1e-5)
 
 
-def summed(ny, whole, velocity, time):
-    """Kernel of 24 × ny elements as an explicit sum over `whole` periodic images on each side."""
-    every = Grid((24, ny * (2 * whole + 1)), ELEMENT, (False, False))
+def summed(ny, images_per_side, velocity, time):
+    """Kernel of 24 × ny elements as a sum over `images_per_side` periodic images on each side."""
+    every = Grid((24, ny * (2 * images_per_side + 1)), ELEMENT, (False, False))
     free = thermal_influence(every, STEEL, velocity, time, 16)
     offsets = wrapped_offsets(Grid((24, ny), ELEMENT, (False, True)), 1) / ELEMENT[1]
     return sum(
-        free[:, (offsets + image * ny).round().astype(int)] for image in range(-whole, whole + 1)
+        free[:, (offsets + image * ny).round().astype(int)]
+        for image in range(-images_per_side, images_per_side + 1)
     )
 
 
 @pytest.mark.parametrize("ny", [8, 9])
-@pytest.mark.parametrize("whole", [0, 3])
+@pytest.mark.parametrize("images_per_side", [0, 3])
 @pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-6), (0.0, 1.0), (0.3, 1e-4), (-5.0, 1.0)])
-def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(ny, whole, velocity, time):
+def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(
+    ny, images_per_side, velocity, time
+):
     grid = Grid((24, ny), ELEMENT, (False, True))
-    length = (2 * whole + 1) * grid.size[1]
+    length = (2 * images_per_side + 1) * grid.size[1]
     kernel = thermal_influence(grid, STEEL, velocity, time, 16, length=length)
-    images = summed(ny, whole, velocity, time)
+    images = summed(ny, images_per_side, velocity, time)
     scale = images.mean(axis=1).max()
     # With an even number of elements the images end half an element away from the pin's ends.
-    beside = (ELEMENT[1] / length) ** 2 if ny % 2 == 0 else 0.0
+    half_image_error = (ELEMENT[1] / length) ** 2 if ny % 2 == 0 else 0.0
     np.testing.assert_allclose(
-        kernel.mean(axis=1), images.mean(axis=1), rtol=0, atol=(beside + 1e-10) * scale
+        kernel.mean(axis=1), images.mean(axis=1), rtol=0, atol=(half_image_error + 1e-10) * scale
     )
     # Variations along y hardly depend on the ends: seven periods are nearly infinitely many.
-    if whole == 3:
+    if images_per_side == 3:
         np.testing.assert_allclose(kernel, images, rtol=0, atol=4e-3 * images.max())
 
 

@@ -61,8 +61,8 @@ def test_the_contact_has_one_temperature_by_all_the_heat_so_far():
     rises = []
     for body, heat in ((bodies[0], into_pin), (bodies[1], np.subtract(fluxes, into_pin))):
         total = np.zeros(grid.shape)
-        for place, flux in enumerate(heat, start=1):
-            among = ages[place - 1 : place + 2][::-1]
+        for step, flux in enumerate(heat, start=1):
+            among = ages[step - 1 : step + 2][::-1]
             strengths = [0.0, 1.0, 0.0][-len(among) :] if len(among) == 3 else [1.0, 0.0]
             spectrum = np.zeros((len(past.pin_flux[-1]), 7), dtype=complex)
             hat = flux_history_spectrum(grid, body.material, body.velocity, among, strengths)
@@ -103,7 +103,7 @@ def test_no_contact_has_no_temperature_but_goes_on():
     states = list(simulate(scene, 500.0, 1.25))
     assert [state.heat is None for state in states] == [False, True, True, False]
     fresh = small_scene(increments=1, heat_model="history", wear=False)
-    alone = last(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25)
+    unloaded_before = last(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25)
     # Heat left by the first pulse warms the second one, by less than its own rise.
-    assert 1 < states[-1].heat.mean_rise / alone.heat.mean_rise < 1.2
+    assert 1 < states[-1].heat.mean_rise / unloaded_before.heat.mean_rise < 1.2
     assert math.isfinite(states[-1].heat.max_rise)

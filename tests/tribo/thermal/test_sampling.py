@@ -32,9 +32,9 @@ def test_the_error_of_many_independent_rises_is_that_of_their_quantile():
     everywhere = np.ones((40, 40), bool)
     errors = [jackknife_error(rises_without_groups(r, everywhere, groups)) for r in rises]
     spread = np.log([contact_quantiles(r, everywhere) for r in rises]).std(axis=0, ddof=1)
-    for place in (QUANTILES.index(0.5), HOTTEST_TENTH):
-        assert np.sqrt(np.mean(np.square(errors), axis=0))[place] == pytest.approx(
-            spread[place], rel=0.3
+    for quantile in (QUANTILES.index(0.5), HOTTEST_TENTH):
+        assert np.sqrt(np.mean(np.square(errors), axis=0))[quantile] == pytest.approx(
+            spread[quantile], rel=0.3
         )
 
 
@@ -42,11 +42,11 @@ def errors_and_spread(scene, load, velocity, seeds):
     """Errors that each of several surfaces states, and the standard deviation between them."""
     errors, rises = [], []
     for seed in range(seeds):
-        own = replace(scene, roughness=replace(scene.roughness, seed=seed))
-        *_, state = simulate(own, load, velocity)
-        found = heat(own, state, velocity, is_sampled=True)
-        errors.append(found.sampling["rise_realization_std"][HOTTEST_TENTH])
-        rises.append(found.rise_quantile[HOTTEST_TENTH])
+        reseeded = replace(scene, roughness=replace(scene.roughness, seed=seed))
+        *_, state = simulate(reseeded, load, velocity)
+        sampled_heat = heat(reseeded, state, velocity, is_sampled=True)
+        errors.append(sampled_heat.sampling["rise_realization_std"][HOTTEST_TENTH])
+        rises.append(sampled_heat.rise_quantile[HOTTEST_TENTH])
     return float(np.sqrt(np.mean(np.square(errors)))), float(np.std(np.log(rises), ddof=1))
 
 

@@ -43,6 +43,8 @@ def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
 @pytest.mark.parametrize("count", [402, 450, 3000])
 def test_passes_beyond_those_summed_one_by_one_are_all_counted_once(count):
     ages = 0.1 * np.arange(1, count + 1)
-    alone = [track_warming(1.5 * age, age, STEADY, 3.4e-3, DIFFUSIVITY, CAPACITY) for age in ages]
+    separate_warmings = [
+        track_warming(1.5 * age, age, STEADY, 3.4e-3, DIFFUSIVITY, CAPACITY) for age in ages
+    ]
     warming = track_warming(0.1 * (count + 0.7), 0.1, STEADY, 3.4e-3, DIFFUSIVITY, CAPACITY)
-    assert warming == pytest.approx(sum(alone), rel=1e-6)
+    assert warming == pytest.approx(sum(separate_warmings), rel=1e-6)

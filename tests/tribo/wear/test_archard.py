@@ -39,8 +39,8 @@ def test_implicit_step_ends_where_the_worn_shape_carries_the_pressure():
     wear, distance = Wear(1.2e-15, "swept"), 0.0625
     stepped = solve_contact(wear.yielding(solid, distance), z, 0.02, 6.6e9, tolerance=1e-10)
     worn = z + wear.depth(stepped.pressure, distance)
-    again = solve_contact(solid, worn, 0.02, 6.6e9, tolerance=1e-10)
-    assert again.pressure == pytest.approx(stepped.pressure, abs=1e-7 * 6.6e9)
+    resolved = solve_contact(solid, worn, 0.02, 6.6e9, tolerance=1e-10)
+    assert resolved.pressure == pytest.approx(stepped.pressure, abs=1e-7 * 6.6e9)
 
 
 @pytest.mark.parametrize("scheme", WEAR_SCHEMES.values(), ids=WEAR_SCHEMES)

@@ -22,8 +22,8 @@ class RunningIn:
     pattern: str = "swept"
 
     def over(self, begin, end, pressure, velocity):
-        way = (end - begin) / self.distance
-        faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
+        slid_fraction = (end - begin) / self.distance
+        faded = -math.exp(-begin / self.distance) * math.expm1(-slid_fraction) / slid_fraction
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
         return tribo.Wear(rate, self.pattern)
 
