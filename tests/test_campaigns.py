@@ -15,9 +15,9 @@ from tribo import PRESETS
 
 def test_each_row_of_the_evidence_is_one_of_at_most_fifteen_that_are_measured():
     page = measured.PAGE.read_text(encoding="utf-8")
-    held = measured.rows_of(page)
-    assert page.count("\n| ") - 1 == len(held) <= len(measured.ROWS) <= 15
-    for name, row in held.items():
+    rows = measured.rows_of(page)
+    assert page.count("\n| ") - 1 == len(rows) <= len(measured.ROWS) <= 15
+    for name, row in rows.items():
         assert (row[1], len(row)) == (measured.ROWS[name].claim, 5)
 
 
@@ -52,7 +52,7 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
     assert known == json.loads(truth.TRUTH.read_text())
     for case in scenes:
         rises = known[case.digest]
-        assert [float(one) for one in rises] == [float(v.split()[0]) for v in case.velocities]
+        assert [float(text) for text in rises] == [float(v.split()[0]) for v in case.velocities]
         assert {len(row) for row in rises.values()} == {len(case.loads)}
     judged = {case.digest: case for case in scenes if case.number % 2}
     assert sum(len(case.loads) * len(case.velocities) for case in judged.values()) >= 300
@@ -64,9 +64,9 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
 def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, family):
     number = 7 if family == "stages" else 1
     case = next(case for case in cases([number]) if case.family == family)
-    found = front.errors(case, PRESETS[name])
-    errors, warned = (np.array(found[key]) for key in ("errors", "warned"))
-    over = np.abs(errors[~warned]) / (PRESET_BOUNDS[name] / found["over"])
+    result = front.errors(case, PRESETS[name])
+    errors, warned = (np.array(result[key]) for key in ("errors", "warned"))
+    over = np.abs(errors[~warned]) / (PRESET_BOUNDS[name] / result["over"])
     assert np.sum(over > 1) <= 1  # a bound is that of 99 % of places
     assert over.max() <= 1.5
     assert warned.mean() < 0.5
@@ -77,18 +77,18 @@ def test_two_halves_of_eight_realizations_are_as_near_as_they_state():
     small = {"sweep.loads": ["400 N", "750 N"], "fidelity.preset": "standard"}
     for _, apart, ratio in realizations.rows_of("line", count=8, **small):
         assert apart <= 1
-        assert realizations.LEAST <= ratio <= realizations.MOST
+        assert realizations.MIN_RATIO <= ratio <= realizations.MAX_RATIO
 
 
 def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_chance():
-    for count, held, over, is_right in (
+    for count, covered_share, over, is_right in (
         (255, "93.3%", "1.0", True),
         (255, "91.4%", "1.0", False),
         (2550, "93.3%", "1.0", False),
         (2550, "95.0%", "1.0", True),
         (255, "99.6%", "4.5", False),
     ):
-        line = "fine, without a warning, share 0.1", 5, count, "1%", "1%", "1%", over, held
+        line = "fine, without a warning, share 0.1", 5, count, "1%", "1%", "1%", over, covered_share
         assert errors.are_covered([line]) == is_right
 
 
@@ -97,8 +97,8 @@ def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_c
 
 @pytest.mark.parametrize("kind", laboratories.KINDS)
 def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_say(kind):
-    held, mild, severe = laboratories.judged(kind, 4, 6)
-    assert held >= 0.65  # 6 laboratories: ± 12 points for one standard deviation
+    inside, mild, severe = laboratories.judged(kind, 4, 6)
+    assert inside >= 0.65  # 6 laboratories: ± 12 points for one standard deviation
     assert max(mild, severe) <= 0.12  # of some 15 and 30 points, ± 3 to 5
 
 
@@ -108,7 +108,7 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
 @pytest.fixture(scope="module")
 def numbered_planes(tmp_path_factory):
     """Number of a scene that the campaign draws, and its points."""
-    number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
+    number, case = next(pair for pair in goals.drawn(40) if pair[1].name == "coarse pixels 7")
     path = tmp_path_factory.mktemp("goals") / "points.json"
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(goals, "REALIZATIONS", 16)
@@ -126,10 +126,10 @@ def test_a_search_finds_every_crossing_of_the_plane(numbered_planes):
 @pytest.mark.slow
 def test_an_accuracy_holds_at_each_load(numbered_planes):
     _, planes = numbered_planes
-    found = planes.errors(0.05)
-    assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
-    assert all(abs(error) <= allowed for *_, error, allowed in found["errors"])
-    assert all(0.05 <= allowed < 0.06 for *_, allowed in found["errors"])
+    result = planes.errors(0.05)
+    assert [load for load, *_ in result["errors"]] == planes.loads.tolist()
+    assert all(abs(error) <= allowed for *_, error, allowed in result["errors"])
+    assert all(0.05 <= allowed < 0.06 for *_, allowed in result["errors"])
 
 
 def test_more_scenes_that_err_than_a_sample_has_by_chance_or_a_missed_crossing_break_a_promise():
@@ -142,6 +142,6 @@ def test_more_scenes_that_err_than_a_sample_has_by_chance_or_a_missed_crossing_b
         (0, 0.03, [2, 0], False),
     ):
         errors = [[right] * 4] * (10 - misses) + [[wrong] * 4] * misses
-        found = [{"5": {"best": best, "points": 30, "errors": one}} for one in errors]
-        rows = [{"name": "a", "accuracy": one, "crossings": [crossings]} for one in found]
+        results = [{"5": {"best": best, "points": 30, "errors": rows}} for rows in errors]
+        rows = [{"name": "a", "accuracy": result, "crossings": [crossings]} for result in results]
         assert goals.report(rows, [5.0])[1] == is_right

@@ -60,8 +60,8 @@ class Run:
         )
         *_, state = tribo.simulate(scene, self.load, self.velocity * ratio)
         y = np.abs(scene.grid.coordinates(1))
-        places = y > self.length / 2 - _STRIP, y < self.length / 20
-        heats = ((state.heat.rise[:, at], state.pressure[:, at] > 0) for at in places)
+        strips = y > self.length / 2 - _STRIP, y < self.length / 20
+        heats = ((state.heat.rise[:, strip], state.pressure[:, strip] > 0) for strip in strips)
         return [float(np.quantile(rise[touch], 0.9)) for rise, touch in heats]
 
     def row(self, name):
@@ -70,9 +70,9 @@ class Run:
         exponent = math.log(self.rises(math.exp(_APART))[1] / middle) / _APART
         unworn, worn = self.widths
         critical = (end / middle) ** (-1 / exponent) - 1
-        shown = f"{self.load:.3g}", f"{self.velocity:.3g}", f"{worn / unworn:.2f} ×"
-        told = f"{end / middle - 1:+.1%}", f"{exponent:.2f}", f"{critical:+.0%}"
-        return end / middle - 1, (name, *shown, *told)
+        point = f"{self.load:.3g}", f"{self.velocity:.3g}", f"{worn / unworn:.2f} ×"
+        effects = f"{end / middle - 1:+.1%}", f"{exponent:.2f}", f"{critical:+.0%}"
+        return end / middle - 1, (name, *point, *effects)
 
 
 def paper():

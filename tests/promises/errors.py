@@ -50,32 +50,32 @@ NUMBERS = range(12)
 def axis(rng, low, high, count, gaps, spaced=np.geomspace):
     """Points of an axis, and all places: the points and one random place in each of some gaps."""
     points = [float(f"{x:.5g}") for x in spaced(low, high, count)]
-    places = []
+    between = []
     for gap in rng.choice(count - 1, gaps, replace=False):
         share = rng.uniform(0.25, 0.75)
-        places.append(float(f"{points[gap] ** (1 - share) * points[gap + 1] ** share:.5g}"))
-    return points, sorted(points + places)
+        between.append(float(f"{points[gap] ** (1 - share) * points[gap + 1] ** share:.5g}"))
+    return points, sorted(points + between)
 
 
 def rises(sweep, fidelity, loads, velocities):
     """Deciding rises [K] by criterion, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
     kinds = {
-        name: replace(sweep.conditions, critical_area_fraction=one)
-        for name, one in CRITERIA.items()
+        name: replace(sweep.conditions, critical_area_fraction=fraction)
+        for name, fraction in CRITERIA.items()
     }
     shape, stored_steps = (len(loads), len(velocities)), choose_stored_steps(sweep)
-    found = {name: np.full(shape, np.nan) for name in CRITERIA}
-    found |= {name: np.zeros(shape) for name in ("flags", "durations")}
+    values = {name: np.full(shape, np.nan) for name in CRITERIA}
+    values |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):
         ramp_cache = RampCache()
         for row, load in enumerate(loads):
             point = run_point(sweep.scene, stored_steps, Point(load, velocity), ramp_cache)
             for name, conditions in kinds.items():
-                found[name][row, column] = worst_rises(point.columns, load, conditions)
-            found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})
-            found["durations"][row, column] = point.columns["time"].max()
-    return {name: values.tolist() for name, values in found.items()}
+                values[name][row, column] = worst_rises(point.columns, load, conditions)
+            values["flags"][row, column] = sum({int(warning.kind) for warning in point.warnings})
+            values["durations"][row, column] = point.columns["time"].max()
+    return {name: array.tolist() for name, array in values.items()}
 
 
 def computed(task):
@@ -114,9 +114,11 @@ def computed(task):
 
 def plane_of(row, preset, name):
     """`Specimen` of a scene by a preset, as answers have it; of `fine` only its own points."""
-    here = np.ix_(*(np.isin(row[f"all_{axis}"], row[axis]) for axis in ("loads", "velocities")))
-    parts = (np.array(row[preset][one]) for one in (name, "flags", "durations"))
-    rises, flags, durations = (x[here] if preset == "fine" else x for x in parts)
+    at_points = np.ix_(
+        *(np.isin(row[f"all_{axis}"], row[axis]) for axis in ("loads", "velocities"))
+    )
+    parts = (np.array(row[preset][key]) for key in (name, "flags", "durations"))
+    rises, flags, durations = (x[at_points] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
     slopes = np.gradient(np.log(rises), np.log(velocities), axis=1)
     # `fine` has present heat only, too; its error is judged against all the heat so far.
@@ -130,20 +132,22 @@ def flags_around(plane, loads, velocities):
     """Warnings of the points between which k places lie (k,)."""
     after = np.searchsorted(plane.field.velocities, velocities).clip(1, None)
     ends = after - 1, np.minimum(after, len(plane.field.velocities) - 1)
-    own = np.isin(velocities, plane.field.velocities)
-    columns = [np.where(own, np.searchsorted(plane.field.velocities, velocities), k) for k in ends]
+    is_node = np.isin(velocities, plane.field.velocities)
+    columns = [
+        np.where(is_node, np.searchsorted(plane.field.velocities, velocities), k) for k in ends
+    ]
     rows = plane.field.bracketing_rows(loads)
     return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 
-def places(row, preset, name):
+def position_errors(row, preset, name):
     """Errors of a preset's rises, true (against `fine`) and stated, at each place."""
     plane, true = plane_of(row, preset, name), np.array(row["fine"][name])
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
     )
     stated = rise_errors(plane, preset_bound(preset, CRITERIA[name]), loads, velocities)
-    found = pd.DataFrame(
+    frame = pd.DataFrame(
         {
             "preset": preset,
             "criterion": name,
@@ -158,23 +162,23 @@ def places(row, preset, name):
             "half": row["number"] % 2,
         }
     )
-    return found[~(found["at_load"] & found["at_velocity"])] if preset == "fine" else found
+    return frame[~(frame["at_load"] & frame["at_velocity"])] if preset == "fine" else frame
 
 
 def beyond(row):
     """Yield true over stated errors of extrapolation from the two points beside the boundary."""
-    whole = plane_of(row, "fine", USUAL)
-    field, own = whole.field, whole.field.plane
-    above = np.sum(own < np.median(own), axis=1)[:, None]
+    full_plane = plane_of(row, "fine", USUAL)
+    field, log_rises = full_plane.field, full_plane.field.plane
+    above = np.sum(log_rises < np.median(log_rises), axis=1)[:, None]
     columns = np.arange(len(field.velocities))
     is_kept = (columns == above) | (columns == above - 1)
-    plane = whole._replace(field=replace(field, plane=np.where(is_kept, own, np.nan)))
-    for load, known, values in zip(field.loads, is_kept, own, strict=True):
-        if known.sum() < 2:
+    plane = full_plane._replace(field=replace(field, plane=np.where(is_kept, log_rises, np.nan)))
+    for load, is_known, values in zip(field.loads, is_kept, log_rises, strict=True):
+        if is_known.sum() < 2:
             continue
-        at = np.full((~known).sum(), load), field.velocities[~known]
-        found = np.exp(plane.field(*at) - values[~known]) - 1
-        yield from found / rise_errors(plane, 0.0, *at)[INTERPOLATION]
+        points = np.full((~is_known).sum(), load), field.velocities[~is_known]
+        excess = np.exp(plane.field(*points) - values[~is_known]) - 1
+        yield from excess / rise_errors(plane, 0.0, *points)[INTERPOLATION]
 
 
 def rms(values):
@@ -182,22 +186,22 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def most(values):
+def quantile_99(values):
     """99 % quantile of absolute values."""
     return float(np.quantile(np.abs(values), 0.99))
 
 
-HELD, SURPRISE, MOST_OVER = 0.95, 0.05, 4
+MIN_COVERED, MIN_PROBABILITY, MAX_OVER = 0.95, 0.05, 4
 COVERED = ("places", "scenes", "number", "rms error", "99 % within", "stated, rms", "over", "held")
 
 
-def covered(name, places):
+def covered(name, errors):
     """Table row that compares true with stated errors at places; unknown errors are left out."""
-    known = places.dropna(subset="stated")
+    known = errors.dropna(subset="stated")
     error, stated = known["error"], known["stated"].astype(float)
-    sizes = (f"{size:.2%}" for size in (rms(error), most(error), rms(stated)))
-    over, held = rms(stated) / most(error), np.mean(error.abs() <= stated)
-    return name, known["scene"].nunique(), len(known), *sizes, f"{over:.1f}", f"{held:.1%}"
+    sizes = (f"{size:.2%}" for size in (rms(error), quantile_99(error), rms(stated)))
+    over, covered_share = rms(stated) / quantile_99(error), np.mean(error.abs() <= stated)
+    return name, known["scene"].nunique(), len(known), *sizes, f"{over:.1f}", f"{covered_share:.1%}"
 
 
 def are_covered(lines):
@@ -208,31 +212,31 @@ def are_covered(lines):
     the 99 % quantile of true errors, where a tenth of the contact decides: bounds for the highest
     temperature are those of few scenes, which a sample may lack.
     """
-    for name, _, count, *_, over, held in lines:
-        misses = round(count * (1 - float(held.rstrip("%")) / 100))
-        if binom.sf(misses - 1, count, 1 - HELD) < SURPRISE:
+    for name, _, count, *_, over, covered_share in lines:
+        misses = round(count * (1 - float(covered_share.rstrip("%")) / 100))
+        if binom.sf(misses - 1, count, 1 - MIN_COVERED) < MIN_PROBABILITY:
             return False
-        if name.endswith(f"without a warning, {USUAL}") and float(over) > MOST_OVER:
+        if name.endswith(f"without a warning, {USUAL}") and float(over) > MAX_OVER:
             return False
     return True
 
 
-def constants(rows, places):
+def constants(rows, errors):
     """Yield, for each constant that this judges, its name and errors over what it says."""
-    points = places[places["at_load"] & places["at_velocity"]]
+    points = errors[errors["at_load"] & errors["at_velocity"]]
     for (preset, name), group in points[points["flags"] == 0].groupby(["preset", "criterion"]):
         bound = preset_bound(preset, CRITERIA[name])
         yield f"RISE_SHARE, {preset}, {name}", group["error"] / bound
     usual = points[points["criterion"] == USUAL]
     if apart := [fine_apart(row) / PRESET_BOUNDS["fine"] for row in rows if "reference" in row]:
         yield "RISE_SHARE, fine by reference", np.concatenate(apart)
-    fine = places[(places["preset"] == "fine") & (places["criterion"] == USUAL)]
-    for name, along, kept in (
+    fine = errors[(errors["preset"] == "fine") & (errors["criterion"] == USUAL)]
+    for name, along, factor in (
         ("BENT_ALONG_LOAD, over stated", "at_velocity", 1.0),
         ("BENT, over stated", "at_load", 1.0),
     ):
         group = fine[fine[along] & (fine["between"] > 0)]
-        yield name, kept * group["error"] / group["between"]
+        yield name, factor * group["error"] / group["between"]
     yield "BENT beyond, over stated", [error for row in rows for error in beyond(row)]
     for kind in WarningKind:
         for preset, group in usual[usual["flags"] & int(kind) != 0].groupby("preset"):
@@ -265,12 +269,12 @@ def main():
     parser.add_argument("--file", type=Path, default=Path("results/errors.jsonl"))
     options = parser.parse_args()
     done = {row["digest"] for row in read(options.file)}
-    cases = [one for one in drawn(NUMBERS, options.scenes) if one.family != LEFT_OUT]
-    tasks = [(one.family, one.number) for one in cases if one.digest not in done]
+    cases = [case for case in drawn(NUMBERS, options.scenes) if case.family != LEFT_OUT]
+    tasks = [(case.family, case.number) for case in cases if case.digest not in done]
     compute(computed, tasks, options.file, options.minutes)
     rows = [row for row in read(options.file) if "failed" not in row]
     kinds = [(preset, name) for preset in PRESETS_JUDGED for name in CRITERIA]
-    every = pd.concat([places(row, *kind) for row in rows for kind in kinds])
+    every = pd.concat([position_errors(row, *kind) for row in rows for kind in kinds])
     every["place"] = np.where(every["at_load"], "velocities", "loads")
     every.loc[every["at_load"] & every["at_velocity"], "place"] = "points"
     every.loc[~every["at_load"] & ~every["at_velocity"], "place"] = "both"
@@ -285,15 +289,15 @@ def main():
         for column in ("half", "family", "place")
         for (name, preset), group in clean.groupby([column, "preset"])
     ]
-    found = {"all": constants(rows, every)} | {
+    tables = {"all": constants(rows, every)} | {
         f"half {number}": constants([row for row in rows if row["number"] % 2 == number], group)
         for number, group in every.groupby("half")
     }
     frame = pd.DataFrame(
-        {name: {label: most(x) for label, x in kind} for name, kind in found.items()}
+        {name: {label: quantile_99(x) for label, x in kind} for name, kind in tables.items()}
     )
     by_constant = [(label, *(f"{x:.3g}" for x in row)) for label, *row in frame.itertuples()]
-    report = table(COVERED, judged + lines), table(("99 % within", *found), by_constant)
+    report = table(COVERED, judged + lines), table(("99 % within", *tables), by_constant)
     return conclude("errors", "\n\n".join(report), are_covered(judged))
 
 

@@ -20,7 +20,7 @@ WORKFLOWS = Path(__file__).parents[2] / "workflows"
 LOAD_SHARES = (0.3, 0.5, 0.75, 1.0)
 """Loads of a scene over its reference load."""
 _VELOCITY_STEP = 2.0
-_PLACES = "sweep", "title", "tests", "fidelity", "oil"
+_SWEEP_ENTRIES = "sweep", "title", "tests", "fidelity", "oil"
 STEEL = {
     "elastic_modulus": "210 GPa",
     "poisson_ratio": 0.3,
@@ -98,10 +98,10 @@ def cases(numbers=range(6)):
 
 def case_of(name, number):
     """The scene of a family with this number."""
-    return Case(name, number, *_whole(name, number))
+    return Case(name, number, *_complete_entries(name, number))
 
 
-def _whole(name, number):
+def _complete_entries(name, number):
     """Entries of a scene, loads and velocities included, and its files."""
     rng = np.random.default_rng([number, *name.encode()])
     entries, velocity, files = FAMILIES[name](Draw(rng), number)
@@ -111,7 +111,7 @@ def _whole(name, number):
         entries["sweep.loads"] = [f"{float(value) * share:.5g} {unit}" for share in LOAD_SHARES]
     if "sweep.velocities" not in entries:
         steps = (velocity / _VELOCITY_STEP, velocity, velocity * _VELOCITY_STEP)
-        entries["sweep.velocities"] = [f"{one:.3g} m/s" for one in steps]
+        entries["sweep.velocities"] = [f"{step:.3g} m/s" for step in steps]
     return entries, files
 
 
@@ -145,13 +145,17 @@ def _shipped(name):
     document = tomllib.loads((WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8"))
     entries = _shipped(document.pop("extends")) if "extends" in document else {}
     without = document.pop("without", [])
-    own = dict(flattened(document))
+    entries_of_file = dict(flattened(document))
     entries = {
         key: value
         for key, value in entries.items()
-        if not any(key == one or key.startswith(f"{one}.") for one in without)
+        if not any(key == path or key.startswith(f"{path}.") for path in without)
     }
-    return {k: v for k, v in (entries | own).items() if k.split(".")[0] not in _PLACES}
+    return {
+        k: v
+        for k, v in (entries | entries_of_file).items()
+        if k.split(".")[0] not in _SWEEP_ENTRIES
+    }
 
 
 def _system(draw, materials=("steel", "steel"), pin="cylinder", radius=2.0, length=3.4):
@@ -176,7 +180,7 @@ def _rough(draw, ra, lengths, hurst=None):
     return {
         "disk.roughness.ra": f"{ra:g} um",
         "disk.roughness.hurst_exponent": hurst or draw.between(0.6, 0.9),
-        "disk.roughness.correlation_length": [f"{one:.3g} um" for one in lengths],
+        "disk.roughness.correlation_length": [f"{length:.3g} um" for length in lengths],
         "disk.roughness.seed": int(draw.rng.integers(10_000)),
     }
 
@@ -195,7 +199,7 @@ def _window(width, pixels, sizes=None):
     sizes = sizes or (size, size)
     return {
         "window.pixels": list(pixels),
-        "window.pixel_size": [f"{one:.3g} um" for one in sizes],
+        "window.pixel_size": [f"{size:.3g} um" for size in sizes],
     }
 
 
@@ -331,7 +335,7 @@ def record(draw, number):
     else:
         shares = [(0, 0), (0.5, draw.between(0.4, 0.7)), (0.8, 0.7), (0.9, 1), (1, 1)]
     rows = [[round(duration * t, 4), round(load * share, 4)] for t, share in shares]
-    text = "\n".join(["time [s],load [N]", *(f"{t},{one}" for t, one in rows)])
+    text = "\n".join(["time [s],load [N]", *(f"{time},{load}" for time, load in rows)])
     del entries["loading.rate"], entries["loading.reference_load"]
     entries["loading.file"] = "record.csv"
     entries["sweep.loads"] = [f"{load * share:.5g} N" for share in LOAD_SHARES[1:]]
@@ -401,8 +405,8 @@ def tops(draw, number):
     entries, velocity, _ = (local if number % 4 == 3 else lay)(draw, number)
     pixels = [number // 2 % 2 * 32 + 128, 64]
     scale = entries["window.pixels"][0] / pixels[0]
-    sizes = [float(one.split()[0]) * scale for one in entries["window.pixel_size"]]
-    entries |= {"window.pixels": pixels, "window.pixel_size": [f"{one:.3g} um" for one in sizes]}
+    sizes = [float(size.split()[0]) * scale for size in entries["window.pixel_size"]]
+    entries |= {"window.pixels": pixels, "window.pixel_size": [f"{size:.3g} um" for size in sizes]}
     kind = ("honed", "stepped", "needles", "two scales", "grooves")[number % 5]
     entries["temperature.critical_area_fraction"] = (0.5, 0.01, 0.3, 0.05, 0.0, 0.2)[
         number // 2 % 6

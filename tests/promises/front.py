@@ -36,8 +36,8 @@ _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest",
 
 def dividing(scene, fidelity):
     """Fidelity with the largest elements that divide the pixels of the scene evenly."""
-    shape, most = scene.pixels.shape, fidelity.pixels_per_element
-    block = next(n for n in range(most, 0, -1) if not any(size % n for size in shape))
+    shape, max_block = scene.pixels.shape, fidelity.pixels_per_element
+    block = next(n for n in range(max_block, 0, -1) if not any(size % n for size in shape))
     return replace(fidelity, pixels_per_element=block)
 
 
@@ -50,22 +50,22 @@ def errors(case, fidelity):
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))
     velocities = sweep.velocities
-    if any(f"{one:g}" not in true for one in velocities):
+    if any(f"{velocity:g}" not in true for velocity in velocities):
         return None
-    true = np.array([true[f"{one:g}"] for one in velocities])
+    true = np.array([true[f"{velocity:g}"] for velocity in velocities])
     sweep = sweep.with_fidelity(dividing(sweep.scene, fidelity), None)
     forget_kernels()
     began = time.process_time()
-    ramps = [(one, RampCache()) for one in velocities]
+    ramps = [(velocity, RampCache()) for velocity in velocities]
     rises = np.array([list(deciding_rises(sweep, *ramp)) for ramp in ramps])
     seconds = time.process_time() - began
     exponents = np.gradient(np.log(true), np.log(velocities), axis=0)
-    found = np.expm1(-np.log(rises / true) / np.maximum(exponents, SLOWEST))
+    velocity_errors = np.expm1(-np.log(rises / true) / np.maximum(exponents, SLOWEST))
     is_warned = np.array([list(warned(sweep, *ramp)) for ramp in ramps]) | (exponents < SLOWEST)
     promised = velocity_error(sweep)
     over = PRESET_BOUNDS[preset_of(sweep.scene)] / promised if promised else 1.0
     return {
-        "errors": found.tolist(),
+        "errors": velocity_errors.tolist(),
         "warned": is_warned.tolist(),
         "over": over,
         "seconds": seconds,
@@ -100,24 +100,37 @@ def known_rows(path):
 def summary(name, fidelity, rows, digests):
     """Table row of a choice over all scenes: number of places, share warned, errors, CPU time."""
     text = json.dumps(asdict(fidelity))
-    own = [rows[text, digest] for digest in digests if (text, digest) in rows]
-    found = np.abs(np.concatenate([row["over"] * np.ravel(row["errors"]) for row in own]))
-    is_warned = np.concatenate([np.ravel(row["warned"]) for row in own])
-    kept = found[~is_warned]
-    quantiles = *np.quantile(kept, [0.5, _QUANTILE]), kept.max()
-    return name, len(found), is_warned.mean(), *quantiles, sum(row["seconds"] for row in own)
+    choice_rows = [rows[text, digest] for digest in digests if (text, digest) in rows]
+    errors = np.abs(np.concatenate([row["over"] * np.ravel(row["errors"]) for row in choice_rows]))
+    is_warned = np.concatenate([np.ravel(row["warned"]) for row in choice_rows])
+    unwarned = errors[~is_warned]
+    quantiles = *np.quantile(unwarned, [0.5, _QUANTILE]), unwarned.max()
+    return (
+        name,
+        len(errors),
+        is_warned.mean(),
+        *quantiles,
+        sum(row["seconds"] for row in choice_rows),
+    )
 
 
 def worded(row):
-    name, places, share, *sizes, seconds = row
+    name, count, share, *sizes, seconds = row
     promise = f"{PRESET_BOUNDS[name]:.2g}" if name in PRESET_BOUNDS else ""
-    return name, promise, places, f"{share:.1%}", *(f"{one:.2%}" for one in sizes), f"{seconds:.1f}"
+    return (
+        name,
+        promise,
+        count,
+        f"{share:.1%}",
+        *(f"{size:.2%}" for size in sizes),
+        f"{seconds:.1f}",
+    )
 
 
 def drawn(numbers, count):
     """`count` scenes of these numbers in random order, without repeats; all if None."""
     scenes = [*{case.digest: case for case in cases(numbers)}.values()]
-    return [scenes[place] for place in np.random.default_rng(0).permutation(len(scenes))[:count]]
+    return [scenes[number] for number in np.random.default_rng(0).permutation(len(scenes))[:count]]
 
 
 def are_kept(rows):
@@ -138,7 +151,7 @@ def judged(path, scenes, minutes):
     compute(computed, tasks, path, minutes)
     rows = known_rows(path)
     digests = [case.digest for case in scenes]
-    done = [one for one in digests if all((text, one) in rows for text in texts.values())]
+    done = [digest for digest in digests if all((text, digest) in rows for text in texts.values())]
     return [summary(name, PRESETS[name], rows, done) for name in PROMISED], len(done)
 
 
@@ -148,9 +161,9 @@ def main():
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
     options = parser.parse_args()
     scenes = drawn(range(1, NUMBERS, 2), options.scenes)
-    found, count = judged(Path("results/front.jsonl"), scenes, options.minutes)
-    lines = table(_COLUMNS, map(worded, found)), "", f"{count} scenes"
-    return conclude("front", "\n".join(lines), are_kept(found))
+    rows, count = judged(Path("results/front.jsonl"), scenes, options.minutes)
+    lines = table(_COLUMNS, map(worded, rows)), "", f"{count} scenes"
+    return conclude("front", "\n".join(lines), are_kept(rows))
 
 
 if __name__ == "__main__":

@@ -40,11 +40,11 @@ from tribo.simulation.severity import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
 REALIZATIONS = 64  # of the truth
-HELD = 0.95  # least share of loads; a sample of them may have fewer by chance
+MIN_HELD = 0.95  # share of loads; a sample of them may have fewer by chance
 NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are large
 VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
-_BESIDE = 1.02  # ratio of velocities about a crossing, for its exponent
+_NEARBY = 1.02  # ratio of velocities about a crossing, for its exponent
 _FIRST = Goal(0.02, 1, counts_surface=False)
 _TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
 HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
@@ -57,12 +57,12 @@ class Planes:
         self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
         names = presets_for(sweep.scene, ["standard", "fine", "reference"])
-        presets = {name: sweep.with_fidelity(one, name) for name, one in names.items()}
-        self.promised = {name: velocity_error(one) for name, one in presets.items()}
-        self._realizations = {name: self._scenes(one) for name, one in presets.items()}
+        presets = {name: sweep.with_fidelity(preset, name) for name, preset in names.items()}
+        self.promised = {name: velocity_error(preset) for name, preset in presets.items()}
+        self._realizations = {name: self._scenes(preset) for name, preset in presets.items()}
         self._stored_steps, self._path = choose_stored_steps(sweep), path
-        kept = json.loads(path.read_text()) if path.exists() else []
-        self._found = {tuple(key): tuple(values) for key, values in kept}
+        rows = json.loads(path.read_text()) if path.exists() else []
+        self._points = {tuple(key): tuple(values) for key, values in rows}
 
     def _scenes(self, sweep):
         """Scenes of the realizations of a sweep."""
@@ -75,29 +75,29 @@ class Planes:
     def keep(self):
         """Write the points to the file."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        self._path.write_text(json.dumps([*self._found.items()]))
+        self._path.write_text(json.dumps([*self._points.items()]))
 
     def point(self, preset, realization, load, velocity):
         """Rise at friction 1 [K], its deviation, warning flags and duration; NaN if it fails."""
         key = preset, realization, float(load), float(velocity)
-        if key not in self._found:
+        if key not in self._points:
             try:
-                found = run_point(
+                record = run_point(
                     self._realizations[preset][realization], self._stored_steps, Point(*key[2:])
                 )
             except TriboError:
-                self._found[key] = np.nan, np.nan, 0, 0.0
-                return self._found[key]
-            rise = worst_rises(found.columns, np.array([found.least_load]), self.conditions)
+                self._points[key] = np.nan, np.nan, 0, 0.0
+                return self._points[key]
+            rise = worst_rises(record.columns, np.array([record.least_load]), self.conditions)
             factor = self.conditions.friction_factor(np.array([velocity]))
-            own = {**found.columns, **found.sampling}
-            self._found[key] = (
+            columns = {**record.columns, **record.sampling}
+            self._points[key] = (
                 (rise / factor).item(),
-                float(relative_sampling(own, self.conditions)),
-                sum({int(one.kind) for one in found.warnings}),
-                float(np.nanmax(found.columns["time"])),
+                float(relative_sampling(columns, self.conditions)),
+                sum({int(warning.kind) for warning in record.warnings}),
+                float(np.nanmax(record.columns["time"])),
             )
-        return self._found[key]
+        return self._points[key]
 
     def tell(self, search, places, preset="standard"):
         """Tell a search the points that it has asked for."""
@@ -109,82 +109,85 @@ class Planes:
 
     def search(self, accuracy, preset):
         """A search that has ended."""
-        realizations, alone = (
+        realizations, quality = (
             1 if self.fixed else MOST_REALIZATIONS,
             JackknifeQuality.of(self._realizations[preset][0]),
         )
         goal = Goal(accuracy, realizations, not self.fixed)
         plane = self.loads, self.velocities, self.conditions
-        search = Told(*plane, self.promised[preset], goal, alone)
+        search = Told(*plane, self.promised[preset], goal, quality)
         while batch := search.ask():
             self.tell(search, batch, preset)
         return search
 
-    def whole(self, conditions):
+    def search_plane(self, conditions):
         """A search that was told the whole plane of the first realization."""
         search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST)
-        self.tell(search, [Place(0, *one) for one in np.ndindex(self.plane_shape)])
+        self.tell(search, [Place(0, *index) for index in np.ndindex(self.plane_shape)])
         return search
 
     @cached_property
     def _plane(self):
-        return self.whole(self.conditions)
+        return self.search_plane(self.conditions)
 
     def true_y(self, load, velocity):
         """ln(rise/limit) of the specimen by the truth at a velocity [m/s], and its deviation."""
         crossing = self._plane.critical[self.loads == load].item()
-        nearest = np.abs(np.log(self.velocities / (crossing if crossing > 0 else velocity)))
-        at = self.velocities[np.argmin(nearest)]
+        distances = np.abs(np.log(self.velocities / (crossing if crossing > 0 else velocity)))
+        nearest_velocity = self.velocities[np.argmin(distances)]
         if self.fixed:
-            rises = [self.point("reference", 0, load, at)[0]]
+            rises = [self.point("reference", 0, load, nearest_velocity)[0]]
         else:
-            others = range(MOST_REALIZATIONS, MOST_REALIZATIONS + REALIZATIONS)
-            rises = [self.point("fine", realization, load, at)[0] for realization in others]
+            numbers = range(MOST_REALIZATIONS, MOST_REALIZATIONS + REALIZATIONS)
+            rises = [
+                self.point("fine", realization, load, nearest_velocity)[0]
+                for realization in numbers
+            ]
         logs = np.log(rises)
         level = logs.max() if self.conditions.critical_area_fraction == 0 else logs.mean()
-        factor = self.conditions.friction_factor(np.array([at])).item()
-        here, there = _y(self._plane, load, np.array([velocity, at]))
+        factor = self.conditions.friction_factor(np.array([nearest_velocity])).item()
+        y_crossing, y_nearest = _y(self._plane, load, np.array([velocity, nearest_velocity]))
         deviation = 0.0 if self.fixed else logs.std(ddof=1) / np.sqrt(len(logs))
-        return level + np.log(factor) - self._plane.limit + here - there, deviation
+        return level + np.log(factor) - self._plane.limit + y_crossing - y_nearest, deviation
 
     def errors(self, accuracy):
         """What a search for an accuracy takes, and its true error at each load."""
-        preset = next(name for name, one in self.promised.items() if (one or 0.0) < accuracy)
+        preset = next(name for name, error in self.promised.items() if (error or 0.0) < accuracy)
         search = self.search(accuracy, preset)
         parts = search.errors if not self.fixed else np.delete(search.errors, SURFACE, axis=0)
-        best, found = float(np.nanmax(total(parts), initial=0.0)), []
+        best, errors = float(np.nanmax(total(parts), initial=0.0)), []
         for load, velocity in zip(self.loads, search.critical, strict=True):
             if np.isfinite(velocity) and best <= accuracy:
-                beside = _y(search, load, velocity * np.array([1 / _BESIDE, _BESIDE]))
-                slope = np.diff(beside).item() / (2 * np.log(_BESIDE))
+                y_nearby = _y(search, load, velocity * np.array([1 / _NEARBY, _NEARBY]))
+                slope = np.diff(y_nearby).item() / (2 * np.log(_NEARBY))
                 y, deviation = self.true_y(load, velocity)
                 allowed = np.hypot(accuracy, 1.96 * deviation / slope)
-                found.append([load, velocity, float(np.expm1(y / slope)), float(allowed)])
+                errors.append([load, velocity, float(np.expm1(y / slope)), float(allowed)])
         return {
             "preset": preset,
             "points": int(search.asked.sum()),
             "best": float(best),
-            "errors": found,
+            "errors": errors,
         }
 
     def crossings(self, seed):
         """Numbers of crossings at loads of the whole plane, and as a search finds them."""
-        rng, found = np.random.default_rng(seed), []
+        rng, pairs = np.random.default_rng(seed), []
         for bends in np.repeat(range(4), LAWS):
             plain = self.conditions.corrections or Corrections()
             law = replace(plain, friction=Friction(by_velocity=_law(rng, self.velocities, bends)))
             judged = replace(self.conditions, corrections=law)
-            every = self.whole(judged)
+            every = self.search_plane(judged)
             search = Told(self.loads, self.velocities, judged, 0.0, _FIRST)
             while batch := search.ask():
                 self.tell(search, batch)
             level = self.loads, np.full(len(self.loads), search.limit)
-            lines = [one.specimen.field.along_velocity(*level) for one in (every, search)]
-            counts = [np.isfinite(one.crossings).sum(axis=1) for one in lines]
+            lines = [state.specimen.field.along_velocity(*level) for state in (every, search)]
+            counts = [np.isfinite(line.crossings).sum(axis=1) for line in lines]
             for number in np.flatnonzero(search.asked[0].any(axis=1)):
                 if not _touches(every, self.loads[number]):
-                    found.append([int(count[number]) for count in counts])
-        return found
+                    pairs.append([int(count[number]) for count in counts])
+        return pairs
 
     @property
     def plane_shape(self):
@@ -216,9 +219,9 @@ def _touches(search, load):
 
 def scene(case, falls):
     """Sweep of a case of a family, with velocities about the crossing of its middle load."""
-    middle = float(np.exp(np.mean([np.log(float(one.split()[0])) for one in case.velocities])))
+    middle = float(np.exp(np.mean([np.log(float(text.split()[0])) for text in case.velocities])))
     entries = case.entries | {
-        "sweep.velocities": [f"{middle * one:.4g} m/s" for one in VELOCITIES],
+        "sweep.velocities": [f"{middle * ratio:.4g} m/s" for ratio in VELOCITIES],
         "sweep.fields": False,
         "sweep.steps": "end",
     }
@@ -259,18 +262,18 @@ def computed(task):
 
 def summary(rows, accuracy):
     """Table row of an accuracy [%], and True if it may hold at 95 % of all loads."""
-    found = [row["accuracy"][accuracy] for row in rows if accuracy in row.get("accuracy", {})]
-    reached = [one for one in found if one["best"] <= float(accuracy) / 100 and one["errors"]]
-    places = [np.abs(np.array(one["errors"])[:, 2:]) for one in reached]
-    errors, allowed = np.concatenate([np.empty((0, 2)), *places]).T
+    results = [row["accuracy"][accuracy] for row in rows if accuracy in row.get("accuracy", {})]
+    reached = [row for row in results if row["best"] <= float(accuracy) / 100 and row["errors"]]
+    sizes = [np.abs(np.array(row["errors"])[:, 2:]) for row in reached]
+    errors, allowed = np.concatenate([np.empty((0, 2)), *sizes]).T
     is_held = errors <= allowed
     cells = [f"{is_held.sum()} of {len(errors)}"]
     cells += [f"{size(errors):.2%}" if len(errors) else "" for size in (np.median, np.max)]
-    points = [one["points"] for one in reached]
+    points = [row["points"] for row in reached]
     many = f"{np.median(points):.0f}, at most {max(points)}" if points else ""
-    missing = len(found) - len(reached)
-    row = (f"{accuracy} %", len(found), missing, len(errors), *cells, many)
-    return row, is_held.all() or highest_share(is_held.mean(), len(reached)) >= HELD
+    missing = len(results) - len(reached)
+    row = (f"{accuracy} %", len(results), missing, len(errors), *cells, many)
+    return row, is_held.all() or highest_share(is_held.mean(), len(reached)) >= MIN_HELD
 
 
 def highest_share(share, scenes):
@@ -280,7 +283,7 @@ def highest_share(share, scenes):
 
 def report(rows, accuracies):
     """What was found as text, and True if all promises hold."""
-    lines, are_held = zip(*(summary(rows, f"{one:g}") for one in accuracies), strict=True)
+    lines, are_held = zip(*(summary(rows, f"{accuracy:g}") for accuracy in accuracies), strict=True)
     pairs = np.array([pair for row in rows for pair in row.get("crossings", [])], int).reshape(
         -1, 2
     )
@@ -307,7 +310,7 @@ def main():
     )
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
     options = parser.parse_args()
-    name = "goals_" + "_".join(f"{one:g}" for one in options.accuracy)
+    name = "goals_" + "_".join(f"{accuracy:g}" for accuracy in options.accuracy)
     path = Path(f"results/{name}.jsonl")
     done = {row["digest"] for row in read(path)}
     tasks = [

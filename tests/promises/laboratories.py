@@ -15,8 +15,8 @@ KINDS = "transitions", "stages", "outcomes"
 HEADS = (
     "tests", "kind", "bias in 90 %", "mild at 2 to 5 %, severe", "severe at 95 to 98 %, mild",
 )  # fmt: skip
-_STAGE, _PLACES = 0.15, 40
-_HELD, _MOST_WRONG = (0.85, 0.95), 0.07
+_STAGE, _POINTS = 0.15, 40
+_INSIDE, _MAX_WRONG = (0.85, 0.95), 0.07
 
 
 def tests(kind, count, rng, bias, scatter):
@@ -28,7 +28,9 @@ def tests(kind, count, rng, bias, scatter):
         severe = at + rng.uniform(0, _STAGE, count)
         return tuple(Outcome(y, y - _STAGE) for y in severe.tolist())
     pairs = zip(rng.uniform(-0.4, 0.4, count).tolist(), at.tolist(), strict=True)
-    return tuple(Outcome(severe=y) if y > own else Outcome(mild=y) for y, own in pairs)
+    return tuple(
+        Outcome(severe=y) if y > transition else Outcome(mild=y) for y, transition in pairs
+    )
 
 
 def laboratory(kind, count, rng):
@@ -37,8 +39,8 @@ def laboratory(kind, count, rng):
     bias = prior.bias * rng.standard_t(4)
     scatter = prior.scatter * np.sqrt(4 / rng.chisquare(4))
     belief = update(tests(kind, count, rng, bias, scatter), prior)
-    y = rng.uniform(-0.5, 0.3, _PLACES)
-    severe = y + bias + scatter * rng.normal(size=_PLACES) > 0
+    y = rng.uniform(-0.5, 0.3, _POINTS)
+    severe = y + bias + scatter * rng.normal(size=_POINTS) > 0
     return belief.weights[belief.bias < bias].sum(), belief.probability(y), severe
 
 
@@ -46,11 +48,11 @@ def judged(kind, count, number, seed=0):
     """Shares: intervals that hold the bias, and wrong verdicts that are barely mild and severe."""
     rng = np.random.default_rng(seed)
     parts = [laboratory(kind, count, rng) for _ in range(number)]
-    places = np.array([place for place, _, _ in parts])
+    positions = np.array([position for position, _, _ in parts])
     stated, severe = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     mild, hot = (stated > 0.02) & (stated <= 0.05), (stated >= 0.95) & (stated < 0.98)
-    held = float(np.mean((places > 0.05) & (places < 0.95)))
-    return held, float(severe[mild].mean()), float((~severe[hot]).mean())
+    inside = float(np.mean((positions > 0.05) & (positions < 0.95)))
+    return inside, float(severe[mild].mean()), float((~severe[hot]).mean())
 
 
 def main():
@@ -59,9 +61,9 @@ def main():
     rows, is_right = [], True
     for kind in KINDS:
         for count in (2, 4, 8):
-            held, *wrong = judged(kind, count, number)
-            is_right &= _HELD[0] <= held <= _HELD[1] and max(wrong) <= _MOST_WRONG
-            rows.append((count, kind, *(f"{100 * share:.1f} %" for share in (held, *wrong))))
+            inside, *wrong = judged(kind, count, number)
+            is_right &= _INSIDE[0] <= inside <= _INSIDE[1] and max(wrong) <= _MAX_WRONG
+            rows.append((count, kind, *(f"{100 * share:.1f} %" for share in (inside, *wrong))))
             print(*rows[-1], file=sys.stderr, flush=True)
     return conclude("laboratories", table(HEADS, rows), is_right)
 

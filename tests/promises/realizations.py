@@ -37,16 +37,16 @@ SCENES = {
     "local wear": ("first_try", {"wear.pattern": "local"}, ("200 N", "400 N", "600 N", "750 N")),
 }
 """Scene, changed entries and loads, by kind of contact."""
-ALLOWED, HELD = 2.4, 0.9  # of the difference of two sets, and share of places
-LEAST, MOST = 0.5, 3.0  # what one realization states, over how they differ
+ALLOWED, MIN_AGREEING = 2.4, 0.9  # of the difference of two sets, and share of points
+MIN_RATIO, MAX_RATIO = 0.5, 3.0  # error that one realization states, over how they differ
 HEADS = (
     "contact", "N", "m/s", "first eight", "last eight", "stated", "apart, of allowed",
     "realizations differ by", "one states", "from", "to",
 )  # fmt: skip
 
 
-def places(name, count=16, **changes):
-    """Yield for each load the place, and what the two halves and all say there."""
+def compare_halves(name, count=16, **changes):
+    """Yield for each load the point, and what the two halves and all realizations state."""
     scene, entries, loads = SCENES[name]
     overrides = {"sweep.loads": list(loads), "sweep.fields": False, "sweep.steps": "end"}
     overrides |= {"sweep.realizations": list(range(count))} | entries | changes
@@ -57,15 +57,15 @@ def places(name, count=16, **changes):
     done = (ds["status"] == 1).all("realization")
     for load in ds["load"].values[done.any("velocity").values]:
         (velocity,) = ds["velocity"].values[done.sel(load=load).values]
-        here = ds.sel(load=[load], velocity=[velocity])
+        point = ds.sel(load=[load], velocity=[velocity])
         half = count // 2
         parts = slice(half), slice(half, None)
         halves = (thinned(ds.isel(realization=part)) for part in parts)
-        rises, errors = zip(*(stated(one, load, velocity) for one in halves), strict=True)
-        (case,) = cases_of(here)
+        rises, errors = zip(*(stated(half_ds, load, velocity) for half_ds in halves), strict=True)
+        (case,) = cases_of(point)
         conditions = case.sweep.conditions
-        levels, own = case.log_rises(conditions).ravel(), case.sampling(conditions).ravel()
-        yield load, velocity, rises, errors, levels.std(ddof=1), own
+        levels, deviations = case.log_rises(conditions).ravel(), case.sampling(conditions).ravel()
+        yield load, velocity, rises, errors, levels.std(ddof=1), deviations
 
 
 def thinned(ds):
@@ -92,10 +92,12 @@ def scene_is_local(name):
 
 def rows_of(name, **options):
     """Table rows of a scene, with what is judged: share of the allowed difference, and ratio."""
-    for load, velocity, rises, errors, differ, own in places(name, **options):
+    for load, velocity, rises, errors, differ, deviations in compare_halves(name, **options):
         apart = abs(math.log(rises[0] / rises[1])) / (ALLOWED * math.hypot(*errors))
-        typical = float(np.sqrt(np.mean(own**2)))
-        percents = (f"{value:.1%}" for value in (differ, typical, own.min(), own.max()))
+        typical = float(np.sqrt(np.mean(deviations**2)))
+        percents = (
+            f"{value:.1%}" for value in (differ, typical, deviations.min(), deviations.max())
+        )
         row = name, f"{load:g}", f"{velocity:g}", *(f"{rise:.4g} K" for rise in rises)
         ratio = math.nan if scene_is_local(name) else typical / differ
         yield (*row, f"{max(errors):.1%}", f"{apart:.2f}", *percents), apart, ratio
@@ -107,18 +109,18 @@ def main():
     parser.add_argument("--realizations", type=int, default=16)
     options = parser.parse_args()
     rows = [row for name in SCENES for row in rows_of(name, count=options.realizations)]
-    held = np.mean([apart <= 1 for _, apart, _ in rows])
+    agreeing = np.mean([apart <= 1 for _, apart, _ in rows])
     ratios = [ratio for *_, ratio in rows if not math.isnan(ratio)]
-    told = (
+    statement = (
         f"two halves of {options.realizations} realizations agree within the stated error at "
-        f"{held:.0%} of {len(rows)} positions; a single realization estimates {min(ratios):.2g} to "
-        f"{max(ratios):.2g} times the actual standard deviation"
+        f"{agreeing:.0%} of {len(rows)} positions; a single realization estimates "
+        f"{min(ratios):.2g} to {max(ratios):.2g} times the actual standard deviation"
     )
-    found = table(HEADS, [row for row, *_ in rows])
+    rows_text = table(HEADS, [row for row, *_ in rows])
     return conclude(
         "realizations",
-        f"{found}\n\n{told}",
-        held >= HELD and min(ratios) >= LEAST and max(ratios) <= MOST,
+        f"{rows_text}\n\n{statement}",
+        agreeing >= MIN_AGREEING and min(ratios) >= MIN_RATIO and max(ratios) <= MAX_RATIO,
     )
 
 
