@@ -12,45 +12,45 @@ def named(variable):
     return np.vectorize(lambda code: names.get(code, ""), otypes=[object])(variable.values)
 
 
-class Asked:
+class PointAnswer:
     """Variables of `pipeline.margin` at one place, as numbers and texts."""
 
-    def __init__(self, found):
-        self.found = found
+    def __init__(self, answer):
+        self.answer = answer
 
     def __getattr__(self, name):
-        return self.found[name].item()
+        return self.answer[name].item()
 
     @property
     def verdict(self):
         """The verdict, as text."""
-        return str(named(self.found["verdict"])[()])
+        return str(named(self.answer["verdict"])[()])
 
     @property
     def origin(self):
         """Where the result is from, as text."""
-        return str(named(self.found["origin"])[()])
+        return str(named(self.answer["origin"])[()])
 
     @property
     def flags(self):
         """Names of the flags that are set."""
-        about = self.found["warning_flags"].attrs
+        about = self.answer["warning_flags"].attrs
         pairs = zip(about["flag_meanings"].split(), about["flag_masks"], strict=True)
         return {name for name, mask in pairs if int(self.warning_flags) & mask}
 
     @property
     def realizations(self):
-        return self.found.attrs["realizations"]
+        return self.answer.attrs["realizations"]
 
     @property
     def notes(self):
-        return self.found.attrs["notes"].split(" | ")
+        return self.answer.attrs["notes"].split(" | ")
 
     @property
     def not_included(self):
-        return self.found.attrs["not_included"]
+        return self.answer.attrs["not_included"]
 
 
 def asked(ds, load, velocity, **conditions):
-    """The answer on one place of a sweep."""
-    return Asked(pipeline.margin(ds, load, velocity, **conditions))
+    """The answer at one point of a sweep."""
+    return PointAnswer(pipeline.margin(ds, load, velocity, **conditions))

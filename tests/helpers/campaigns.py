@@ -32,20 +32,20 @@ def table(columns, rows):
     return "\n".join([lines[0], "|" + "---|" * len(columns), *lines[1:]])
 
 
-def save(name, found, is_right):
+def save(name, text, is_right):
     """Write what a campaign found so far to ``results``, with its command, date and commit."""
     module = sys.modules["__main__"].__spec__.name.removesuffix(".__main__")
     command = shlex.join(["python", "-m", module, *sys.argv[1:]])
     verdict = "right" if is_right else "not right"
     path = Path("results", f"{name}.md")
     path.parent.mkdir(exist_ok=True)
-    path.write_text(f"`{command}`: {verdict}; {date.today():%m-%d}, {commit()}\n\n{found}\n")
+    path.write_text(f"`{command}`: {verdict}; {date.today():%m-%d}, {commit()}\n\n{text}\n")
 
 
-def conclude(name, found, is_right):
+def conclude(name, text, is_right):
     """Print and save what a campaign found; return the exit code, 0 if `is_right`."""
-    save(name, found, is_right)
-    print(found)
+    save(name, text, is_right)
+    print(text)
     return 0 if is_right else 1
 
 
@@ -67,7 +67,7 @@ def compute(function, tasks, path, minutes):
             if not running:
                 return
             ready, running = wait(running, return_when=FIRST_COMPLETED)
-            for row in (one.result() for one in ready):
+            for row in (future.result() for future in ready):
                 print(json.dumps(row), file=file, flush=True)
-                said = row["name"], f"{row['seconds']:.0f} s", row.get("failed", "")
-                print(*said, file=sys.stderr, flush=True)
+                summary = row["name"], f"{row['seconds']:.0f} s", row.get("failed", "")
+                print(*summary, file=sys.stderr, flush=True)

@@ -20,19 +20,19 @@ def pytest_collect_file(file_path):
     """Collect doctests only from files with examples, so that the others are not imported."""
     collectors = yield
     if file_path.suffix == ".py" and ">>> " not in file_path.read_text(encoding="utf-8"):
-        return [one for one in collectors if not isinstance(one, DoctestModule)]
+        return [collector for collector in collectors if not isinstance(collector, DoctestModule)]
     return collectors
 
 
 @pytest.fixture(autouse=True)
-def _beside_scenes_and_results(request, monkeypatch):
+def _scenes_and_results(request, monkeypatch):
     if isinstance(request.node, DoctestItem):
         sources = "".join(example.source for example in request.node.dtest.examples)
         if request.node.dtest.name.startswith("tribo."):
             from workflows.paper import rig
 
-            own = {"steel": rig.AISI_316, "scene": rig.critical_temperature_rig()}
-            request.node.dtest.globs.update(own)
+            names = {"steel": rig.AISI_316, "scene": rig.critical_temperature_rig()}
+            request.node.dtest.globs.update(names)
         if "results/" in sources:
             monkeypatch.chdir(request.getfixturevalue("folder_with_results"))
 
@@ -40,8 +40,8 @@ def _beside_scenes_and_results(request, monkeypatch):
 @pytest.fixture(scope="session")
 def folder_with_results(tmp_path_factory):
     """Folder with ``workflows`` and ``results/first_try.zarr``, which an example may change."""
-    made = made_once(tmp_path_factory, "examples", _fill)
-    return shutil.copytree(made, tmp_path_factory.mktemp("examples") / "own", symlinks=True)
+    folder = made_once(tmp_path_factory, "examples", _fill)
+    return shutil.copytree(folder, tmp_path_factory.mktemp("examples") / "own", symlinks=True)
 
 
 def _fill(folder):

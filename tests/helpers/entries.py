@@ -6,7 +6,7 @@ import tribo
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column, numbered_cases
 
-_SCENE = {one.name for one in fields(tribo.Scene)}
+_SCENE = {field.name for field in fields(tribo.Scene)}
 _CASE = {
     "conditions",
     "friction_band",
@@ -42,19 +42,19 @@ class Rows(CaseTable):
 def changed(sweep, **values):
     """Copy of a sweep with other values of fields, of its cases and of the scenes of these."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
-    own = {name: value for name, value in values.items() if name in _SWEEP}
+    sweep_values = {name: value for name, value in values.items() if name in _SWEEP}
     objects = {name: value for name, value in values.items() if name in {*_SCENE, *_CASE}}
-    base, *cases = (_case(one, objects) for one in (sweep.base, *sweep.cases))
-    if rows := own.pop("case_table", None):
+    base, *cases = (_case(case, objects) for case in (sweep.base, *sweep.cases))
+    if rows := sweep_values.pop("case_table", None):
         table = CaseTable(rows.columns, rows.rows)
         changes = getattr(rows, "changes", [{} for _ in rows.rows])
         pairs = zip(table.names, changes, strict=True)
-        cases = [replace(_case(base, _seeded(name) | one), name=name) for name, one in pairs]
-        own["case_table"] = table
-    made = replace(sweep, base=base, cases=tuple(cases), source=None, **own)
-    tests = values.get("tests", made.tests)
-    numbered = (_with_case(test, k, made.base) for k, test in enumerate(tests))
-    return replace(made, tests=tuple(numbered))
+        cases = [replace(_case(base, _seeded(name) | change), name=name) for name, change in pairs]
+        sweep_values["case_table"] = table
+    copy = replace(sweep, base=base, cases=tuple(cases), source=None, **sweep_values)
+    tests = values.get("tests", copy.tests)
+    numbered = (_with_case(test, k, copy.base) for k, test in enumerate(tests))
+    return replace(copy, tests=tuple(numbered))
 
 
 def _seeded(name):
@@ -65,17 +65,18 @@ def _seeded(name):
 def _with_case(test, number, base):
     from pipeline.scene.tests import test_case
 
-    of = test.case if test.case and not test.case.name else base
-    return replace(test, case=test_case(of, number, test), number=test.number or str(number + 1))
+    case = test.case if test.case and not test.case.name else base
+    return replace(test, case=test_case(case, number, test), number=test.number or str(number + 1))
 
 
 def _case(case, changes):
-    whole = {path: value for path, value in changes.items() if path in _SCENE}
-    case = replace(case, scene=replace(case.scene, **whole))  # in one step: pin and pixels fit
+    scene_fields = {path: value for path, value in changes.items() if path in _SCENE}
+    # In one step, because pin and pixels must fit.
+    case = replace(case, scene=replace(case.scene, **scene_fields))
     case = replace(case, conditions=case.conditions.under(case.scene.loading))
     for path, value in changes.items():
         first = path.partition(".")[0]
-        if path in whole:
+        if path in scene_fields:
             continue
         if first in _SCENE:
             case = replace(case, scene=_replaced(case.scene, path, value))
@@ -86,48 +87,54 @@ def _case(case, changes):
     return case
 
 
-def _replaced(made, path, value):
+def _replaced(instance, path, value):
     first, _, rest = path.partition(".")
-    return replace(made, **{first: _replaced(getattr(made, first), rest, value) if rest else value})
+    return replace(
+        instance, **{first: _replaced(getattr(instance, first), rest, value) if rest else value}
+    )
 
 
 def rows(name, changes, velocities=None, loads=None):
     """Cases of a sweep; `changes` has for each label the changed fields [SI] or objects."""
-    places = {"load": loads, "velocity": velocities}
-    return labelled_rows(name, changes, **{k: v for k, v in places.items() if v is not None})
+    positions = {"load": loads, "velocity": velocities}
+    return labelled_rows(name, changes, **{k: v for k, v in positions.items() if v is not None})
 
 
-def placed_rows(*places):
+def placed_rows(*positions):
     """Numbered cases, each (load, velocity), or with further labels."""
-    held = [
+    case_rows = [
         {**labels, "load": load, "velocity": velocity}
-        for load, velocity, labels in ((*one, {})[:3] for one in places)
+        for load, velocity, labels in ((*position, {})[:3] for position in positions)
     ]
     columns = (
-        Column(name, PLACE_UNITS.get(name, "1"), meaning=f"{name} of the row") for name in held[0]
+        Column(name, PLACE_UNITS.get(name, "1"), meaning=f"{name} of the row")
+        for name in case_rows[0]
     )
-    return numbered_cases(columns, held)
+    return numbered_cases(columns, case_rows)
 
 
 def two_pins():
     """Two cases of a sweep, with pin radii of 1 and 2 mm."""
     column = Column("pin_radius", "m", entry="pin.radius", shown="mm")
     radii = (1e-3, 2e-3)
-    table = CaseTable((column,), tuple({"pin_radius": one} for one in radii))
-    return Rows(table, [{"pin.radius": one} for one in radii])
+    table = CaseTable((column,), tuple({"pin_radius": radius} for radius in radii))
+    return Rows(table, [{"pin.radius": radius} for radius in radii])
 
 
-def labelled_rows(name, changes, **places):
+def labelled_rows(name, changes, **positions):
     """Table of cases along one dimension, called `name`: a row for each label in `changes`.
 
-    For each label, `changes` has the objects that the case replaces. `places` may give each
+    For each label, `changes` has the objects that the case replaces. `positions` may give each
     case its own ``load`` [N] or ``velocity`` [m/s].
     """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
-    own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)
+    columns = (
+        Column(axis, PLACE_UNITS[axis], name, meaning=f"{axis} of each {name}")
+        for axis in positions
+    )
     labels = (
-        {name: label} | {one: float(values[k]) for one, values in places.items()}
+        {name: label} | {axis: float(values[k]) for axis, values in positions.items()}
         for k, label in enumerate(changes)
     )
-    return Rows(CaseTable((key, *own), tuple(labels)), [*changes.values()])
+    return Rows(CaseTable((key, *columns), tuple(labels)), [*changes.values()])

@@ -1,4 +1,4 @@
-"""Tables of refusals: what causes each, what its message says, and the places that none causes."""
+"""Tables of refusals: what causes each, what its message says, and refusals that none causes."""
 
 import ast
 import contextlib
@@ -23,7 +23,7 @@ class Outcome(NamedTuple):
     """Message of a refusal, and (file, line, text) of all errors and faults raised on the way."""
 
     message: str
-    places: list[tuple[str, int, str]]
+    raised: list[tuple[str, int, str]]
 
 
 class Refusals:
@@ -35,12 +35,12 @@ class Refusals:
 
     def __init__(
         self,
-        room: str,
+        package: str,
         table: dict[str, tuple[Callable[[], Any], str]],
         folder: Path,
         stores: dict[str, Path] | None = None,
     ) -> None:
-        self.room, self.table = (ROOT / room).resolve(), table
+        self.package, self.table = (ROOT / package).resolve(), table
         self.folder, self.stores = folder, stores or {}
         self.outcomes: dict[str, Outcome] = {}
 
@@ -48,25 +48,27 @@ class Refusals:
         """Outcome of a table entry; it runs in a folder with links to the stores."""
         if name not in self.outcomes:
             build = self.table[name][0]
-            self.outcomes[name] = self._run(build, self._place())
+            self.outcomes[name] = self._run(build, self._folder_with_links())
         return self.outcomes[name]
 
-    def _place(self) -> Path:
-        place = Path(tempfile.mkdtemp(dir=self.folder))
+    def _folder_with_links(self) -> Path:
+        folder = Path(tempfile.mkdtemp(dir=self.folder))
         for link, store in self.stores.items():
-            (place / link).symlink_to(store)
-        return place
+            (folder / link).symlink_to(store)
+        return folder
 
     def check(self, name: str) -> None:
         """Assert that an entry is refused in one line that contains the expected text."""
-        message, said = self.outcome(name).message, self.table[name][1]
-        assert said in message, message
+        message, expected = self.outcome(name).message, self.table[name][1]
+        assert expected in message, message
         assert len(message.strip().splitlines()) == 1, message
 
     def check_all(self, elsewhere: Collection[str] = ()) -> None:
         """Assert that the table covers every error and fault except those tested `elsewhere`."""
         missing = self._missing()
-        unknown = [f"{place} {name}" for name, place in missing.items() if name not in elsewhere]
+        unknown = [
+            f"{position} {name}" for name, position in missing.items() if name not in elsewhere
+        ]
         assert unknown == [], "\n".join(["the table lacks", *unknown])
         assert sorted(elsewhere) == sorted(missing), "the table has what is said to be elsewhere"
 
@@ -74,9 +76,9 @@ class Refusals:
         """Errors and faults that no entry causes: file and line by function and class."""
         caused = {
             (file, line)
-            for name, (_, said) in self.table.items()
-            for file, line, text in self.outcome(name).places
-            if said in text
+            for name, (_, expected) in self.table.items()
+            for file, line, text in self.outcome(name).raised
+            if expected in text
         }
         return {
             name: f"{file}:{lines[0]}"
@@ -84,40 +86,40 @@ class Refusals:
             if not any((file, line) in caused for line in lines)
         }
 
-    def _run(self, build: Callable[[], Any], place: Path) -> Outcome:
-        places: list[tuple[str, int, str]] = []
-        room = str(self.room)
+    def _run(self, build: Callable[[], Any], folder: Path) -> Outcome:
+        raised: list[tuple[str, int, str]] = []
+        package = str(self.package)
 
         def on_error(frame: Any, event: str, argument: Any) -> Any:
             if event == "exception":
-                said = " ".join(str(argument[1]).split())
-                places.append((frame.f_code.co_filename, frame.f_lineno, said))
+                text = " ".join(str(argument[1]).split())
+                raised.append((frame.f_code.co_filename, frame.f_lineno, text))
             return on_error
 
         def on_call(frame: Any, event: str, argument: Any) -> Any:
             if frame.f_code.co_name == "refuse" and "problem" in frame.f_locals:
-                said, caller = "{key}: {problem}".format(**frame.f_locals), frame.f_back
-                places.append((caller.f_code.co_filename, caller.f_lineno, said))
-            if not frame.f_code.co_filename.startswith(room):
+                text, caller = "{key}: {problem}".format(**frame.f_locals), frame.f_back
+                raised.append((caller.f_code.co_filename, caller.f_lineno, text))
+            if not frame.f_code.co_filename.startswith(package):
                 return None
             frame.f_trace_lines = False
             return on_error
 
         before = sys.gettrace()
-        with contextlib.chdir(place):
+        with contextlib.chdir(folder):
             sys.settrace(on_call)
             try:
                 message = str(build())
             except TriboError as error:
                 message = str(error)
-                places += _passed(error)
+                raised += _passed(error)
             finally:
                 sys.settrace(before)
-        return Outcome(message, places)
+        return Outcome(message, raised)
 
     def _statements(self) -> Iterator[tuple[str, range, str]]:
         """Yield file, lines and name of each statement that raises an error or refuses an entry."""
-        for file in sorted(self.room.rglob("*.py")) if self.room.is_dir() else [self.room]:
+        for file in sorted(self.package.rglob("*.py")) if self.package.is_dir() else [self.package]:
             for function in ast.walk(ast.parse(file.read_text("utf-8"))):
                 if isinstance(function, ast.FunctionDef):
                     for node in ast.walk(function):
@@ -145,14 +147,16 @@ def _refusal(node: ast.AST) -> str | None:
 
 
 def refusal_tests(
-    room: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
+    package: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
 ) -> tuple[Any, Any, Any]:
     """Fixture and tests for the table of a folder; `stores` has names of fixtures by store name."""
 
     @pytest.fixture(scope="module")
     def refusals(request: Any, tmp_path_factory: Any) -> Refusals:
-        made = {f"{name}.zarr": request.getfixturevalue(one) for name, one in stores.items()}
-        return Refusals(room, table, tmp_path_factory.mktemp("refusals"), made)
+        links = {
+            f"{name}.zarr": request.getfixturevalue(fixture) for name, fixture in stores.items()
+        }
+        return Refusals(package, table, tmp_path_factory.mktemp("refusals"), links)
 
     @pytest.mark.parametrize("name", table)
     def test_what_is_refused_is_named(refusals: Refusals, name: str) -> None:
@@ -166,10 +170,10 @@ def refusal_tests(
 
 def command(*arguments: Any) -> str:
     """Output of a command that is refused with exit code 2."""
-    with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(said):
+    with contextlib.redirect_stderr(io.StringIO()) as printed, contextlib.redirect_stdout(printed):
         try:
             code = main([str(argument) for argument in arguments])
         except SystemExit as error:
             code = error.code
-    assert code == 2, said.getvalue()
-    return said.getvalue()
+    assert code == 2, printed.getvalue()
+    return printed.getvalue()

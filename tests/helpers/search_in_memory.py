@@ -1,4 +1,4 @@
-"""A store in memory for a search of a boundary: what it was told, and what it sees of that."""
+"""A search of a boundary with its results in memory."""
 
 import functools
 
@@ -10,26 +10,26 @@ from pipeline.sweep.conditions import allowable_rise
 
 
 class Told:
-    """A search of one scene, which is told the points that it asks for.
+    """A search of one scene, which receives the results of the points that it asks for.
 
     `conditions` judge rises per unit friction coefficient, `promised` is the error of the preset.
     """
 
-    def __init__(self, loads, velocities, conditions, promised, goal, alone=SWEPT):
+    def __init__(self, loads, velocities, conditions, promised, goal, quality=SWEPT):
         self.loads, self.velocities = loads, velocities
         self.conditions, self.promised, self.goal = conditions, promised, goal
-        self._alone = alone
+        self._quality = quality
         shape = goal.realizations, len(loads), len(velocities)
         self.asked = np.zeros(shape, bool)
         self._rises, self._sampling = np.full(shape, np.nan), np.full(shape, np.nan)
         self._flags, self._durations = np.zeros(shape[1:], int), np.zeros(shape[1:])
 
-    def tell(self, places, rises, sampling, flags=0, durations=0.0):
+    def tell(self, points, rises, sampling, flags=0, durations=0.0):
         """Record points that were asked for; rises are NaN where they failed."""
-        where = tuple(np.array(places).T)
-        self.asked[where], self._rises[where], self._sampling[where] = True, rises, sampling
-        np.bitwise_or.at(self._flags, where[1:], flags)
-        np.maximum.at(self._durations, where[1:], durations)
+        index = tuple(np.array(points).T)
+        self.asked[index], self._rises[index], self._sampling[index] = True, rises, sampling
+        np.bitwise_or.at(self._flags, index[1:], flags)
+        np.maximum.at(self._durations, index[1:], durations)
         self.__dict__.pop("now", None)
 
     @functools.cached_property
@@ -46,7 +46,7 @@ class Told:
             self._durations,
             self.conditions.friction_factor if self.conditions.has_friction_curve else np.ones_like,
             is_highest,
-            self._alone,
+            self._quality,
         )
         limit = np.log(allowable_rise(self.conditions))
         first = y[0] + specimen.mean.offset - limit

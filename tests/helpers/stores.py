@@ -96,10 +96,10 @@ def assert_is_as_computed(path, expected):
     stored = plain_values(path)
     loads, velocities = stored["load"].tolist(), stored["velocity"].tolist()
     for point in expected:
-        place = loads.index(point.load), velocities.index(point.velocity)
-        assert stored["message"][place] == record(point).message
+        index = loads.index(point.load), velocities.index(point.velocity)
+        assert stored["message"][index] == record(point).message
         for name, values in record(point).data.items():
-            present, values = np.atleast_1d(stored[name][place]), np.atleast_1d(values)
+            present, values = np.atleast_1d(stored[name][index]), np.atleast_1d(values)
             assert present[-len(values) :].tobytes() == values.tobytes(), (point, name)
             assert np.isnan(present[: -len(values)]).all(), (point, name)
 

@@ -41,20 +41,20 @@ def sweep_of_fields(**values):
     return changed(sweep, **usual | values)
 
 
-def attributes_of(sweep, held=frozenset()):
+def attributes_of(sweep, digests=frozenset()):
     """Dataset attributes of a sweep, as a store has them, without those only for people.
 
-    Arrays of a scene are in the dataset, not in the text; `held` are the digests of those there.
+    Arrays of a scene are in the dataset, not in the text; `digests` are those of the dataset.
     """
     plain, arrays = plain_sweep(sweep)
-    assert arrays.keys() <= held, "arrays of a scene lie beside its data"
+    assert arrays.keys() <= digests, "arrays of a scene lie beside its data"
     return {"title": sweep.title, "sweep": json.dumps(plain)}
 
 
 def with_fields(ds, **values):
     """Copy of a dataset whose sweep has other values of these fields."""
-    held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
-    return ds.assign_attrs(attributes_of(changed(sweep_of(ds), **values), held))
+    digests = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
+    return ds.assign_attrs(attributes_of(changed(sweep_of(ds), **values), digests))
 
 
 def deciding_rise(ds, conditions):
@@ -63,8 +63,8 @@ def deciding_rise(ds, conditions):
     rises = np.exp(case.log_rises(conditions)) * conditions.friction_factor(case.velocities)
     coords = {name: case.ds[name] for name in ("load", "velocity")}
     coords |= {"realization": ds["realization"]} if "realization" in ds.dims else {}
-    found = xr.DataArray(rises, coords, ("realization", *PLANE)).reindex(velocity=ds["velocity"])
-    return found if "realization" in ds.dims else found.squeeze("realization")
+    rise = xr.DataArray(rises, coords, ("realization", *PLANE)).reindex(velocity=ds["velocity"])
+    return rise if "realization" in ds.dims else rise.squeeze("realization")
 
 
 def deciding(ds, **conditions):

@@ -89,7 +89,7 @@ def sweep(
     interval=0,
     fields=False,
     conditions=CONDITIONS,
-    **told,
+    **overrides,
 ):
     """Dataset of a synthetic sweep; `status` has 0 or 2 for points (load, velocity) not done."""
     loads, velocities = np.asarray(loads, float), np.asarray(velocities, float)
@@ -112,8 +112,8 @@ def sweep(
         for name, value in values.items():
             scalars[name][i, :, -len(ramp) :] = value.T
         hottest = np.flatnonzero(hot) - len(ramp)
-        found = rise(ramp[hottest, None], velocities[:, None, None], np.array(QUANTILES))
-        quantiles[i][:, hottest] = found
+        hot_rises = rise(ramp[hottest, None], velocities[:, None, None], np.array(QUANTILES))
+        quantiles[i][:, hottest] = hot_rises
     for values in (*scalars.values(), quantiles):
         values[flags != DONE] = np.nan
 
@@ -140,13 +140,13 @@ def sweep(
         data |= _fields(flags, loads, velocities, rise, coords)
     judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
-    of = scene(conditions=judged, fields=fields, **plane | told)
-    first = of._on_first_surface[0].scene
+    simulated = scene(conditions=judged, fields=fields, **plane | overrides)
+    first = simulated._on_first_surface[0].scene
     area = np.prod(first.grid.size) * first.pin.windows(first.grid)
     with np.errstate(invalid="ignore"):
         pressure = scalars["normal_load"] / (scalars["contact_fraction"] * area)
     data["mean_pressure"] = (*data["mean_pressure"][:1], pressure, {"units": "Pa"})
-    return with_tests(xr.Dataset(data, coords, attributes_of(of)), rise)
+    return with_tests(xr.Dataset(data, coords, attributes_of(simulated)), rise)
 
 
 def with_tests(ds, rise=rise, status=DONE, moved=None):
@@ -162,13 +162,13 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     flags = np.broadcast_to(status, len(slots))
     is_done = flags == DONE
     loads, velocities = (np.array([getattr(s, k) for s in slots]) for k in ("load", "velocity"))
-    named = {"status": flags.astype(np.int8), "load": loads, "velocity": velocities}
-    named["scene_hash"] = np.array([slot.scene_hash for slot in slots], object)
+    point_values = {"status": flags.astype(np.int8), "load": loads, "velocity": velocities}
+    point_values["scene_hash"] = np.array([slot.scene_hash for slot in slots], object)
     messages = {FAILED: "out of memory"}
-    named["message"] = np.array([messages.get(int(flag), "") for flag in flags], object)
-    named["warning_flags"] = np.zeros(len(slots), np.int32)
-    found = {variable_of_tests(k): (TEST_POINT, v) for k, v in named.items()}
-    found["test"] = TEST_POINT, np.array([slot.test for slot in slots])
+    point_values["message"] = np.array([messages.get(int(flag), "") for flag in flags], object)
+    point_values["warning_flags"] = np.zeros(len(slots), np.int32)
+    coords = {variable_of_tests(k): (TEST_POINT, v) for k, v in point_values.items()}
+    coords["test"] = TEST_POINT, np.array([slot.test for slot in slots])
     steps = {
         "normal_load": loads, "time": loads / RATE, "sliding_distance": velocities * loads / RATE,
         "max_rise": rise(loads, velocities), "mean_rise": rise(loads, velocities, 0.5),
@@ -176,15 +176,15 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     }  # fmt: skip
     for name, values in steps.items():
         values = np.where(is_done, values, np.nan)[:, None]
-        found[variable_of_tests(name)] = (TEST_POINT, TEST_STEP), values
+        coords[variable_of_tests(name)] = (TEST_POINT, TEST_STEP), values
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
     paths = [getattr(stored.tests[slot.test], "path", "") for slot in slots]
     hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
-    found[variable_of_tests("rise_quantile")] = (TEST_POINT, TEST_STEP, "area_fraction_below"), hot
-    return ds.assign_coords(found)
+    coords[variable_of_tests("rise_quantile")] = (TEST_POINT, TEST_STEP, "area_fraction_below"), hot
+    return ds.assign_coords(coords)
 
 
 def scene(**values):

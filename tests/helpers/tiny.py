@@ -57,8 +57,8 @@ def _remade(kind, *values):
 class FaultyRamp(tribo.Ramp):
     """A ramp that calls `fault` at one load, only in workers and not when points are planned."""
 
-    def __init__(self, *args, faulty_load=math.nan, **named):
-        super().__init__(*args, **named)
+    def __init__(self, *args, faulty_load=math.nan, **keywords):
+        super().__init__(*args, **keywords)
         object.__setattr__(self, "faulty_load", faulty_load)
 
     def __reduce__(self):

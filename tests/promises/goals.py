@@ -99,13 +99,13 @@ class Planes:
             )
         return self._points[key]
 
-    def tell(self, search, places, preset="standard"):
+    def tell(self, search, points, preset="standard"):
         """Tell a search the points that it has asked for."""
         every = [
             self.point(preset, realization, self.loads[load], search.velocities[velocity])
-            for realization, load, velocity in places
+            for realization, load, velocity in points
         ]
-        search.tell(places, *map(np.array, zip(*every, strict=True)))
+        search.tell(points, *map(np.array, zip(*every, strict=True)))
 
     def search(self, accuracy, preset):
         """A search that has ended."""
