@@ -50,10 +50,10 @@ def scans():
 
 
 def read_scan(path, rng):
-    given = ("um", ("0.5 um", "0.5 um")) if rng.random() < 0.6 else ()
-    found = surface_statistics(path, *given)
-    json.dumps(found.as_dict())
-    str(found)
+    scale = ("um", ("0.5 um", "0.5 um")) if rng.random() < 0.6 else ()
+    statistics = surface_statistics(path, *scale)
+    json.dumps(statistics.as_dict())
+    str(statistics)
 
 
 def tables():
@@ -135,7 +135,9 @@ def main():
     warnings.simplefilter("error")
     np.seterr(all="raise", under="ignore")
     rng, faults, counts = random.Random(options.seed), {}, collections.Counter()
-    files = [(kind, read, *one) for kind, (made, read) in KINDS.items() for one in made().items()]
+    files = [
+        (kind, read, *file) for kind, (build, read) in KINDS.items() for file in build().items()
+    ]
     LEFT.mkdir(parents=True, exist_ok=True)
     (LEFT / "scan.npy").write_bytes((WORKFLOWS / "scan.npy").read_bytes())  # named by a scene
     for kind, read, name, content in files:  # whole, each is read; libraries are imported

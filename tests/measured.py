@@ -54,10 +54,10 @@ def cells(text):
 
 
 def presets(text, _):
-    found = {row[0]: row for row in cells(text)}
-    bounds = {name: 100 * float(row[1]) for name, row in found.items()}
-    kept = ", ".join(f"`{name}` {row[5]} of {bounds[name]:.3g}%" for name, row in found.items())
-    return f"{kept}; {next(iter(found.values()))[2]} positions"
+    rows = {row[0]: row for row in cells(text)}
+    bounds = {name: 100 * float(row[1]) for name, row in rows.items()}
+    quantiles = ", ".join(f"`{name}` {row[5]} of {bounds[name]:.3g}%" for name, row in rows.items())
+    return f"{quantiles}; {next(iter(rows.values()))[2]} positions"
 
 
 def stated(text, _):
@@ -66,8 +66,11 @@ def stated(text, _):
 
 
 def shares(text, _):
-    held, mild, severe = zip(*(row[2:] for row in cells(text)), strict=True)
-    ends = [f"{min(map(_share, one))} to {max(map(_share, one))} %" for one in (held, mild, severe)]
+    inside, mild, severe = zip(*(row[2:] for row in cells(text)), strict=True)
+    ends = [
+        f"{min(map(_share, values))} to {max(map(_share, values))} %"
+        for values in (inside, mild, severe)
+    ]
     return f"{ends[0]}; {ends[1]}; {ends[2]}"
 
 
@@ -88,22 +91,25 @@ def faults(name, prefix, words):
 
 
 def scan(text, _):
-    found = json.loads(text)
-    more = {key: found["scan"][key] - found["sweep"][key] for key in ("driver_ms", "workers_ms")}
-    wall = 1e3 * found["scan"]["wall_s"] / found["scan"]["done"]
-    plain = found["sweep"]["driver_ms"] - found["empty"]["driver_ms"]
+    counts = json.loads(text)
+    scan_excess = {
+        key: counts["scan"][key] - counts["sweep"][key] for key in ("driver_ms", "workers_ms")
+    }
+    wall = 1e3 * counts["scan"]["wall_s"] / counts["scan"]["done"]
+    plain = counts["sweep"]["driver_ms"] - counts["empty"]["driver_ms"]
     return (
-        f"{plain:.2g} ms of the driver; {found['scan']['sent_mb']:.2g} MB sent; "
-        f"{more['driver_ms']:.0f} ms of the driver, "
-        f"{more['workers_ms']:.0f} ms of a worker; {wall:.0f} ms from point to point, two workers"
+        f"{plain:.2g} ms of the driver; {counts['scan']['sent_mb']:.2g} MB sent; "
+        f"{scan_excess['driver_ms']:.0f} ms of the driver, "
+        f"{scan_excess['workers_ms']:.0f} ms of a worker; {wall:.0f} ms from point to point, "
+        "two workers"
     )
 
 
 def many(text, _):
-    found = json.loads(text)["large"]
+    counts = json.loads(text)["large"]
     return (
-        f"{found['run']['computed']} points in {found['files']} files; {found['open'][0]} s to "
-        f"open, {found['resumed']['wall']} s to resume, {found['verify'][0]} s to verify"
+        f"{counts['run']['computed']} points in {counts['files']} files; {counts['open'][0]} s to "
+        f"open, {counts['resumed']['wall']} s to resume, {counts['verify'][0]} s to verify"
     )
 
 
@@ -246,10 +252,10 @@ def watched(process):
         output, times = reader.submit(process.stdout.read), {}
         while not output.done():
             with suppress(psutil.NoSuchProcess):
-                own = psutil.Process(process.pid)
-                for one in (own, *own.children(recursive=True)):
+                parent = psutil.Process(process.pid)
+                for member in (parent, *parent.children(recursive=True)):
                     with suppress(psutil.NoSuchProcess):
-                        times[one.pid] = sum(one.cpu_times()[:2])
+                        times[member.pid] = sum(member.cpu_times()[:2])
             time.sleep(0.2)
         process.wait()
         return output.result(), sum(times.values())
@@ -288,16 +294,16 @@ def main():
     parser.add_argument("--older", action="store_true", help="only name older rows")
     options = parser.parse_args()
     page = PAGE.read_text(encoding="utf-8")
-    held = rows_of(page)
-    older = [name for name in ROWS if name not in held or is_old(held[name])]
+    page_rows = rows_of(page)
+    older = [name for name in ROWS if name not in page_rows or is_old(page_rows[name])]
     if options.older:
         print("\n".join(older) or "no row is older than its code")
         return 0
     for name in options.rows or older:
-        held.pop(name, None)
-        if found := measured(name, options.full):
-            held[name] = found
-        lines = ("| " + " | ".join(held[one]) + " |\n" for one in ROWS if one in held)
+        page_rows.pop(name, None)
+        if row := measured(name, options.full):
+            page_rows[name] = row
+        lines = ("| " + " | ".join(page_rows[key]) + " |\n" for key in ROWS if key in page_rows)
         PAGE.write_text(page.partition(HEADS)[0] + HEADS + "".join(lines), encoding="utf-8")
     return 0
 

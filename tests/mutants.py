@@ -75,17 +75,19 @@ def judge(copies, mutant):
 
 def main(chosen=""):
     """Judge all changes, or those of files whose name has a text in it; 1 if one survives."""
-    changes = [one for one in mutants() if chosen in one.file]
+    changes = [change for change in mutants() if chosen in change.file]
     tracked = subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split()
     copies = queue.Queue()
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as folder:
         for number in range(os.cpu_count() or 1):
-            copy = Path(place) / str(number)
+            copy = Path(folder) / str(number)
             for file in filter(Path.is_file, map(ROOT.joinpath, tracked)):
                 (target := copy / file.relative_to(ROOT)).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(file, target)
             copies.put(copy)
-        unchanged = run_tests(copy, sorted({one for own in changes for one in own.tests.split()}))
+        unchanged = run_tests(
+            copy, sorted({test for change in changes for test in change.tests.split()})
+        )
         if unchanged.returncode:
             sys.exit(f"{unchanged.stdout}\nthese tests fail without a change")
         with ThreadPoolExecutor(copies.qsize()) as pool:

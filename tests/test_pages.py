@@ -118,14 +118,14 @@ def test_the_numbers_of_the_first_hour_are_those_printed(folder_with_results, ca
     page = " ".join(text_of("workflows/FIRST_HOUR.md").split())
     velocities = re.findall(r"(\d\.\d+) m/s", page.partition("## 2.")[2].partition("## 3.")[0])
     assert main(["boundary", "results/first_try.zarr"]) == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     assert len(velocities) == 5
-    assert [one for one in velocities if one not in said] == [], said
-    shown = re.findall(r"here ([\d.]+ [%K])|(\d+ % to \d+ %)|(−[\d.]+ to \+\d+ %)", page)
+    assert [velocity for velocity in velocities if velocity not in printed] == [], printed
+    numbers = re.findall(r"here ([\d.]+ [%K])|(\d+ % to \d+ %)|(−[\d.]+ to \+\d+ %)", page)
     assert main(["margin", "first_try", "--load", "500 N", "--velocity", "2 m/s"]) == 0
-    said = capsys.readouterr().out
-    assert len(shown) == 4
-    assert ["".join(one) for one in shown if "".join(one) not in said] == [], said
+    printed = capsys.readouterr().out
+    assert len(numbers) == 4
+    assert ["".join(groups) for groups in numbers if "".join(groups) not in printed] == [], printed
 
 
 def test_the_bounds_of_presets_are_those_of_the_answers():

@@ -117,8 +117,10 @@ def refused(tmp_path_factory):
         (folder / f"{name}.py").write_text(text)
     command = [sys.executable, "-m", "mypy", "--hide-error-context", *folder.glob("*.py")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    found = re.findall(r"(\w+)\.py:(\d+): error", done.stdout)
-    return {name: {int(line) for one, line in found if one == name} for name in ("calls", "slips")}
+    matches = re.findall(r"(\w+)\.py:(\d+): error", done.stdout)
+    return {
+        name: {int(line) for stem, line in matches if stem == name} for name in ("calls", "slips")
+    }
 
 
 def test_a_type_checker_finds_slips_of_a_user(refused):

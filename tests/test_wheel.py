@@ -58,10 +58,10 @@ def test_the_page_of_a_package_index_has_no_link_that_leads_nowhere(installed):
 
 
 def test_the_wheel_holds_all_of_both_packages_and_of_the_paper(installed):
-    held = {path.relative_to(installed).as_posix() for path in installed.rglob("*")}
-    assert {name for name in tracked() if name.startswith(("tribo/", "pipeline/"))} <= held
+    files = {path.relative_to(installed).as_posix() for path in installed.rglob("*")}
+    assert {name for name in tracked() if name.startswith(("tribo/", "pipeline/"))} <= files
     paper = {name for name in tracked() if name.startswith("workflows/paper/")}
-    assert {f"pipeline/{name}" for name in paper} <= held
+    assert {f"pipeline/{name}" for name in paper} <= files
 
 
 def tracked():

@@ -8,8 +8,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(ROOT / "workflows").glob("*.md")]
-SOURCES = [path for room in ("pipeline", "tribo") for path in (ROOT / room).rglob("*.py")]
-GONE = re.compile(
+SOURCES = [path for package in ("pipeline", "tribo") for path in (ROOT / package).rglob("*.py")]
+UNUSED = re.compile(
     r"\b(anew|by the others|would decide it|judged at|takes \[%\]|turns? severe|not decided"
     r"|deciding temperature|failing share|doubts?|a preset promises|slips?|caveats?|variants?"
     r"|duty(?! cycle)|told|asked|patch(es)?)\b"
@@ -18,13 +18,13 @@ GONE = re.compile(
 
 def printed(tree):
     """Texts of a module that are no docstrings."""
-    docs = {id(one.value) for one in ast.walk(tree) if isinstance(one, ast.Expr)}
-    texts = (one for one in ast.walk(tree) if isinstance(one, ast.Constant))
-    return [one.value for one in texts if isinstance(one.value, str) and id(one) not in docs]
+    docs = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
+    return [node.value for node in texts if isinstance(node.value, str) and id(node) not in docs]
 
 
 @pytest.mark.parametrize("path", [*PAGES, *SOURCES], ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_page_or_message_has_a_phrase_that_is_not_used_any_more(path):
     text = path.read_text(encoding="utf-8")
     texts = [text] if path.suffix == ".md" else printed(ast.parse(text))
-    assert [found[0] for one in texts for found in GONE.finditer(one)] == []
+    assert [match[0] for part in texts for match in UNUSED.finditer(part)] == []

@@ -97,9 +97,9 @@ def faults_of(path, velocities, expected):
     if state.failed or state.done != _LOADS * velocities:
         yield f"{state.done} points are done; failed: {state.failed}"
     if velocities not in expected:
-        alone = path.with_name(f"alone-{velocities}.zarr")
-        run_sweep(scene_of(path.parent, velocities), alone, workers=2)
-        expected[velocities] = content(alone, _NAMES)
+        local_path = path.with_name(f"alone-{velocities}.zarr")
+        run_sweep(scene_of(path.parent, velocities), local_path, workers=2)
+        expected[velocities] = content(local_path, _NAMES)
     if content(path, _NAMES) != expected[velocities]:
         yield f"{path.name} differs from a run on this machine"
 

@@ -35,7 +35,7 @@ def scene_of(points, scan=0, folder=Path()):
 
     Bodies are smooth, or the disk is a scan of `scan` × `scan` heights in a file in `folder`.
     """
-    own = {
+    overrides = {
         "without": ["disk.roughness"],
         "window.pixels": [96, 4],
         "window.pixel_size": ["4 um", "20 um"],
@@ -43,7 +43,7 @@ def scene_of(points, scan=0, folder=Path()):
     if scan:
         file, sides = folder / "scan.npy", [f"{384 / scan} um", f"{80 / scan} um"]
         np.save(file, np.random.default_rng(0).normal(scale=0.01, size=(scan, scan)))
-        own = {
+        overrides = {
             "without": [f"disk.roughness.{key}" for key in RANDOM],
             "disk.roughness.file": str(file),
             "disk.roughness.height_unit": "um",
@@ -56,7 +56,7 @@ def scene_of(points, scan=0, folder=Path()):
     return pipeline.load_scene(
         "first_try",
         "standard",
-        own
+        overrides
         | {
             "sweep.fields": False,
             "sweep.loads": [f"{load} N" for load in range(200, 700, 50)],
@@ -79,8 +79,8 @@ def timed(client, compute):
     points = compute()
     after = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
     wall, driver, workers = (b - a for a, b in zip(before, after, strict=True))
-    each = {"driver_ms": 1e3 * driver / points, "workers_ms": 1e3 * workers / points}
-    return {"done": points, **each, "wall_s": wall}
+    per_point = {"driver_ms": 1e3 * driver / points, "workers_ms": 1e3 * workers / points}
+    return {"done": points, **per_point, "wall_s": wall}
 
 
 def swept(client, sweep, out):

@@ -22,7 +22,7 @@ from pipeline.cli import main as irg
 from pipeline.store import check, status
 from pipeline.store.place import ROOT
 from tests.crash.drive import GIVEN_UP
-from tests.crash.loop import PATIENCE, Forked, code_of, differing, places, values_of_points
+from tests.crash.loop import PATIENCE, Forked, code_of, differing, indexed_points, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
 from tests.helpers.entries import changed
 from tests.helpers.stores import contents
@@ -87,7 +87,7 @@ def _answer(*arguments):
     return code, json.loads(out) if out else [], err
 
 
-class _Whole:
+class _Original:
     """A complete store, copies of which are damaged, and its state when half was done."""
 
     def __init__(self, run, fields):
@@ -124,7 +124,7 @@ class _Whole:
         """Yield faults of a store that should be equal to this one."""
         with pipeline.open_sweep(path) as ds:
             arrays = values_of_points(ds)
-            for index, point in places(ds):
+            for index, point in indexed_points(ds):
                 names = list(differing(arrays, index, EXPECTED(point)))
                 if arrays["status"][index] != 1 or names:
                     yield f"{point}: {names} differ"
@@ -132,7 +132,7 @@ class _Whole:
             yield f"not clean: {called('verify', path)[1:]}"
 
 
-def _faults_of(path, whole, file, kind):
+def _faults_of(path, original, file, kind):
     """Yield faults: of what commands say of a damaged store, and of the store after a resume."""
     answers = {name: _answer(name, path, "--json") for name in _COMMANDS}
     for name, (code, _, err) in answers.items():
@@ -143,48 +143,48 @@ def _faults_of(path, whole, file, kind):
     code, out, _ = answers["boundary"]
     pending = answers["status"][0] == 0 and answers["status"][1][0]["pending"]
     is_named = answers["verify"][0] != 0 and kind in _SOUND
-    if code == 0 and out != whole.boundary and not (pending or is_named):
+    if code == 0 and out != original.boundary and not (pending or is_named):
         yield f"the boundary is another, and nothing says so: {out}"
-    if answers["verify"][0] == 0 and not pending and (code != 0 or out != whole.boundary):
+    if answers["verify"][0] == 0 and not pending and (code != 0 or out != original.boundary):
         yield f"verify names nothing, and the boundary is not as before: {code} {out}"
     before = contents(path)
-    code = whole.resume(path)
+    code = original.resume(path)
     if code == GIVEN_UP and file == Path(ROOT):
         if contents(path) != before:
             yield "a run refuses the root, and has changed the store"
         return
     if code:
-        yield f"a run ends with {code}: {whole.log.with_suffix('.err').read_text()[-400:]}"
-    for fault in whole.faults(path):
+        yield f"a run ends with {code}: {original.log.with_suffix('.err').read_text()[-400:]}"
+    for fault in original.faults(path):
         yield f"after a run, {fault}"
 
 
 def campaign(run):
     """Damage `run.count` files, one after the other, each in a new copy of a store."""
-    whole_store = functools.cache(lambda fields: _Whole(run, fields))
+    original_store = functools.cache(lambda fields: _Original(run, fields))
     # The codec itself notices most other damage.
     kinds = (_cut, _deleted) if run.mistake else _KINDS
     # With the mistake, no damage is found.
     unfound = ExitStack()
-    for room in (check, status) if run.mistake else ():
+    for module in (check, status) if run.mistake else ():
         unfound.enter_context(
-            mock.patch.object(room, "find_damage", lambda store, *_: store.damage)
+            mock.patch.object(module, "find_damage", lambda store, *_: store.damage)
         )
     with unfound:
         for number in range(run.count):
-            whole = whole_store(bool(run.mistake) or number % 2 == 0)
+            original = original_store(bool(run.mistake) or number % 2 == 0)
             kind = run.chance.choice(kinds)
             # Each chunk of a field belongs to a single point.
-            among = ["pressure"] if run.mistake else sorted(whole.files)
-            file = run.chance.choice(whole.files[run.chance.choice(among)])
+            among = ["pressure"] if run.mistake else sorted(original.files)
+            file = run.chance.choice(original.files[run.chance.choice(among)])
             path = run.folder / "out.zarr"
             shutil.rmtree(path, ignore_errors=True)
-            shutil.copytree(whole.path, path)
-            kind(path / file, run.chance, whole.older / file)
-            what = kind.__name__.strip("_")
-            run.report.counts[what] += 1
+            shutil.copytree(original.path, path)
+            kind(path / file, run.chance, original.older / file)
+            kind_name = kind.__name__.strip("_")
+            run.report.counts[kind_name] += 1
             try:
-                found = _faults_of(path, whole, file, kind)
-                run.report.faults += [f"{file} {what}: {fault}" for fault in found][:3]
+                faults = _faults_of(path, original, file, kind)
+                run.report.faults += [f"{file} {kind_name}: {fault}" for fault in faults][:3]
             except Exception:
-                run.report.faults.append(f"{file} {what}: {traceback.format_exc()[-400:]}")
+                run.report.faults.append(f"{file} {kind_name}: {traceback.format_exc()[-400:]}")

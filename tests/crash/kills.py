@@ -106,18 +106,18 @@ def _fast(trial):
 
 def _from_another(trial):
     """Kill a driver that takes points from another store, whose axes end elsewhere."""
-    run, old = trial.run, trial.place / "old.zarr"
+    run, old = trial.run, trial.folder / "old.zarr"
     code_of(trial.start(run.chance.choice(STAGES[:2]), old))
-    trial.log = trial.place / "noted later"
+    trial.log = trial.folder / "noted later"
     trial.start = lambda stage: Forked(
         STAGES[-1], trial.path, trial.log, run.records, run.mistake, source=old
     )
     _fast(trial)
 
 
-def _with_workers(trial, way):
+def _with_workers(trial, key):
     """Kill processes of a driver that runs on Dask."""
-    (name, *options), always, trial.stages = _COMMANDS[way]
+    (name, *options), always, trial.stages = _COMMANDS[key]
     scene = str(_SCENE).format(name)
     overrides = dict(map(_entry, always))
     overrides |= {"sweep.realizations": MOST_REALIZATIONS} if options else {}
@@ -163,9 +163,9 @@ def campaign(run):
     following = itertools.cycle(_COMMANDS)
     for number, trial in enumerate(run.trials()):
         if number % 4 == 3:
-            way = next(following)
-            run.report.counts[f"by {way}"] += 1
-            _with_workers(trial, way)
+            key = next(following)
+            run.report.counts[f"by {key}"] += 1
+            _with_workers(trial, key)
         elif number % 4 == 2:
             run.report.counts["by points of another store"] += 1
             _from_another(trial)

@@ -125,15 +125,15 @@ def end(run):
     return run.wait() is None
 
 
-def places(ds):
+def indexed_points(ds):
     """Yield each index into the variables of a dataset, and the `Point` there."""
     dims = ds["status"].dims
-    for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
-        values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
+    for labels in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
+        values = {dim: value for dim, (_, value) in zip(dims, labels, strict=True)}
         if "case" in values:  # each case has its own velocity
             values["velocity"] = float(ds["velocity"].sel(case=values["case"]))
         load, velocity = values.pop("load"), values.pop("velocity")
-        yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))
+        yield tuple(number for number, _ in labels), Point(load, velocity, tuple(values.items()))
 
 
 def values_of_points(ds):
@@ -164,7 +164,7 @@ def faults_of(ds, expected, acknowledged):
     """
     arrays = values_of_points(ds)
     left = set(acknowledged)
-    for index, point in places(ds):
+    for index, point in indexed_points(ds):
         status = int(arrays["status"][index])
         if status == DONE:
             left.discard(point)
@@ -181,8 +181,8 @@ def faults_of(ds, expected, acknowledged):
 
 def faults_of_files(verification):
     """Damage that `verify_store` names, as texts."""
-    named = (*verification.damaged, *verification.shared)
-    return [f"damaged: {fault}" for fault in named]
+    damaged = (*verification.damaged, *verification.shared)
+    return [f"damaged: {fault}" for fault in damaged]
 
 
 class Run:
@@ -200,9 +200,9 @@ class Run:
     def trials(self):
         """Yield trials, each with its own folder, with drivers that run without Dask."""
         for number in range(self.count):
-            place = self.folder / str(number)
-            place.mkdir(parents=True)
-            yield Trial(self, place)
+            folder = self.folder / str(number)
+            folder.mkdir(parents=True)
+            yield Trial(self, folder)
             done = f"{number + 1} of {self.count}, {len(self.report.faults)} faults"
             print(f"{self.name}: {done}", file=sys.stderr)
 
@@ -212,7 +212,7 @@ class Trial:
 
     Attributes
     ----------
-    place, path, log : Path
+    folder, path, log : Path
         Its folder, the store, and the file in which drivers note points reported as done.
     expected : callable
         Function from a point to its result, computed alone.
@@ -220,9 +220,9 @@ class Trial:
         Sweeps to run one after the other; the last one is completed in the end.
     """
 
-    def __init__(self, run, place):
-        self.run, self.place = run, place
-        self.path, self.log = place / "results" / "out.zarr", place / "acknowledged"
+    def __init__(self, run, folder):
+        self.run, self.folder = run, folder
+        self.path, self.log = folder / "results" / "out.zarr", folder / "acknowledged"
         self.expected, self.stages = EXPECTED, STAGES
 
     def start(self, stage, path=None):
@@ -235,7 +235,7 @@ class Trial:
         """Number of times that each point was reported to drivers as done, by point."""
         lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
         rows = (json.loads(line) for line in lines if line.endswith("\n"))
-        return Counter(Point(*place, tuple(map(tuple, case))) for *place, case in rows)
+        return Counter(Point(*point, tuple(map(tuple, case))) for *point, case in rows)
 
     def go(self, disturbances):
         """Disturb one driver after the other, then complete the sweep; add faults to the report."""
@@ -298,7 +298,7 @@ class Trial:
             self.fault(f"{type(error).__name__}: {error}")
 
     def fault(self, text):
-        self.run.report.faults.append(f"{self.place.name}: {text}")
+        self.run.report.faults.append(f"{self.folder.name}: {text}")
 
     def last_words(self):
         """Last 400 characters that drivers have printed on stderr."""

@@ -19,7 +19,7 @@ import numpy as np
 
 import pipeline
 from pipeline import run_sweep
-from tests.crash.loop import differing, places, values_of_points
+from tests.crash.loop import differing, indexed_points, values_of_points
 from tests.crash.sweeps import Expected
 from tests.helpers import tiny
 from tests.helpers.campaigns import conclude
@@ -27,7 +27,7 @@ from tests.helpers.campaigns import conclude
 MANY = 100_000
 LOADS = 20
 COMPARED = 40  # points compared with those computed alone
-MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
+LIMITS = {"files": 3000, "opened": 0.3, "resumed": 15.0}
 """Limits of 100 000 points: files, and times [s]."""
 _PATIENCE = 3600.0  # time that a run may take [s]
 
@@ -90,7 +90,7 @@ def large(folder, points):
     if not (summary.done == checked.done == ds["status"].size and checked.is_clean):
         yield f"{summary.done} points are done, {checked.done} of them intact"
     expected, arrays = Expected(sweep_of(points)), values_of_points(ds)
-    for index, point in random.sample(list(places(ds)), COMPARED):
+    for index, point in random.sample(list(indexed_points(ds)), COMPARED):
         for name in differing(arrays, index, expected(point)):
             yield f"{point}: {name} differs"
     took = {
@@ -98,9 +98,9 @@ def large(folder, points):
         "opened": min(report["open"]),
         "resumed": report["resumed"]["wall"],
     }
-    for name, most in MOST.items():
-        if took[name] > most:
-            yield f"{name}: {took[name]}, and at most {most} was promised"
+    for name, limit in LIMITS.items():
+        if took[name] > limit:
+            yield f"{name}: {took[name]}, and at most {limit} was promised"
     yield report
 
 

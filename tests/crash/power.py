@@ -88,7 +88,7 @@ def campaign(run):
     try:
         for number, trial in enumerate(run.trials()):
             kind = on[number % len(on)]
-            disk = Disk(trial.place, kind)
+            disk = Disk(trial.folder, kind)
             trial.path = disk.folder / "results" / "out.zarr"
 
             def cut(driver, disk=disk, kind=kind, trial=trial):
@@ -103,7 +103,7 @@ def campaign(run):
 
             with _mounted(disk):
                 trial.go([cut] * CUTS)
-            shutil.rmtree(trial.place)
+            shutil.rmtree(trial.folder)
     finally:
         if run.folder.parent == _MEMORY:
             shutil.rmtree(run.folder, ignore_errors=True)

@@ -13,20 +13,20 @@ def lines_by_room():
     for package in ("tribo", "pipeline"):
         for path in sorted((ROOT / package).rglob("*.py")):
             parts = path.relative_to(ROOT).parts
-            room = ".".join(parts[:2]) if len(parts) > 2 else package
-            rooms[room] = rooms.get(room, 0) + _code_lines(path.read_text(encoding="utf-8"))
+            folder = ".".join(parts[:2]) if len(parts) > 2 else package
+            rooms[folder] = rooms.get(folder, 0) + _code_lines(path.read_text(encoding="utf-8"))
     return rooms
 
 
 def code_digest(*rooms):
     """Hash of the code in some folders, 8 digits; comments and docstrings do not count."""
-    found = hashlib.sha256()
-    for path in sorted(path for room in rooms for path in (ROOT / room).rglob("*.py")):
+    digest = hashlib.sha256()
+    for path in sorted(path for folder in rooms for path in (ROOT / folder).rglob("*.py")):
         lines = path.read_text(encoding="utf-8").splitlines()
         skipped = _without_code("\n".join(lines))
         code = [line for number, line in enumerate(lines, 1) if number not in skipped]
-        found.update("\n".join([str(path.relative_to(ROOT)), *code]).encode())
-    return found.hexdigest()[:8]
+        digest.update("\n".join([str(path.relative_to(ROOT)), *code]).encode())
+    return digest.hexdigest()[:8]
 
 
 def _without_code(source):

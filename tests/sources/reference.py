@@ -33,14 +33,14 @@ def new_keys(section, seen):
     `seen` maps each key and its meaning to the header of the section that has it, and gets the new
     ones.
     """
-    own, known = {}, {}
+    new, known = {}, {}
     for key, (entry, form) in section.keys().items():
         if header := seen.get((key, entry.meaning)):
             known.setdefault(header, []).append(f"`{key}`")
         else:
-            own[key] = entry, form
+            new[key] = entry, form
             seen[key, entry.meaning] = section.header
-    return own, [f" As in `{header}`: {', '.join(keys)}." for header, keys in known.items()]
+    return new, [f" As in `{header}`: {', '.join(keys)}." for header, keys in known.items()]
 
 
 def scene():
@@ -64,8 +64,8 @@ def dataset():
     heads = "variable", "dimensions", "unit", "meaning"
     return "\n".join(
         f"## {title}\n\n" + _table(heads, [
-            [f"`{name}`", ", ".join(of.dims), of.units or "", of.long_name]
-            for name, of in variables.items()
+            [f"`{name}`", ", ".join(variable.dims), variable.units or "", variable.long_name]
+            for name, variable in variables.items()
         ])
         for title, variables in _VARIABLES.items()
     )  # fmt: skip
@@ -103,8 +103,8 @@ def _written(value, kind=None):
     if value in (None, (), {}, math.inf):
         return ""
     match kind:
-        case List(of) if isinstance(value, tuple):
-            return f"[{', '.join(_written(item, of) for item in value)}]"
+        case List(item_kind) if isinstance(value, tuple):
+            return f"[{', '.join(_written(item, item_kind) for item in value)}]"
         case Quantity(example=example) if "degC" in example:
             return f'"{value - 273.15:g} degC"'
     return f"{value:g}" if isinstance(value, float) else quoted(value)

@@ -72,10 +72,10 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
     match kind:
         case Table():
             return (kind,)
-        case Tables(of) | List(of):
-            return forms_of(of)
-        case Either() if all(isinstance(one, Table) for one in kind.kinds):
-            return tuple(one for one in kind.kinds if isinstance(one, Table))
+        case Tables(item_kind) | List(item_kind):
+            return forms_of(item_kind)
+        case Either() if all(isinstance(option, Table) for option in kind.kinds):
+            return tuple(option for option in kind.kinds if isinstance(option, Table))
     return ()
 
 
@@ -94,9 +94,9 @@ def number_in(kind: Kind) -> Quantity | Number | None:
     match kind:
         case Quantity() | Number():
             return kind
-        case List(of) | Range(of):
-            return number_in(of)
+        case List(item_kind) | Range(item_kind):
+            return number_in(item_kind)
         case Either():
-            found = (number_in(one) for one in kind.kinds)
-            return next((one for one in found if one), None)
+            numbers = (number_in(option) for option in kind.kinds)
+            return next((number for number in numbers if number), None)
     return None

@@ -9,21 +9,25 @@ from tests.sources.measure import ROOT
 
 
 def test_each_constant_has_a_meaning_and_a_command_that_exists():
-    found = [*constants()]
+    rows = [*constants()]
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert {"RISE_SHARE", "PRESET_BOUNDS"} <= {
-        name.strip("`").split(" ")[0] for _, name, *_ in found
+        name.strip("`").split(" ")[0] for _, name, *_ in rows
     }
-    for place, _, meaning, way in found:
-        command = re.search("`(.*)`", way)[1].split()
+    for position, _, meaning, words in rows:
+        command = re.search("`(.*)`", words)[1].split()
         exists = command[1] in targets if command[0] == "make" else bool(find_spec(command[2]))
         exists &= all((ROOT / path).exists() for path in command[3:])
-        assert meaning, place
-        assert exists, place
+        assert meaning, position
+        assert exists, position
 
 
 def test_each_constant_that_changes_an_answer_of_the_pipeline_names_its_command():
     body = ast.parse((ROOT / "pipeline/constants.py").read_text()).body
-    assigned = [one.lineno for one in body if isinstance(one, ast.Assign)]
-    lines = [int(place.split(":")[1]) for place, *_ in constants() if "pipeline/constants" in place]
+    assigned = [node.lineno for node in body if isinstance(node, ast.Assign)]
+    lines = [
+        int(position.split(":")[1])
+        for position, *_ in constants()
+        if "pipeline/constants" in position
+    ]
     assert lines == assigned

@@ -127,8 +127,8 @@ def test_what_a_page_shows_runs_on_coarse_elements(name, copy, monkeypatch):
 def test_what_a_page_shows_runs_as_typed_and_prints_what_it_shows(name, copy, monkeypatch):
     monkeypatch.chdir(copy)
     text, printed = run_page(name)
-    for shown in re.findall(r"^```text\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
-        for line in filter(None, shown.splitlines()):
+    for block in re.findall(r"^```text\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        for line in filter(None, block.splitlines()):
             assert " ".join(line.split()) in printed
 
 

@@ -32,14 +32,14 @@ _OF_A_RUN = (
 def folder(tmp_path_factory, folder_with_results):
     """Folder in which the notebooks run, with results of the scene that two of them simulate."""
     folder = tmp_path_factory.mktemp("notebooks")
-    made = folder_with_results / "results" / "first_try.zarr"
+    store = folder_with_results / "results" / "first_try.zarr"
     for name in "first_diagram", "explore":
-        shutil.copytree(made, folder / "results" / f"{name}.zarr")
+        shutil.copytree(store, folder / "results" / f"{name}.zarr")
     return folder
 
 
 @pytest.fixture(autouse=True)
-def _there(folder, monkeypatch):
+def _in_folder(folder, monkeypatch):
     monkeypatch.chdir(folder)
     with (
         pd.option_context("display.max_columns", 20, "display.width", 80),  # options of a kernel
@@ -87,19 +87,19 @@ def run_cells(name):
     assert sum(source.count("assert ") for source in sources) >= 2
     names, figures, texts = {}, [], []
     for source in sources:
-        printed, shown = io.StringIO(), None
+        printed, value = io.StringIO(), None
         with contextlib.redirect_stdout(printed):
             *lines, last = ast.parse(source).body
             exec(compile(ast.Module(lines, []), name, "exec"), names)
             if isinstance(last, ast.Expr):
-                shown = eval(compile(ast.Expression(last.value), name, "eval"), names)
+                value = eval(compile(ast.Expression(last.value), name, "eval"), names)
             else:
                 exec(compile(ast.Module([last], []), name, "exec"), names)
-        if isinstance(shown, Figure):
-            shown.savefig(picture := io.BytesIO(), format="png")
+        if isinstance(value, Figure):
+            value.savefig(picture := io.BytesIO(), format="png")
             figures.append(picture.getvalue())
-            shown = None
-        parts = [printed.getvalue(), *([] if shown is None else [repr(shown)])]
+            value = None
+        parts = [printed.getvalue(), *([] if value is None else [repr(value)])]
         texts.append("\n".join(filter(None, map(str.strip, parts))))
     return texts, figures
 
@@ -108,7 +108,7 @@ def numbers_apart(text):
     """Text with each number replaced by #, and its numbers."""
     number = r"\d+(?:\.\d+)?(?:e[+-]?\d+)?"
     return re.sub(r"[\s#]+", " ", re.sub(number, "#", text)).strip(), [
-        float(found) for found in re.findall(number, text)
+        float(match) for match in re.findall(number, text)
     ]
 
 
@@ -150,13 +150,13 @@ def test_a_notebook_stores_what_its_cells_show_and_nothing_of_a_machine(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "pictures", "least"),
+    ("name", "pictures", "min_numbers"),
     [("first_diagram", 1, 4), pytest.param("steps", 4, 1, marks=pytest.mark.slow)],
 )
-def test_a_notebook_shows_what_it_stores(name, pictures, least):
+def test_a_notebook_shows_what_it_stores(name, pictures, min_numbers):
     texts, figures = run_cells(name)
     assert len(figures) == len(stored_pictures(name)) == pictures
-    assert assert_stored(name, texts) >= least
+    assert assert_stored(name, texts) >= min_numbers
 
 
 def test_the_sliders_show_what_the_commands_answer():
@@ -164,11 +164,11 @@ def test_the_sliders_show_what_the_commands_answer():
     first, second, call = map(source_of, code_cells("explore"))
     names = {}
     exec(first, names)
-    with contextlib.redirect_stdout(io.StringIO()) as said:
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(second, names)
-        said.truncate(0)
+        printed.truncate(0)
         figure = eval(call, names)
     judged = {"friction": 0.12, "bulk_temperature": "40 degC"}
-    here = names["pipeline"].margin(names["ds"], 400.0, 1.6, **judged)
-    assert names["headline"](here) in said.getvalue()
+    answer = names["pipeline"].margin(names["ds"], 400.0, 1.6, **judged)
+    assert names["headline"](answer) in printed.getvalue()
     assert isinstance(figure, Figure)

@@ -16,14 +16,14 @@ def test_answers_state_surface_sampling_by_the_areas_of_a_scan(tmp_path):
     """The mean of three areas is known better than one, and is their mean."""
     overrides = {"sweep.loads": ["600 N"], "sweep.velocities": ["0.8 m/s", "1.2 m/s"]}
     sweep = pipeline.load_scene("scan", overrides=overrides)
-    assert [dict(one.name)["realization"] for one in sweep.cases] == [0, 1, 2]
+    assert [dict(case.name)["realization"] for case in sweep.cases] == [0, 1, 2]
     pipeline.run_sweep(sweep, tmp_path / "scan.zarr", workers=2)
     ds = pipeline.open_sweep(tmp_path / "scan.zarr")
-    place = {"load": "600 N", "velocity": "0.8 m/s"}
-    whole = pipeline.margin(ds, **place)
-    alone = [pipeline.margin(ds.sel(realization=[area]), **place) for area in range(3)]
-    errors = [float(one["temperature_error_surface"]) for one in alone]
-    assert 0 < float(whole["temperature_error_surface"]) < max(errors)
-    rises = [float(one["governing_temperature"]) for one in alone]
+    point = {"load": "600 N", "velocity": "0.8 m/s"}
+    scan_answer = pipeline.margin(ds, **point)
+    area_answers = [pipeline.margin(ds.sel(realization=[area]), **point) for area in range(3)]
+    errors = [float(answer["temperature_error_surface"]) for answer in area_answers]
+    assert 0 < float(scan_answer["temperature_error_surface"]) < max(errors)
+    rises = [float(answer["governing_temperature"]) for answer in area_answers]
     assert len({*rises}) == 3
-    assert float(whole["governing_temperature"]) == pytest.approx(np.mean(rises), abs=0.5)
+    assert float(scan_answer["governing_temperature"]) == pytest.approx(np.mean(rises), abs=0.5)

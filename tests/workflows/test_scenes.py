@@ -29,8 +29,8 @@ def test_predicted_critical_velocity_is_within_15_percent_of_the_measured_one(lo
 
 def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
     store = folder_with_results / "results" / "first_try.zarr"
-    found = pipeline.summary(store)
-    assert (found.done, found.failed) == (found.total, ())
+    summary = pipeline.summary(store)
+    assert (summary.done, summary.failed) == (summary.total, ())
     ds = pipeline.open_sweep(store)
     assert pipeline.points_with_warnings(ds).points == 0
     velocities = pipeline.boundary(ds)["critical_velocity"]

@@ -79,17 +79,19 @@ def _end(scene, load, velocity):
     return state
 
 
-def simulate_once(scene, load, velocity, **asked):
+def simulate_once(scene, load, velocity, **options):
     """`tribo.simulate` with a cache for ends of tests, which several results show."""
     return (
-        tribo.simulate(scene, load, velocity, **asked) if asked else (_end(scene, load, velocity),)
+        tribo.simulate(scene, load, velocity, **options)
+        if options
+        else (_end(scene, load, velocity),)
     )
 
 
 @pytest.fixture(scope="module")
 def small(folder, scenes):
     """Function that returns the report of a small version of a result; cached."""
-    made = {}
+    reports = {}
     fewer = {
         "contra": {
             "_LOADS": (20.0, 75.0),
@@ -115,7 +117,7 @@ def small(folder, scenes):
     }
 
     def report(name):
-        if name not in made:
+        if name not in reports:
             options = SMALL
             if name in ("contra", "steel", "fig6", "heldout", "inverse", "table4", "table6"):
                 options = SMALL | {"surfaces": 1}
@@ -127,17 +129,17 @@ def small(folder, scenes):
                     module = sys.modules[f"workflows.paper.{module}"]  # not a function of its name
                     stack.enter_context(mock.patch.multiple(module, **names))
                 if name == "fig4":  # fast enough to be computed in full
-                    (made[name],) = paper.write_gallery(folder / "page", ["fig4"])
+                    (reports[name],) = paper.write_gallery(folder / "page", ["fig4"])
                     (folder / "fig4.png").symlink_to(folder / "page" / "fig4.png")
                 else:
-                    made[name] = paper.reproduce(
+                    reports[name] = paper.reproduce(
                         name,
                         folder / f"{name}.png",
                         scenes=scenes,
                         results=folder,
                         **options,
                     )
-        return made[name]
+        return reports[name]
 
     return report
 
@@ -269,9 +271,9 @@ def test_the_shipped_record_is_the_synthetic_one():
 def test_the_legend_of_the_diagram_names_the_kind_of_wear_at_its_line(small):
     (legend,) = small("fig10").figure.legends
     names = [text.get_text() for text in legend.get_texts()]
-    (named,) = [name for name in names if "swept" in name]
-    assert named == "computed boundary, swept wear"
-    assert isinstance(legend.legend_handles[names.index(named)], Line2D)
+    (label,) = [name for name in names if "swept" in name]
+    assert label == "computed boundary, swept wear"
+    assert isinstance(legend.legend_handles[names.index(label)], Line2D)
 
 
 def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
@@ -321,33 +323,33 @@ def test_the_shipped_pages_show_what_the_command_gives_now(small, folder):
     names = "README.md", "REPRODUCING.md"
     shipped = [(WORKFLOWS / name).read_text(encoding="utf-8") for name in names]
     assert [(folder / "page" / name).read_text(encoding="utf-8") for name in names] == shipped
-    assert all(f"| {one.printed} | {one.computed}." in "".join(shipped) for one in findings)
+    assert all(f"| {row.printed} | {row.computed}." in "".join(shipped) for row in findings)
 
 
 def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
     gallery = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
     page = (WORKFLOWS / "REPRODUCING.md").read_text(encoding="utf-8")
     blocks = re.findall(r"<!-- findings: (.*) -->", page + gallery)
-    named = " ".join(blocks).split()
+    statements = " ".join(blocks).split()
     for name in paper.RESULTS:
         assert f"## {name}\n" in gallery
         assert f"]({name}.png)" in gallery
         assert 0 < (WORKFLOWS / f"{name}.png").stat().st_size < 200_000
         for statement in WORDS[name]["findings"]:
-            assert named.count(f"{name}.{statement}") == 1
-    assert (page + gallery).count("\n| [") == len(named)
+            assert statements.count(f"{name}.{statement}") == 1
+    assert (page + gallery).count("\n| [") == len(statements)
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "said"),
+    ("name", "options", "message"),
     [
         ("fig44", {}, 'did you mean "fig4"'),
         ("fig4", {"out": "a.gif"}, ".png"),
         ("fig4", {"scenes": "nowhere"}, "nowhere/fig4.toml: cannot be read"),
     ],
 )
-def test_wrong_use_is_named(name, options, said):
-    with pytest.raises(tribo.TriboError, match=re.escape(said)):
+def test_wrong_use_is_named(name, options, message):
+    with pytest.raises(tribo.TriboError, match=re.escape(message)):
         paper.reproduce(name, **options)
 
 
