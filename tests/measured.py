@@ -67,10 +67,7 @@ def stated(text, _):
 
 def shares(text, _):
     inside, mild, severe = zip(*(row[2:] for row in cells(text)), strict=True)
-    ends = [
-        f"{min(map(_share, values))} to {max(map(_share, values))} %"
-        for values in (inside, mild, severe)
-    ]
+    ends = [f"{min(map(_share, x))} to {max(map(_share, x))} %" for x in (inside, mild, severe)]
     return f"{ends[0]}; {ends[1]}; {ends[2]}"
 
 

@@ -88,7 +88,7 @@ def _answer(*arguments):
 
 
 class _Original:
-    """A complete store, copies of which are damaged, and its state when half was done."""
+    """A complete store, whose copies are damaged, and its state when half of it was done."""
 
     def __init__(self, run, fields):
         name = "fields" if fields else "plain"
@@ -133,7 +133,7 @@ class _Original:
 
 
 def _faults_of(path, original, file, kind):
-    """Yield faults: of what commands say of a damaged store, and of the store after a resume."""
+    """Yield faults of the commands on a damaged store, and of the store after a resume."""
     answers = {name: _answer(name, path, "--json") for name in _COMMANDS}
     for name, (code, _, err) in answers.items():
         if code is None:

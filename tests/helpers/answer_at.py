@@ -13,7 +13,7 @@ def named(variable):
 
 
 class PointAnswer:
-    """Variables of `pipeline.margin` at one place, as numbers and texts."""
+    """Variables of `pipeline.margin` at one point, as numbers and texts."""
 
     def __init__(self, answer):
         self.answer = answer

@@ -33,7 +33,7 @@ def table(columns, rows):
 
 
 def save(name, text, is_right):
-    """Write what a campaign found so far to ``results``, with its command, date and commit."""
+    """Write the text of a campaign to ``results``, with its command, date and commit."""
     module = sys.modules["__main__"].__spec__.name.removesuffix(".__main__")
     command = shlex.join(["python", "-m", module, *sys.argv[1:]])
     verdict = "right" if is_right else "not right"
@@ -43,7 +43,7 @@ def save(name, text, is_right):
 
 
 def conclude(name, text, is_right):
-    """Print and save what a campaign found; return the exit code, 0 if `is_right`."""
+    """Print and save the text of a campaign; return the exit code, 0 if `is_right`."""
     save(name, text, is_right)
     print(text)
     return 0 if is_right else 1

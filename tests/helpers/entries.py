@@ -24,7 +24,7 @@ FIELDS = {*_SCENE, *_CASE, *_SWEEP, "tests"}
 
 
 def bare_test(load, velocity, friction=None, case=None, **more):
-    """A test of a case of its own, or without one, which `changed` gives it."""
+    """A test with its own case; without one, `changed` adds it."""
     return SpecimenTest(load, velocity, case, friction, **more)
 
 
@@ -40,7 +40,7 @@ class Rows(CaseTable):
 
 
 def changed(sweep, **values):
-    """Copy of a sweep with other values of fields, of its cases and of the scenes of these."""
+    """Copy of a sweep with new values of fields of the sweep, its cases and their scenes."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
     sweep_values = {name: value for name, value in values.items() if name in _SWEEP}
     objects = {name: value for name, value in values.items() if name in {*_SCENE, *_CASE}}
@@ -95,7 +95,7 @@ def _replaced(instance, path, value):
 
 
 def rows(name, changes, velocities=None, loads=None):
-    """Cases of a sweep; `changes` has for each label the changed fields [SI] or objects."""
+    """Cases of a sweep; `changes` maps each label to the changed fields [SI] or objects."""
     positions = {"load": loads, "velocity": velocities}
     return labelled_rows(name, changes, **{k: v for k, v in positions.items() if v is not None})
 
@@ -124,7 +124,7 @@ def two_pins():
 def labelled_rows(name, changes, **positions):
     """Table of cases along one dimension, called `name`: a row for each label in `changes`.
 
-    For each label, `changes` has the objects that the case replaces. `positions` may give each
+    `changes` maps each label to the objects that its case replaces. `positions` may give each
     case its own ``load`` [N] or ``velocity`` [m/s].
     """
     is_text = isinstance(next(iter(changes)), str)

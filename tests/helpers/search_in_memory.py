@@ -59,7 +59,7 @@ class Told:
         return self.now.next_places()
 
     def _grow(self, more):
-        """Make room for more velocities."""
+        """Insert velocities without results."""
         at = np.searchsorted(self.velocities, more)
         self.velocities = np.insert(self.velocities, at, more)
         for name in "asked", "_rises", "_sampling", "_flags", "_durations":
@@ -73,7 +73,7 @@ class Told:
 
 
 def _mean_square(sampling):
-    """Root mean square of the deviations that the points of each load state, at each velocity."""
+    """Root mean square of the deviations stated at each load, repeated for each velocity."""
     known = np.isfinite(sampling)
     squares, count = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2)), known.sum((0, 2))
     rows = np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))

@@ -48,7 +48,7 @@ NUMBERS = range(12)
 
 
 def axis(rng, low, high, count, gaps, spaced=np.geomspace):
-    """Points of an axis, and all places: the points and one random place in each of some gaps."""
+    """Points of an axis; these points together with random positions in some of the gaps."""
     points = [float(f"{x:.5g}") for x in spaced(low, high, count)]
     between = []
     for gap in rng.choice(count - 1, gaps, replace=False):
@@ -113,7 +113,7 @@ def computed(task):
 
 
 def plane_of(row, preset, name):
-    """`Specimen` of a scene by a preset, as answers have it; of `fine` only its own points."""
+    """`Specimen` of a scene by a preset, as in answers; from `fine` only points of the plane."""
     at_points = np.ix_(
         *(np.isin(row[f"all_{axis}"], row[axis]) for axis in ("loads", "velocities"))
     )
@@ -121,7 +121,7 @@ def plane_of(row, preset, name):
     rises, flags, durations = (x[at_points] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
     slopes = np.gradient(np.log(rises), np.log(velocities), axis=1)
-    # `fine` has present heat only, too; its error is judged against all the heat so far.
+    # `fine` has present heat only, too; its error is that from the model with all heat so far.
     flags = flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
     flags |= (slopes < SLOWEST) * int(WarningKind.SLOW_RISE)
     same = np.zeros(rises.shape)  # all presets have the same surface
@@ -129,7 +129,7 @@ def plane_of(row, preset, name):
 
 
 def flags_around(plane, loads, velocities):
-    """Warnings of the points between which k places lie (k,)."""
+    """Warnings (k,) of the points that surround k positions."""
     after = np.searchsorted(plane.field.velocities, velocities).clip(1, None)
     ends = after - 1, np.minimum(after, len(plane.field.velocities) - 1)
     is_node = np.isin(velocities, plane.field.velocities)
@@ -141,7 +141,7 @@ def flags_around(plane, loads, velocities):
 
 
 def position_errors(row, preset, name):
-    """Errors of a preset's rises, true (against `fine`) and stated, at each place."""
+    """True errors (compared with `fine`) and stated errors of a preset's rises at each position."""
     plane, true = plane_of(row, preset, name), np.array(row["fine"][name])
     loads, velocities = (
         axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
@@ -166,7 +166,7 @@ def position_errors(row, preset, name):
 
 
 def beyond(row):
-    """Yield true over stated errors of extrapolation from the two points beside the boundary."""
+    """Yield true over stated errors of extrapolation from the two points next to the boundary."""
     full_plane = plane_of(row, "fine", USUAL)
     field, log_rises = full_plane.field, full_plane.field.plane
     above = np.sum(log_rises < np.median(log_rises), axis=1)[:, None]
@@ -196,7 +196,7 @@ COVERED = ("places", "scenes", "number", "rms error", "99 % within", "stated, rm
 
 
 def covered(name, errors):
-    """Table row that compares true with stated errors at places; unknown errors are left out."""
+    """Table row that compares true with stated errors, without positions that state none."""
     known = errors.dropna(subset="stated")
     error, stated = known["error"], known["stated"].astype(float)
     sizes = (f"{size:.2%}" for size in (rms(error), quantile_99(error), rms(stated)))
@@ -205,12 +205,12 @@ def covered(name, errors):
 
 
 def are_covered(lines):
-    """True if the stated errors may hold at 95 % of places, and are not much too large.
+    """True if the stated errors may hold at 95 % of positions, and are not much too large.
 
-    Fewer are no surprise in a small sample: a promise is broken where a sample has so many misses
-    in fewer than one of 20 cases if it is kept. Without a warning stated errors are at most 4 times
-    the 99 % quantile of true errors, where a tenth of the contact decides: bounds for the highest
-    temperature are those of few scenes, which a sample may lack.
+    The test is binomial: it fails if so many misses have a probability below 5 % although stated
+    errors hold at 95 % of positions. Without a warning, and for an area fraction of 10 %, stated
+    errors are at most 4 times the 99 % quantile of true errors. The highest temperature has no such
+    limit, because its bounds come from a few scenes, which a sample may not contain.
     """
     for name, _, count, *_, over, covered_share in lines:
         misses = round(count * (1 - float(covered_share.rstrip("%")) / 100))
@@ -222,7 +222,7 @@ def are_covered(lines):
 
 
 def constants(rows, errors):
-    """Yield, for each constant that this judges, its name and errors over what it says."""
+    """Yield the name of each constant that this judges, and ratios of true errors to its bound."""
     points = errors[errors["at_load"] & errors["at_velocity"]]
     for (preset, name), group in points[points["flags"] == 0].groupby(["preset", "criterion"]):
         bound = preset_bound(preset, CRITERIA[name])
@@ -246,7 +246,7 @@ def constants(rows, errors):
 
 
 def fine_apart(row):
-    """Relative differences of `fine` from `reference`, at some points without a warning of it."""
+    """Relative differences of `fine` from `reference`, at points where `fine` has no warning."""
     names = ("loads", 2), ("velocities", 3)
     at = np.ix_(*(np.isin(row[f"all_{name}"], row[name][1::step]) for name, step in names))
     apart = np.array(row["fine"][USUAL])[at] / np.array(row["reference"][USUAL]) - 1
@@ -255,7 +255,7 @@ def fine_apart(row):
 
 
 def too_warm(row):
-    """Excess of the rise with present heat only over that with history, at points warned of it."""
+    """Relative excess of rises with present heat only, at points with that warning."""
     flags = np.array(row["standard"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
     excess = np.array(row["elapsed"][USUAL]) / np.array(row["history"][USUAL]) - 1
     return excess[flags & WarningKind.PRESENT_HEAT != 0]

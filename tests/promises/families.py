@@ -20,7 +20,7 @@ WORKFLOWS = Path(__file__).parents[2] / "workflows"
 LOAD_SHARES = (0.3, 0.5, 0.75, 1.0)
 """Loads of a scene over its reference load."""
 _VELOCITY_STEP = 2.0
-_SWEEP_ENTRIES = "sweep", "title", "tests", "fidelity", "oil"
+_OMITTED = "sweep", "title", "tests", "fidelity", "oil"
 STEEL = {
     "elastic_modulus": "210 GPa",
     "poisson_ratio": 0.3,
@@ -145,17 +145,13 @@ def _shipped(name):
     document = tomllib.loads((WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8"))
     entries = _shipped(document.pop("extends")) if "extends" in document else {}
     without = document.pop("without", [])
-    entries_of_file = dict(flattened(document))
+    shipped = dict(flattened(document))
     entries = {
         key: value
         for key, value in entries.items()
         if not any(key == path or key.startswith(f"{path}.") for path in without)
     }
-    return {
-        k: v
-        for k, v in (entries | entries_of_file).items()
-        if k.split(".")[0] not in _SWEEP_ENTRIES
-    }
+    return {k: v for k, v in (entries | shipped).items() if k.split(".")[0] not in _OMITTED}
 
 
 def _system(draw, materials=("steel", "steel"), pin="cylinder", radius=2.0, length=3.4):

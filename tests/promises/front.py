@@ -44,7 +44,7 @@ def dividing(scene, fidelity):
 def errors(case, fidelity):
     """Velocity errors, warnings and CPU time of a fidelity on a scene; None without true rises.
 
-    ``over`` is the largest bound of a preset over that by the scene's own area fraction.
+    ``over`` is the preset's largest bound over its bound for the scene's area fraction.
     """
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:
@@ -98,33 +98,20 @@ def known_rows(path):
 
 
 def summary(name, fidelity, rows, digests):
-    """Table row of a choice over all scenes: number of places, share warned, errors, CPU time."""
+    """Table row of a choice over all scenes: number of points, share warned, errors, CPU time."""
     text = json.dumps(asdict(fidelity))
-    choice_rows = [rows[text, digest] for digest in digests if (text, digest) in rows]
-    errors = np.abs(np.concatenate([row["over"] * np.ravel(row["errors"]) for row in choice_rows]))
-    is_warned = np.concatenate([np.ravel(row["warned"]) for row in choice_rows])
+    records = [rows[text, digest] for digest in digests if (text, digest) in rows]
+    errors = np.abs(np.concatenate([row["over"] * np.ravel(row["errors"]) for row in records]))
+    is_warned = np.concatenate([np.ravel(row["warned"]) for row in records])
     unwarned = errors[~is_warned]
     quantiles = *np.quantile(unwarned, [0.5, _QUANTILE]), unwarned.max()
-    return (
-        name,
-        len(errors),
-        is_warned.mean(),
-        *quantiles,
-        sum(row["seconds"] for row in choice_rows),
-    )
+    return name, len(errors), is_warned.mean(), *quantiles, sum(row["seconds"] for row in records)
 
 
 def worded(row):
     name, count, share, *sizes, seconds = row
     promise = f"{PRESET_BOUNDS[name]:.2g}" if name in PRESET_BOUNDS else ""
-    return (
-        name,
-        promise,
-        count,
-        f"{share:.1%}",
-        *(f"{size:.2%}" for size in sizes),
-        f"{seconds:.1f}",
-    )
+    return name, promise, count, f"{share:.1%}", *(f"{x:.2%}" for x in sizes), f"{seconds:.1f}"
 
 
 def drawn(numbers, count):
@@ -134,12 +121,12 @@ def drawn(numbers, count):
 
 
 def are_kept(rows):
-    """True if each preset keeps its error bound, and few places carry a warning."""
+    """True if each preset keeps its error bound, and few points carry a warning."""
     return all(row[4] <= PRESET_BOUNDS[row[0]] and row[2] <= _WARNED for row in rows)
 
 
 def judged(path, scenes, minutes):
-    """Table rows of the presets over scenes done with all of them, and how many these are."""
+    """Table rows of the presets over scenes computed with all of them, and the number of these."""
     texts = {name: json.dumps(asdict(PRESETS[name])) for name in PROMISED}
     rows = known_rows(path)
     tasks = [

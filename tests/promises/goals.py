@@ -46,12 +46,12 @@ VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
 _NEARBY = 1.02  # ratio of velocities about a crossing, for its exponent
 _FIRST = Goal(0.02, 1, counts_surface=False)
-_TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
+_TOUCHES = 0.01  # an extremum of ln(rise/limit) so near 0 may have two crossings or none
 HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
 
 
 class Planes:
-    """Points of a scene, computed once and kept in a file: by preset, surface and place."""
+    """Points of a scene by preset, realization, load and velocity, cached in a file."""
 
     def __init__(self, sweep, path):
         self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
@@ -100,7 +100,7 @@ class Planes:
         return self._points[key]
 
     def tell(self, search, points, preset="standard"):
-        """Tell a search the points that it has asked for."""
+        """Give a search the results of the points that it has asked for."""
         every = [
             self.point(preset, realization, self.loads[load], search.velocities[velocity])
             for realization, load, velocity in points
@@ -108,7 +108,7 @@ class Planes:
         search.tell(points, *map(np.array, zip(*every, strict=True)))
 
     def search(self, accuracy, preset):
-        """A search that has ended."""
+        """A search, run to its end."""
         realizations, quality = (
             1 if self.fixed else MOST_REALIZATIONS,
             JackknifeQuality.of(self._realizations[preset][0]),
@@ -121,7 +121,7 @@ class Planes:
         return search
 
     def search_plane(self, conditions):
-        """A search that was told the whole plane of the first realization."""
+        """A search that has all points of the first realization."""
         search = Told(self.loads, self.velocities, conditions, 0.0, _FIRST)
         self.tell(search, [Place(0, *index) for index in np.ndindex(self.plane_shape)])
         return search
@@ -131,7 +131,7 @@ class Planes:
         return self.search_plane(self.conditions)
 
     def true_y(self, load, velocity):
-        """ln(rise/limit) of the specimen by the truth at a velocity [m/s], and its deviation."""
+        """True ln(rise/limit) of the specimen at a velocity [m/s], and its standard error."""
         crossing = self._plane.critical[self.loads == load].item()
         distances = np.abs(np.log(self.velocities / (crossing if crossing > 0 else velocity)))
         nearest_velocity = self.velocities[np.argmin(distances)]
@@ -151,7 +151,7 @@ class Planes:
         return level + np.log(factor) - self._plane.limit + y_crossing - y_nearest, deviation
 
     def errors(self, accuracy):
-        """What a search for an accuracy takes, and its true error at each load."""
+        """Number of points of a search for an accuracy, and its true error at each load."""
         preset = next(name for name, error in self.promised.items() if (error or 0.0) < accuracy)
         search = self.search(accuracy, preset)
         parts = search.errors if not self.fixed else np.delete(search.errors, SURFACE, axis=0)
@@ -171,7 +171,7 @@ class Planes:
         }
 
     def crossings(self, seed):
-        """Numbers of crossings at loads of the whole plane, and as a search finds them."""
+        """Numbers of crossings at each load, from all points and from those of a search."""
         rng, pairs = np.random.default_rng(seed), []
         for bends in np.repeat(range(4), LAWS):
             plain = self.conditions.corrections or Corrections()
@@ -206,12 +206,12 @@ def _law(rng, velocities, bends):
 
 
 def _y(search, load, velocities):
-    """ln(rise/limit) at velocities of a load, by what a search was told."""
+    """ln(rise/limit) at velocities of a load, from the points of a search."""
     return search.specimen.field(np.full(velocities.shape, load), velocities) - search.limit
 
 
 def _touches(search, load):
-    """True if ln(rise/limit) turns so near to 0 that roughness decides about two crossings."""
+    """True if an extremum of ln(rise/limit) is so near 0 that roughness may add crossings."""
     y = _y(search, load, np.geomspace(search.velocities[0], search.velocities[-1], 1000))
     is_turn = np.diff(np.sign(np.diff(y))) != 0
     return bool(np.any(np.abs(y[1:-1][is_turn]) < _TOUCHES))
@@ -282,7 +282,7 @@ def highest_share(share, scenes):
 
 
 def report(rows, accuracies):
-    """What was found as text, and True if all promises hold."""
+    """Report as text, and True if all promises hold."""
     lines, are_held = zip(*(summary(rows, f"{accuracy:g}") for accuracy in accuracies), strict=True)
     pairs = np.array([pair for row in rows for pair in row.get("crossings", [])], int).reshape(
         -1, 2

@@ -20,7 +20,7 @@ _INSIDE, _MAX_WRONG = (0.85, 0.95), 0.07
 
 
 def tests(kind, count, rng, bias, scatter):
-    """Results of tests on specimens whose rises are off by `bias` and `scatter`."""
+    """Results of tests on specimens whose ln(rise) has errors `bias` and `scatter`."""
     at = -(bias + scatter * rng.normal(size=count))  # y of each specimen's transition
     if kind == "transitions":
         return tuple(Outcome(y, y) for y in at.tolist())
@@ -45,7 +45,7 @@ def laboratory(kind, count, rng):
 
 
 def judged(kind, count, number, seed=0):
-    """Shares: intervals that hold the bias, and wrong verdicts that are barely mild and severe."""
+    """Shares of intervals that contain the bias, and of wrong ones among verdicts near a limit."""
     rng = np.random.default_rng(seed)
     parts = [laboratory(kind, count, rng) for _ in range(number)]
     positions = np.array([position for position, _, _ in parts])

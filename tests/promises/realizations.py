@@ -69,7 +69,7 @@ def compare_halves(name, count=16, **changes):
 
 
 def thinned(ds):
-    """A set of realizations, of which every second load has half."""
+    """Dataset with only half of the realizations at every second load."""
     number = xr.DataArray(np.arange(ds.sizes["realization"]), dims="realization")
     is_second = xr.DataArray(np.arange(ds.sizes["load"]) % 2 == 1, dims="load")
     is_left_out = is_second & (number >= max(2, len(number) // 2))
@@ -91,7 +91,7 @@ def scene_is_local(name):
 
 
 def rows_of(name, **options):
-    """Table rows of a scene, with what is judged: share of the allowed difference, and ratio."""
+    """Yield table row, difference over the allowed one, and ratio of stated to actual deviation."""
     for load, velocity, rises, errors, differ, deviations in compare_halves(name, **options):
         apart = abs(math.log(rises[0] / rises[1])) / (ALLOWED * math.hypot(*errors))
         typical = float(np.sqrt(np.mean(deviations**2)))
