@@ -27,8 +27,8 @@ def field():
     """A specimen with some curvature and roughness."""
     f, v = np.log(LOADS)[:, None], np.log(VELOCITIES)
     y = 0.8 * f + 0.62 * v - 0.04 * v**2 + 0.01 * np.sin(9 * f + 5 * v)
-    ones = np.ones(y.shape)
-    return merged(LOADS, VELOCITIES, y[None], 0.02 * ones, ones.astype(int), ones)
+    unit = np.ones(y.shape)
+    return merged(LOADS, VELOCITIES, y[None], 0.02 * unit, unit.astype(int), unit)
 
 
 def errors(specimen, loads, velocities):
@@ -67,47 +67,47 @@ def test_probability_is_that_of_brute_force(results):
     bias, scatter = 0.03 * np.sinh(u)[:, None], np.exp(v)
     logs = student.logpdf(bias / 0.15, 4) + np.log(np.cosh(u))[:, None]
     logs = logs - 4 * v - 2 * 0.055**2 / scatter**2
-    for one in results:
-        logs = logs + one.log_likelihood(bias, scatter)
+    for result in results:
+        logs = logs + result.log_likelihood(bias, scatter)
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
     y = np.array([-2.1, -2.03, -1.9, -0.5, -0.1, 0.0, 0.1, 0.4])
-    exact = [(weights * ndtr((one + bias) / scatter)).sum() for one in y]
-    found = update(tuple(results), Prior())
-    assert found.probability(y) == pytest.approx(exact, abs=1e-4)
-    assert found.probability(np.array([found.level(0.05)])) == pytest.approx(0.05, abs=1e-9)
+    exact = [(weights * ndtr((ratio + bias) / scatter)).sum() for ratio in y]
+    posterior = update(tuple(results), Prior())
+    assert posterior.probability(y) == pytest.approx(exact, abs=1e-4)
+    assert posterior.probability(np.array([posterior.level(0.05)])) == pytest.approx(0.05, abs=1e-9)
 
 
 def test_without_tests_severe_wear_is_5_and_95_percent_probable_at_these_ratios():
-    found = update((), Prior())
-    assert [found.level(share) for share in (0.05, 0.95)] == pytest.approx(
+    posterior = update((), Prior())
+    assert [posterior.level(share) for share in (0.05, 0.95)] == pytest.approx(
         [-0.345, 0.345], abs=0.001
     )
 
 
 def test_a_specimen_that_contradicts_itself_is_a_transition_as_uncertain_as_a_uniform_interval():
     """Mild up to 0.2 and severe from −0.1: at 0.05, with the variance 0.3²/12."""
-    found = Outcome(-0.1, 0.2).log_likelihood(np.array([0.02]), np.array([0.055]))
+    log_likelihood = Outcome(-0.1, 0.2).log_likelihood(np.array([0.02]), np.array([0.055]))
     variance = 0.055**2 + 0.3**2 / 12
-    assert found == pytest.approx(normal.logpdf(0.07, scale=math.sqrt(variance)), rel=1e-9)
+    assert log_likelihood == pytest.approx(normal.logpdf(0.07, scale=math.sqrt(variance)), rel=1e-9)
 
 
 def test_errors_are_0_at_points_and_continuous():
-    one = field()
+    specimen = field()
     f, v = (a.ravel() for a in np.meshgrid(LOADS, VELOCITIES, indexing="ij"))
-    assert errors(one, f, v) == pytest.approx(0, abs=1e-12)
+    assert errors(specimen, f, v) == pytest.approx(0, abs=1e-12)
     inner = LOADS[1:-1]
-    for way in (-1e-12, 1e-12):
-        beside = errors(one, inner * (1 + way), np.full(3, 1.7))
-        assert beside == pytest.approx(errors(one, inner, np.full(3, 1.7)), abs=1e-6)
+    for offset in (-1e-12, 1e-12):
+        nearby_errors = errors(specimen, inner * (1 + offset), np.full(3, 1.7))
+        assert nearby_errors == pytest.approx(errors(specimen, inner, np.full(3, 1.7)), abs=1e-6)
 
 
 def straight(slope=0.6):
     """A specimen of a power law, with three loads and three velocities half a unit apart."""
     loads, velocities = 400 * np.exp([0.0, 0.5, 1.0]), np.exp([0.0, 0.5, 1.0])
     y = 0.6 * np.log(loads)[:, None] + slope * np.log(velocities)
-    ones = np.ones(y.shape)
-    return merged(loads, velocities, y[None], 0.02 * ones, 0 * ones.astype(int), ones)
+    unit = np.ones(y.shape)
+    return merged(loads, velocities, y[None], 0.02 * unit, 0 * unit.astype(int), unit)
 
 
 def test_the_bounds_between_points_are_these_numbers():
@@ -117,20 +117,20 @@ def test_the_bounds_between_points_are_these_numbers():
     assert curve_errors(x, 0.6 * x, np.array([0.2, 0.6])) == pytest.approx([within] * 2, rel=1e-9)
     unseen = math.hypot(0.25 * 0.4**2 / 8, 0.008 * 0.4)  # two points show no curvature
     assert curve_errors(x[:2], 0.6 * x[:2], np.array([0.2])) == pytest.approx([unseen], rel=1e-9)
-    one = straight()
+    specimen = straight()
     at = np.array([400 * math.exp(0.25)]), np.array([math.exp(0.5)])
-    along, between = interpolation_errors(one, *at)
+    along, between = interpolation_errors(specimen, *at)
     assert between == pytest.approx([math.hypot(0.1 * 0.5**2 / 8, 0.03 * 0.5)], rel=1e-9)
     assert along == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize(("slope", "factor"), [(0.65, 1.0), (0.5, 1.0), (0.25, 2.0), (0.1, 5.0)])
 def test_the_error_by_a_preset_is_its_promise_and_grows_where_the_rise_does_not(slope, factor):
-    one, at = straight(slope), (np.array([400.0]), np.array([math.exp(0.25)]))
-    parts = rise_errors(one, 0.015, *at)
+    specimen, at = straight(slope), (np.array([400.0]), np.array([math.exp(0.25)]))
+    parts = rise_errors(specimen, 0.015, *at)
     assert parts[PRESET] == pytest.approx([0.65 * 0.015], rel=1e-9)
-    found = velocity_errors(one.field, parts, 0.015, *at)[PRESET]
-    assert found == pytest.approx([0.015 * factor], rel=1e-6)
+    preset_error = velocity_errors(specimen.field, parts, 0.015, *at)[PRESET]
+    assert preset_error == pytest.approx([0.015 * factor], rel=1e-6)
 
 
 # What further points change of stated errors: random planes
@@ -147,9 +147,9 @@ def random_plane(seed, bend=0.07, rough=0.001):
 
 
 def specimen_of(loads, velocities, y, known):
-    ones = np.ones(y.shape)
+    unit = np.ones(y.shape)
     ln_rise = np.where(known, np.log(1200.0) + y, np.nan)
-    return merged(loads, velocities, ln_rise[None], 0.02 * ones, 0 * ones.astype(int), ones)
+    return merged(loads, velocities, ln_rise[None], 0.02 * unit, 0 * unit.astype(int), unit)
 
 
 def with_one_more(seeds):
@@ -163,19 +163,19 @@ def with_one_more(seeds):
             more, j = known.copy(), free[rng.integers(len(free))]
             more[j] = True
             row = loads[:1], velocities, y[:1]
-            yield *(specimen_of(*row, one[None]) for one in (known, more)), velocities[j]
+            yield *(specimen_of(*row, is_known[None]) for is_known in (known, more)), velocities[j]
 
 
-def bound_at(one, velocities):
-    return errors(one, np.full(len(velocities), one.field.loads[0]), velocities)
+def bound_at(specimen, velocities):
+    return errors(specimen, np.full(len(velocities), specimen.field.loads[0]), velocities)
 
 
 def test_a_point_within_or_beyond_the_bound_stated_there_changes_it_little_or_to_its_distance():
     """Within it by more than a tenth at 2 % of places, beyond it on both sides."""
     ratios, beyond = [], 0
     for before, after, velocity in with_one_more(range(150)):
-        at, place = np.array([velocity]), (before.field.loads, np.array([velocity]))
-        off = abs(before.field(*place)[0] - after.field(*place)[0])
+        at, point = np.array([velocity]), (before.field.loads, np.array([velocity]))
+        off = abs(before.field(*point)[0] - after.field(*point)[0])
         x = np.log(after.field.velocities[after.field.is_known[0]])
         if off <= bound_at(before, at)[0]:
             on = np.exp(np.linspace(x[0], x[-1], 41))
@@ -196,7 +196,7 @@ def test_a_plane_beyond_the_bounds_is_told_so():
     steep = y + 3 * np.log(velocities) ** 2
     middle = np.sqrt(velocities[:1] * velocities[1])
     usual, bent = (
-        errors(specimen_of(loads, velocities, one, np.ones(y.shape, bool)), loads[:1], middle)
-        for one in (y, steep)
+        errors(specimen_of(loads, velocities, ln_rise, np.ones(y.shape, bool)), loads[:1], middle)
+        for ln_rise in (y, steep)
     )
     assert bent[0] > 2 * usual[0]

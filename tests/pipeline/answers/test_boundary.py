@@ -39,16 +39,16 @@ def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
 
 def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per_second():
     velocities, loads = np.linspace(1.05, 3.6, 5), np.linspace(210.0, 740.0, 5)
-    places = {"velocity": (400.0, velocities), "load": (loads, 2.0)}
+    points = {"velocity": (400.0, velocities), "load": (loads, 2.0)}
     # measured 4.1e-6 and 3.2e-5; straight lines give 2.3e-3 and 3.2e-3
-    for name, most in (("velocity", 8e-6), ("load", 6e-5)):
-        load, velocity = np.broadcast_arrays(*places[name])
+    for name, tolerance in (("velocity", 8e-6), ("load", 6e-5)):
+        load, velocity = np.broadcast_arrays(*points[name])
         critical = (298.15 + 0.1 * curved(load, velocity, 0.9)).tolist()
-        found = boundary(synthetic.sweep(rise=curved), critical_temperature=critical)
-        there = {"load": 400.0} if name == "velocity" else {"velocity": 2.0}
-        lines = found[f"critical_{name}"].sel(there)
+        answer = boundary(synthetic.sweep(rise=curved), critical_temperature=critical)
+        selection = {"load": 400.0} if name == "velocity" else {"velocity": 2.0}
+        lines = answer[f"critical_{name}"].sel(selection)
         expected = velocities if name == "velocity" else loads
-        np.testing.assert_allclose(lines, expected, rtol=most)
+        np.testing.assert_allclose(lines, expected, rtol=tolerance)
 
 
 def test_nan_where_the_sweep_does_not_cross(sweep):
@@ -81,12 +81,14 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
     crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
-    of = find_lubrication(sweep_of(oiled).scene, sweep_of(oiled).lubricant).film_parameter
+    film_parameter = find_lubrication(
+        sweep_of(oiled).scene, sweep_of(oiled).lubricant
+    ).film_parameter
     for friction in (0.09, 0.1):
         part = crossings.sel(friction=friction)
-        expected = of(part["load"], part["critical_velocity"], 320.0)
+        expected = film_parameter(part["load"], part["critical_velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
-        expected = of(part["critical_load"], part["velocity"], 320.0)
+        expected = film_parameter(part["critical_load"], part["velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
     assert crossings["film_parameter_at_load"].notnull().any()
 
@@ -98,26 +100,26 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
         bare_test(load, float(synthetic.critical_velocity(load, 0.9 * limit)))
         for load in (200.0, 400.0, 600.0)
     )
-    found = boundary(synthetic.sweep(tests=tests))
-    np.testing.assert_array_equal(found["critical_velocity"], boundary(plain)["critical_velocity"])
-    ratio = found["critical_velocity_p50"] / found["critical_velocity"]
+    answer = boundary(synthetic.sweep(tests=tests))
+    np.testing.assert_array_equal(answer["critical_velocity"], boundary(plain)["critical_velocity"])
+    ratio = answer["critical_velocity_p50"] / answer["critical_velocity"]
     assert ratio.values == pytest.approx((0.9 ** (1 / 0.7)), rel=0.04)
     off = f"{100 * (1 - float(ratio.median())):.0f} %"
-    said = f"with tests, the boundary lies {off} lower in velocity than computed"
-    assert said in boundary_lines(found)
-    band = [found[f"critical_velocity_p{end}"].values for end in ("05", "95")]
-    assert np.all(band[0][2:-2] < found["critical_velocity_p50"].values[2:-2])
-    assert np.nanmax(band[1] / found["critical_velocity_p50"]) < 1.3
-    said = next_run_line(found)
-    assert said.startswith(
-        f"severe wear is 50 % probable at {found['critical_velocity_p50'][0]:.3g} m/s"
+    statement = f"with tests, the boundary lies {off} lower in velocity than computed"
+    assert statement in boundary_lines(answer)
+    band = [answer[f"critical_velocity_p{end}"].values for end in ("05", "95")]
+    assert np.all(band[0][2:-2] < answer["critical_velocity_p50"].values[2:-2])
+    assert np.nanmax(band[1] / answer["critical_velocity_p50"]) < 1.3
+    statement = next_run_line(answer)
+    assert statement.startswith(
+        f"severe wear is 50 % probable at {answer['critical_velocity_p50'][0]:.3g} m/s"
     )
 
 
 def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_it():
-    found = boundary(synthetic.sweep(velocities=(1.0, 1.5, 2.0)))
-    assert np.isnan(found["critical_velocity_p50"][0])
-    said = next_run_line(found)
-    assert said.startswith(
+    answer = boundary(synthetic.sweep(velocities=(1.0, 1.5, 2.0)))
+    assert np.isnan(answer["critical_velocity_p50"][0])
+    statement = next_run_line(answer)
+    assert statement.startswith(
         "severe wear is 50 % probable at no velocity in the sweep at 200 N; at 1.2"
     )

@@ -14,15 +14,15 @@ from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test
 
-PLACES = [(300.0, 1.2), (400.0, 2.0), (600.0, 2.6)]
+POINTS = [(300.0, 1.2), (400.0, 2.0), (600.0, 2.6)]
 BULK, WARM = 298.15, 343.15
 
 
-def swept(*tests, critical=None, **told):
+def swept(*tests, critical=None, **options):
     conditions = {"friction": 0.1, "bulk_temperature": BULK, "critical_temperature": critical}
     return synthetic.sweep(
         (200.0, 400.0, 750.0), (0.5, 1.0, 2.0, 4.0), tests=tests, conditions=conditions,
-        critical_from_tests=critical is None, **told,
+        critical_from_tests=critical is None, **options,
     )  # fmt: skip
 
 
@@ -31,7 +31,7 @@ def heat(load, velocity):
     return 0.1 * float(synthetic.rise(load, velocity, 0.9))
 
 
-def brute_force(tests, places, bias=0.15, scatter=0.055):
+def brute_force(tests, points, bias=0.15, scatter=0.055):
     """Median of the critical temperature without a bias, its spread with one [K], and P at places.
 
     Places are (load, velocity, bulk temperature).
@@ -47,24 +47,29 @@ def brute_force(tests, places, bias=0.15, scatter=0.055):
         return math.log(heat(load, velocity)) - np.log(above)
 
     def likelihood(bias):
-        whole = logs + 0 * bias
+        log_likelihood = logs + 0 * bias
         for load, velocity, bulk, outcome in tests:
             x = (y(load, velocity, bulk) + bias) / s
-            one = {"severe": log_ndtr, "mild": lambda x: log_ndtr(-x)}.get(outcome)
-            whole = whole + (one(x) if one else -(x**2) / 2 - np.log(s))
-        return whole
+            log_probability = {"severe": log_ndtr, "mild": lambda x: log_ndtr(-x)}.get(outcome)
+            log_likelihood = log_likelihood + (
+                log_probability(x) if log_probability else -(x**2) / 2 - np.log(s)
+            )
+        return log_likelihood
 
     def weights_of(logs):
         weights = np.exp(logs - logs.max())
         return weights / weights.sum()
 
-    alone = weights_of(likelihood(0.0)).sum(axis=(1, 2))
+    temperature_weights = weights_of(likelihood(0.0)).sum(axis=(1, 2))
     weights = weights_of(likelihood(b) + student.logpdf(np.sinh(w), 4) + np.log(np.cosh(w)))
-    middle = np.interp(0.5, np.cumsum(alone) - alone / 2, u[:, 0, 0])
-    own = weights.sum(axis=(1, 2))
-    spread = math.sqrt(own @ np.square(u[:, 0, 0] - own @ u[:, 0, 0]))
-    kept = weights > 1e-12
-    chances = [float((weights[kept] * ndtr(((y(*place) + b) / s)[kept])).sum()) for place in places]
+    middle = np.interp(0.5, np.cumsum(temperature_weights) - temperature_weights / 2, u[:, 0, 0])
+    posterior = weights.sum(axis=(1, 2))
+    spread = math.sqrt(posterior @ np.square(u[:, 0, 0] - posterior @ u[:, 0, 0]))
+    is_relevant = weights > 1e-12
+    chances = [
+        float((weights[is_relevant] * ndtr(((y(*point) + b) / s)[is_relevant])).sum())
+        for point in points
+    ]
     return BULK + 120 * math.exp(middle), 120 * math.exp(middle) * spread, chances
 
 
@@ -81,24 +86,24 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_it_and_all_probabilities_are_those_of_brute_force(case):
     tests = CASES[case]
-    made = [
+    specimen_tests = [
         bare_test(load, velocity, outcome=outcome, bulk_temperature=bulk)
         for load, velocity, bulk, outcome in tests
     ]
-    ds = swept(*made)
+    ds = swept(*specimen_tests)
     bulks = (BULK, 320.0) if case == "a bracket" else np.linspace(312.0, 320.0, 4)  # between nodes
-    places = [(*place, float(bulk)) for place in PLACES for bulk in bulks]
-    critical, spread, chances = brute_force(tests, places)
-    said = pipeline.infer(ds)
-    found = said["critical_temperature"].item()
-    assert found == pytest.approx(critical, abs=0.05)
-    assert said["spread_another_rig"].item() == pytest.approx(spread, rel=2e-3)
+    points = [(*point, float(bulk)) for point in POINTS for bulk in bulks]
+    critical, spread, chances = brute_force(tests, points)
+    inference = pipeline.infer(ds)
+    median = inference["critical_temperature"].item()
+    assert median == pytest.approx(critical, abs=0.05)
+    assert inference["spread_another_rig"].item() == pytest.approx(spread, rel=2e-3)
     loads, velocities, bulks = (
-        xr.DataArray([*one], dims="place") for one in zip(*places, strict=True)
+        xr.DataArray([*values], dims="place") for values in zip(*points, strict=True)
     )
-    here = pipeline.margin(ds, loads, velocities, bulk_temperature=bulks)
-    assert here["critical_temperature"].item() == pytest.approx(found, abs=1e-9)
-    assert here["probability"].values == pytest.approx(chances, abs=1e-4)
+    margin = pipeline.margin(ds, loads, velocities, bulk_temperature=bulks)
+    assert margin["critical_temperature"].item() == pytest.approx(median, abs=1e-9)
+    assert margin["probability"].values == pytest.approx(chances, abs=1e-4)
 
 
 @pytest.mark.parametrize("celsius", [90.0, 145.0, 500.0])
@@ -108,41 +113,43 @@ def test_it_is_found_from_transitions_whatever_the_scene_says(celsius):
         bare_test(load, float(synthetic.critical_velocity(load, 900.0)))
         for load in (200.0, 300.0, 400.0, 600.0)
     ]
-    found = pipeline.infer(swept(*tests, critical=273.15 + celsius))
-    assert found["critical_temperature"].item() == pytest.approx(BULK + 90.0, abs=1.0)
-    assert np.isnan([found["at_least"], found["at_most"]]).all()
-    here = found["spread_this_rig"].item()
-    assert 2.0 < here < 5.0
+    inference = pipeline.infer(swept(*tests, critical=273.15 + celsius))
+    assert inference["critical_temperature"].item() == pytest.approx(BULK + 90.0, abs=1.0)
+    assert np.isnan([inference["at_least"], inference["at_most"]]).all()
+    spread = inference["spread_this_rig"].item()
+    assert 2.0 < spread < 5.0
     bias = np.linspace(-30, 30, 60001)  # that and the critical temperature have Student's t
     weights = student.pdf(bias / 0.15, 4) * student.pdf(math.log(90 / 120) + bias, 4)
     of_bias = math.sqrt(np.average(np.square(bias), weights=weights))
-    another = math.hypot(here, 90.0 * of_bias)
-    assert found["spread_another_rig"].item() == pytest.approx(another, rel=0.01)  # of 1 K in 90
+    another = math.hypot(spread, 90.0 * of_bias)
+    assert inference["spread_another_rig"].item() == pytest.approx(
+        another, rel=0.01
+    )  # of 1 K in 90
 
 
 @pytest.mark.parametrize("outcome", ["mild", "severe"])
 def test_tests_of_one_outcome_bound_it_on_one_side_and_decide_nothing(outcome):
-    place = float(synthetic.critical_velocity(400.0, synthetic.limit()))
-    test, known = bare_test(400.0, place, outcome=outcome), 273.15 + 145.0
+    velocity = float(synthetic.critical_velocity(400.0, synthetic.limit()))
+    test, known = bare_test(400.0, velocity, outcome=outcome), 273.15 + 145.0
     corners = pipeline.margin(swept(test), [200.0, 200.0, 750.0, 750.0], [0.5, 4.0, 0.5, 4.0])
     assert outcome not in named(corners["verdict"])
-    found = pipeline.infer(swept(test, critical=known))
+    inference = pipeline.infer(swept(test, critical=known))
     level = update((), Prior()).level(0.95)  # y at which a mild result has a probability of 5 %
     side, other, sign = ("at_least", "at_most", -1) if outcome == "mild" else (
         "at_most", "at_least", 1
     )  # fmt: skip
     bound = BULK + 120.0 * math.exp(sign * level)
-    assert found[side].item() == pytest.approx(bound, abs=1.0)  # of the grid of biases
-    assert np.isnan(found[other])
+    assert inference[side].item() == pytest.approx(bound, abs=1.0)  # of the grid of biases
+    assert np.isnan(inference[other])
 
 
 def test_every_door_has_the_same_critical_temperature():
     ds = swept(bare_test(400.0, 1.2, outcome="mild"), bare_test(400.0, 1.9, outcome="severe"))
     critical = pipeline.infer(ds)["critical_temperature"].item()
-    found = pipeline.boundary(ds)
-    assert found["critical_temperature"].item() == pytest.approx(critical)
-    said = f"critical temperature {critical - 273.15:.5g} °C (median, from tests)"
-    assert said in found.attrs["conditions"]
+    boundary = pipeline.boundary(ds)
+    assert boundary["critical_temperature"].item() == pytest.approx(critical)
+    statement = f"critical temperature {critical - 273.15:.5g} °C (median, from tests)"
+    assert statement in boundary.attrs["conditions"]
     states = pipeline.points(ds)["state"].sel(load=400.0)[0]
     turns = pipeline.boundary(ds)["critical_velocity"].sel(load=400.0).item()
     assert ((states == "severe") == (states["velocity"] > turns)).all()

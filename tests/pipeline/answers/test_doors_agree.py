@@ -45,7 +45,7 @@ def cases():
 def pending():
     """Sweep with a third of its points pending, and a mild test that has no result yet."""
     late = {(F, V): 0 for k, F in enumerate(LOADS) for j, V in enumerate(VELOCITIES) if (k + j) % 3}
-    late = {place: 0 for number, place in enumerate(late) if number % 2}
+    late = {point: 0 for number, point in enumerate(late) if number % 2}
     tests = *synthetic.MEASURED[:3], bare_test(300.0, 2.0, outcome="mild")
     ds = synthetic.sweep(status=late, tests=tests, **SMALL)
     return synthetic.with_tests(ds, status=[1, 1, 1, 0])
@@ -63,37 +63,37 @@ STORES = {
 def table(name):
     """50 points in and around a plane, half of them with a friction and a bulk of their own."""
     rng = np.random.default_rng([*STORES].index(name))
-    places = rng.uniform(190, 760, 50).round(2), rng.uniform(0.45, 4.1, 50).round(3)
-    own = rng.random(50) < 0.5
-    friction = np.where(own, rng.uniform(0.08, 0.13, 50).round(4), np.nan)
-    bulk = np.where(own, rng.uniform(15, 60, 50).round(2), np.nan)
+    coordinates = rng.uniform(190, 760, 50).round(2), rng.uniform(0.45, 4.1, 50).round(3)
+    has_conditions = rng.random(50) < 0.5
+    friction = np.where(has_conditions, rng.uniform(0.08, 0.13, 50).round(4), np.nan)
+    bulk = np.where(has_conditions, rng.uniform(15, 60, 50).round(2), np.nan)
     heads = "load [N]", "velocity [m/s]", "friction", "bulk temperature [degC]"
-    return pd.DataFrame(dict(zip(heads, (*places, friction, bulk), strict=True)))
+    return pd.DataFrame(dict(zip(heads, (*coordinates, friction, bulk), strict=True)))
 
 
 @functools.cache
 def store(name):
-    """A store, and what `pipeline.margin` says of its table, given as arrays."""
+    """A store, and the margins of its table, computed from arrays."""
     ds, rows = STORES[name](), table(name)
-    load, velocity, friction, bulk = (one.to_numpy() for one in map(rows.get, rows))
-    told = {"friction": friction, "bulk_temperature": bulk + 273.15}
-    told = {
-        name: xr.DataArray([None if np.isnan(one) else one for one in values], dims="place")
-        for name, values in told.items()
+    load, velocity, friction, bulk = (column.to_numpy() for column in map(rows.get, rows))
+    conditions = {"friction": friction, "bulk_temperature": bulk + 273.15}
+    conditions = {
+        name: xr.DataArray([None if np.isnan(value) else value for value in values], dims="place")
+        for name, values in conditions.items()
     }
-    return ds, pipeline.margin(ds, load, velocity, **told)
+    return ds, pipeline.margin(ds, load, velocity, **conditions)
 
 
 @pytest.fixture(params=STORES)
-def asked(request, monkeypatch):
-    ds, found = store(request.param)
+def margin_case(request, monkeypatch):
+    ds, margin = store(request.param)
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    return request.param, ds, found
+    return request.param, ds, margin
 
 
-def words(found):
-    codes = named(found["verdict"]).ravel().tolist()
-    return np.array([one.replace("outside_", "outside the ") for one in codes], object)
+def words(margin):
+    codes = named(margin["verdict"]).ravel().tolist()
+    return np.array([code.replace("outside_", "outside the ") for code in codes], object)
 
 
 def same(left, right, rtol=1e-12):
@@ -111,76 +111,84 @@ def columns(rows, *names):
         yield name, values + 273.15 * (name == "governing_temperature")
 
 
-def test_array_table_and_command_say_the_same_of_all_points(asked, tmp_path, irg):
-    name, ds, found = asked
+def test_array_table_and_command_say_the_same_of_all_points(margin_case, tmp_path, irg):
+    name, ds, margin = margin_case
     by_table = pipeline.margin(ds, table(name))
-    for one in (*NUMBERS, "verdict", "warning_flags", "outcome_along_velocity"):
-        same(by_table[one], found[one])
-    found = found.transpose("place", ...)  # the order of rows
-    assert (by_table["reason"] == found["reason"]).all()
-    seen = words(found).tolist()
+    for variable in (*NUMBERS, "verdict", "warning_flags", "outcome_along_velocity"):
+        same(by_table[variable], margin[variable])
+    margin = margin.transpose("place", ...)  # the order of rows
+    assert (by_table["reason"] == margin["reason"]).all()
+    seen = words(margin).tolist()
     assert len({*seen}) >= 3
     table(name).to_csv(tmp_path / "t.csv", index=False)
     command = "margin", "out.zarr", "--points", tmp_path / "t.csv", "-o", tmp_path / "out.csv"
-    said, rows = irg(*command), irg(*command, "--json")
+    output, rows = irg(*command), irg(*command, "--json")
     assert [row["verdict"] for row in rows] == seen
-    for one, values in columns(rows, *NUMBERS):
-        same(values, found[one].values.ravel(), 1e-9)
+    for variable, values in columns(rows, *NUMBERS):
+        same(values, margin[variable].values.ravel(), 1e-9)
     written = pd.read_csv(tmp_path / "out.csv").replace({np.nan: None}).to_dict("records")
     assert [row["verdict"] for row in written] == seen
-    for one, values in columns(written, "probability", "temperature_margin"):
-        np.testing.assert_allclose(values, found[one].values.ravel(), 1e-5, 1e-5)
+    for variable, values in columns(written, "probability", "temperature_margin"):
+        np.testing.assert_allclose(values, margin[variable].values.ravel(), 1e-5, 1e-5)
     counts = {verdict: seen.count(verdict) for verdict in {*seen}}
-    assert all(f"{count} {verdict}" in said for verdict, count in counts.items())
+    assert all(f"{count} {verdict}" in output for verdict, count in counts.items())
 
 
-def test_a_point_alone_gets_what_it_gets_in_the_table(asked, irg):
-    name, ds, found = asked
+def test_a_point_alone_gets_what_it_gets_in_the_table(margin_case, irg):
+    name, ds, margins = margin_case
     load, velocity, friction, bulk = table(name).iloc[17].tolist()
-    own = {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
-    here, there = pipeline.margin(ds, load, f"{velocity} m/s", **own), found.isel(place=17)
-    for one in NUMBERS:
-        same(here[one], there[one])
-    assert words(here).tolist() == words(there).tolist()
-    told = [part for key, x in own.items() for part in (f"--{key.replace('_', '-')}", x)]
-    place = "margin", "out.zarr", "--load", f"{load} N", "--velocity", f"{velocity} m/s"
-    if "unknown" in words(there):
-        assert there["reason"].values.ravel()[0] in irg(*place, *told, code=2)
+    conditions = (
+        {} if np.isnan(friction) else {"friction": friction, "bulk_temperature": f"{bulk} °C"}
+    )
+    margin, row_margin = (
+        pipeline.margin(ds, load, f"{velocity} m/s", **conditions),
+        margins.isel(place=17),
+    )
+    for variable in NUMBERS:
+        same(margin[variable], row_margin[variable])
+    assert words(margin).tolist() == words(row_margin).tolist()
+    options = [part for key, x in conditions.items() for part in (f"--{key.replace('_', '-')}", x)]
+    command = "margin", "out.zarr", "--load", f"{load} N", "--velocity", f"{velocity} m/s"
+    if "unknown" in words(row_margin):
+        assert row_margin["reason"].values.ravel()[0] in irg(*command, *options, code=2)
         return
-    said, rows = irg(*place, *told), irg(*place, *told, "--json")
-    assert [row["verdict"] for row in rows] == words(there).tolist()
-    for one, values in columns(rows, *NUMBERS):
-        same(values, there[one].values.ravel(), 1e-9)
-    assert words(there)[0].capitalize() in said.replace("\n    ", " ")
+    output, rows = irg(*command, *options), irg(*command, *options, "--json")
+    assert [row["verdict"] for row in rows] == words(row_margin).tolist()
+    for variable, values in columns(rows, *NUMBERS):
+        same(values, row_margin[variable].values.ravel(), 1e-9)
+    assert words(row_margin)[0].capitalize() in output.replace("\n    ", " ")
 
 
-def test_boundary_figure_and_margin_draw_one_line(asked, irg):
-    _, ds, _ = asked
-    found = pipeline.boundary(ds)
+def test_boundary_figure_and_margin_draw_one_line(margin_case, irg):
+    _, ds, _ = margin_case
+    boundary = pipeline.boundary(ds)
     rows = irg("boundary", "out.zarr", "--json")
-    for one, values in columns(rows, "critical_velocity", "critical_velocity_p50"):
-        same(values, found[one].values.ravel(), 1e-9)
-    along = pipeline.margin(ds, found["load"], 1.2)
+    for variable, values in columns(rows, "critical_velocity", "critical_velocity_p50"):
+        same(values, boundary[variable].values.ravel(), 1e-9)
+    along = pipeline.margin(ds, boundary["load"], 1.2)
     known = along["log_rise_ratio"].notnull()
-    for one in ("critical_velocity", "outcome_along_velocity"):
-        same(along[one].where(known), found[one].where(known).transpose(*along.dims))
+    for variable in ("critical_velocity", "outcome_along_velocity"):
+        same(along[variable].where(known), boundary[variable].where(known).transpose(*along.dims))
     shares = xr.DataArray([0.05, 0.5, 0.95], dims="share")
-    ends = [found[f"critical_velocity_p{100 * share:02.0f}"] for share in shares.values]
+    ends = [boundary[f"critical_velocity_p{100 * share:02.0f}"] for share in shares.values]
     ends = xr.concat(ends, "share", combine_attrs="override")
-    here = pipeline.margin(ds, ends["load"], ends)["probability"]
-    assert (abs(here - shares) < 1e-6).where(here.notnull(), True).all()
-    assert here.notnull().any()
+    probability = pipeline.margin(ds, ends["load"], ends)["probability"]
+    assert (abs(probability - shares) < 1e-6).where(probability.notnull(), True).all()
+    assert probability.notnull().any()
 
 
 @pytest.mark.parametrize("name", ["film", "pending"])
 def test_the_figure_shades_a_point_as_it_is_judged(name):
     ds, _ = store(name)
-    regions = {one.get_gid(): one.get_paths() for one in pipeline.plot(ds).axes[0].collections}
+    regions = {
+        collection.get_gid(): collection.get_paths()
+        for collection in pipeline.plot(ds).axes[0].collections
+    }
     rng, seen = np.random.default_rng(1), set()
     loads, velocities = rng.uniform(210, 735, 120), rng.uniform(0.55, 3.95, 120)
     # The end of a region is known only to within a cell of the figure's grid.
     nearby = xr.DataArray([0.99, 1.0, 1.01], dims="near")
-    at = (xr.DataArray(one, dims="place") * nearby for one in (loads, velocities))
+    at = (xr.DataArray(values, dims="place") * nearby for values in (loads, velocities))
     around = words(pipeline.margin(ds, *at).transpose("near", "place")).reshape(3, -1)
     for load, velocity, *verdicts in zip(loads, velocities, *around, strict=True):
         if len({*verdicts}) == 1 and verdicts[0] not in ("unknown", "outside the model"):
@@ -197,12 +205,12 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
 
 @pytest.mark.parametrize("name", [name for name in STORES if name != "cases"])
 def test_the_report_has_the_verdicts_of_the_table(name, monkeypatch):
-    ds, found = store(name)
+    ds, margin = store(name)
     # Its pictures take seconds to draw.
     monkeypatch.setattr(report, "picture_of", lambda draw, *texts: Picture("", "", *texts))
     page = html.unescape(pipeline.report(ds, points=table(name)))
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", page)
-    assert [one for one in cells if one in VERDICTS][:50] == words(found).tolist()
+    assert [cell for cell in cells if cell in VERDICTS][:50] == words(margin).tolist()
 
 
 # Dominance
@@ -212,30 +220,30 @@ def test_the_report_has_the_verdicts_of_the_table(name, monkeypatch):
 def test_nothing_is_mild_that_is_no_easier_than_a_severe_test(film):
     rng, against = np.random.default_rng(7), 0
     for _ in range(2):
-        made = [
+        tests = [
             bare_test(
                 float(rng.uniform(250, 700)), float(rng.uniform(0.6, 3)), outcome=outcome,
                 bulk_temperature=float(rng.uniform(280, 330)),
             )
             for outcome in rng.choice(["mild", "severe"], 3)
         ]  # fmt: skip
-        told = {"tests": made, "model_bias": 0.01, **SMALL}
-        ds = filmed(inlet=film, **told) if film else synthetic.sweep(**told)
+        arguments = {"tests": tests, "model_bias": 0.01, **SMALL}
+        ds = filmed(inlet=film, **arguments) if film else synthetic.sweep(**arguments)
         if film == 1e9:  # tests alone had a film
             ds = ds.assign(film_inlet=ds["film_inlet"] * 0 + 1e-9)
         load, velocity = rng.uniform(210, 740, 60), rng.uniform(0.55, 3.9, 60)
         bulk = rng.uniform(280, 330, 60)
         at = load, velocity
-        own = {"bulk_temperature": xr.DataArray(bulk, dims="place")}
-        asked = pipeline.margin(ds, *at, **own)
-        free = pipeline.margin(ds.assign_attrs(without_tests="yes"), *at, **own)
-        for test in made:
+        conditions = {"bulk_temperature": xr.DataArray(bulk, dims="place")}
+        margin = pipeline.margin(ds, *at, **conditions)
+        free = pipeline.margin(ds.assign_attrs(without_tests="yes"), *at, **conditions)
+        for test in tests:
             ways = load - test.normal_load, velocity - test.velocity, bulk - test.bulk_temperature
             kind, sign = ("mild", 1) if test.outcome == "severe" else ("severe", -1)
             if kind == "severe" and film == 1e9:  # known to be too thick for a mild test to count
                 continue
             no_easier = (sign * np.array(ways) >= 0).all(axis=0)
-            assert not (no_easier & (words(asked) == kind)).any(), (kind, test)
+            assert not (no_easier & (words(margin) == kind)).any(), (kind, test)
             against += int((no_easier & (words(free) == kind)).sum())
     assert against > 0
 
@@ -253,7 +261,7 @@ def with_unit(value, unit, **attributes):
 
 
 @pytest.mark.parametrize(
-    ("load", "told"),
+    ("load", "conditions"),
     [
         (np.str_("0.4 kN"), {"friction": "10 %"}),
         (["0.4 kN", 400.0], {"bulk_temperature": with_unit(25.0, "degC")}),
@@ -261,15 +269,20 @@ def with_unit(value, unit, **attributes):
         (with_unit(0.4, "kN"), {"critical_temperature": None}),
     ],
 )
-def test_values_are_taken_with_their_units_by_every_door(load, told):
+def test_values_are_taken_with_their_units_by_every_door(load, conditions):
     usual = pipeline.margin(plane(), 400.0, 2.0)["probability"].item()
-    found = pipeline.margin(plane(), load, "2 m/s", **told)["probability"].values.ravel()
-    same(found, np.full(found.shape, usual))
-    critical = [pipeline.boundary(plane(), **own)["critical_velocity"] for own in ({}, told)]
+    probability = pipeline.margin(plane(), load, "2 m/s", **conditions)[
+        "probability"
+    ].values.ravel()
+    same(probability, np.full(probability.shape, usual))
+    critical = [
+        pipeline.boundary(plane(), **overrides)["critical_velocity"]
+        for overrides in ({}, conditions)
+    ]
     same(*critical)
 
 
-REFUSED = {  # by the place or the conditions that are given
+REFUSED = {  # load and velocity, conditions, message
     "no unit": (("400", 2.0), {}, '"400" has no unit'),
     "of time": ((with_unit(3.0, "s"), 2.0), {}, "cannot be converted to N"),
     "true": ((True, 2.0), {}, "True is no number"),
@@ -286,27 +299,27 @@ REFUSED = {  # by the place or the conditions that are given
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_no_load_and_no_condition_is_refused_in_a_line(name):
-    place, told, said = REFUSED[name]
-    doors = ("margin",) if place else ("boundary", "points")
+    point, conditions, message = REFUSED[name]
+    doors = ("margin",) if point else ("boundary", "points")
     for door in doors:
-        with pytest.raises(InputError, match=re.escape(said)) as error:
-            getattr(pipeline, door)(plane(), *place, **told)
+        with pytest.raises(InputError, match=re.escape(message)) as error:
+            getattr(pipeline, door)(plane(), *point, **conditions)
         assert "\n" not in str(error.value)
 
 
 def test_a_load_that_no_contact_has_is_unknown_and_said():
     impossible = np.nan, np.inf, -400.0, 0, "-4 N"
-    found = pipeline.margin(plane(), [*impossible, 400.0], 2.0)
-    assert words(found).tolist() == ["unknown"] * len(impossible) + ["undecided"]
-    assert np.isnan(found["probability"].values[:-1]).all()
-    assert all("give a value inside it" in one for one in found["reason"].values[:-1])
+    margin = pipeline.margin(plane(), [*impossible, 400.0], 2.0)
+    assert words(margin).tolist() == ["unknown"] * len(impossible) + ["undecided"]
+    assert np.isnan(margin["probability"].values[:-1]).all()
+    assert all("give a value inside it" in reason for reason in margin["reason"].values[:-1])
 
 
 def test_only_margin_and_boundary_take_several_values():
     for door in ("points", "compare_tests", "infer", "temperatures"):
         with pytest.raises(InputError, match="friction takes a single value here"):
             getattr(pipeline, door)(plane(), friction=[0.1, 0.2])
-    for given in (None, 5, plane()["status"]):
+    for argument in (None, 5, plane()["status"]):
         for door in ("margin", "boundary", "points", "infer", "temperatures"):
-            with pytest.raises(InputError, match=f"not a {type(given).__name__}"):
-                getattr(pipeline, door)(given)
+            with pytest.raises(InputError, match=f"not a {type(argument).__name__}"):
+                getattr(pipeline, door)(argument)

@@ -50,8 +50,8 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
         return synthetic.rise(load, velocity, quantile)
 
     ds = synthetic.sweep(tests=tests, conditions=conditions)
-    found = pipeline.compare_tests(ds)["governing_temperature"].values
-    for test, hot in zip(tests, found, strict=True):
+    temperatures = pipeline.compare_tests(ds)["governing_temperature"].values
+    for test, hot in zip(tests, temperatures, strict=True):
         friction = test.friction or 0.1 * float(FALLING.friction.at(test.velocity))
         warm = 298.15 + friction * float(rise(test.normal_load, test.velocity, 0.9))
         assert hot == pytest.approx(warm, rel=2e-3)
@@ -65,9 +65,9 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
     for load in (200.0, 250.0, 600.0):
         severe = temperature(BACK, load, fine) > 418.15
         turns = fine[1:][severe[1:] != severe[:-1]]
-        found = crossings.sel(load=load)
-        assert np.isnan(found["critical_velocity"].item()) == severe[0]
-        assert found["crossings_along_velocity"].dropna("crossing").values == pytest.approx(
+        line = crossings.sel(load=load)
+        assert np.isnan(line["critical_velocity"].item()) == severe[0]
+        assert line["crossings_along_velocity"].dropna("crossing").values == pytest.approx(
             turns, rel=1e-3
         )
         for velocity in (0.51, 1.0, 2.5, 4.0, 5.9):
@@ -84,9 +84,9 @@ def test_a_coefficient_in_the_scene_and_one_given_afterwards_are_told_apart():
     entries = {"friction.by_velocity": table}
     scaled = pipeline.load_scene("first_try", overrides=entries).conditions
     scaled = replace(scaled, friction=0.12)
-    kept = pipeline.load_scene("first_try", overrides=entries | {"friction.coefficient": 0.12})
+    sweep = pipeline.load_scene("first_try", overrides=entries | {"friction.coefficient": 0.12})
     assert scaled.friction_at(4.0) == pytest.approx(0.072)
-    assert kept.conditions.friction_at(4.0) == pytest.approx(0.06)
-    for conditions, factors in ((scaled, "0.6 to 1.2"), (kept.conditions, "0.5 to 1")):
-        said = f"friction by velocity, measured, {factors} times the coefficient"
-        assert verdict_conditions(conditions).endswith(said)
+    assert sweep.conditions.friction_at(4.0) == pytest.approx(0.06)
+    for conditions, factors in ((scaled, "0.6 to 1.2"), (sweep.conditions, "0.5 to 1")):
+        statement = f"friction by velocity, measured, {factors} times the coefficient"
+        assert verdict_conditions(conditions).endswith(statement)

@@ -15,21 +15,21 @@ from tribo import WarningKind
 LIMIT = synthetic.limit()
 
 
-def without_model_error(**told):
-    return synthetic.sweep(model_bias=0.0, model_scatter=0.001, tests=(), **told)
+def without_model_error(**options):
+    return synthetic.sweep(model_bias=0.0, model_scatter=0.001, tests=(), **options)
 
 
 @pytest.mark.parametrize("bulk", [298.15, 310.0])
 def test_a_power_law_is_found_between_the_points_of_a_sweep(bulk):
-    places = np.array([320.0, 480.0, 600.0]), np.array([2.1, 2.25, 0.6])
-    told = {"friction": 0.2, "bulk_temperature": bulk, "critical_area_fraction": 0.05}
-    found = pipeline.margin(synthetic.sweep(), *places, **told)
-    warm = bulk + 0.2 * synthetic.rise(*places, 0.95)
-    np.testing.assert_allclose(found["governing_temperature"], warm, rtol=1e-12)
-    np.testing.assert_allclose(found["temperature_margin"], 418.15 - warm, atol=1e-9)
-    assert ((found["probability"] > 0.5) == (warm > 418.15)).all()
+    points = np.array([320.0, 480.0, 600.0]), np.array([2.1, 2.25, 0.6])
+    conditions = {"friction": 0.2, "bulk_temperature": bulk, "critical_area_fraction": 0.05}
+    margin = pipeline.margin(synthetic.sweep(), *points, **conditions)
+    warm = bulk + 0.2 * synthetic.rise(*points, 0.95)
+    np.testing.assert_allclose(margin["governing_temperature"], warm, rtol=1e-12)
+    np.testing.assert_allclose(margin["temperature_margin"], 418.15 - warm, atol=1e-9)
+    assert ((margin["probability"] > 0.5) == (warm > 418.15)).all()
     # The least that is stated between two of four velocities: its points may be bent or rough.
-    error = found["temperature_error_interpolation"]
+    error = margin["temperature_error_interpolation"]
     assert ((error > 0) & (error < 0.006 * (warm - bulk))).all()
 
 
@@ -40,20 +40,20 @@ def wavy(load, velocity, quantile=1.0):
 def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     ds = synthetic.sweep(rise=wavy)
     rng = np.random.default_rng(5)
-    places = rng.uniform(210, 740, 40), rng.uniform(0.6, 3.9, 40)
-    found = pipeline.margin(ds, *places)
-    missed = abs(found["governing_temperature"] - 298.15 - 0.1 * wavy(*places, 0.9))
-    assert (found["temperature_error_interpolation"] < 3.0).all()
-    assert (missed <= found["temperature_error_interpolation"]).mean() > 0.85
+    points = rng.uniform(210, 740, 40), rng.uniform(0.6, 3.9, 40)
+    margin = pipeline.margin(ds, *points)
+    missed = abs(margin["governing_temperature"] - 298.15 - 0.1 * wavy(*points, 0.9))
+    assert (margin["temperature_error_interpolation"] < 3.0).all()
+    assert (missed <= margin["temperature_error_interpolation"]).mean() > 0.85
 
 
 @pytest.mark.parametrize(("load", "velocity"), [(400.0, 2.25), (425.0, 2.1)])
 @pytest.mark.parametrize(("side", "verdict"), [(1, "mild"), (-1, "severe")])
 def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, side, verdict):
     ds = without_model_error(rise=wavy)
-    here = asked(ds, load, velocity)
+    margin = asked(ds, load, velocity)
     for share, expected in ((0.7, "undecided"), (2.5, verdict)):
-        critical = here.governing_temperature + side * share * here.temperature_error
+        critical = margin.governing_temperature + side * share * margin.temperature_error
         judged = asked(ds, load, velocity, critical_temperature=critical)
         assert judged.verdict == expected
 
@@ -64,14 +64,14 @@ def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_und
     for kind, share in ((WarningKind.FEW_STEPS, 0.1), (WarningKind.CONTACT_AT_EDGE, None)):
         flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2.0), int(kind), 0)
         warned = ds.assign(warning_flags=flags)
-        beside, far = asked(warned, 425.0, 2.1), asked(warned, 425.0, 3.1)
-        rise = beside.governing_temperature - 298.15
+        nearby, far = asked(warned, 425.0, 2.1), asked(warned, 425.0, 3.1)
+        rise = nearby.governing_temperature - 298.15
         size = rise * (np.nan if share is None else share)
         # Between the points it is that share of it by which the warned one counts.
-        assert np.isnan(size) or 0.1 * size < beside.temperature_error_warnings < size
-        assert np.isnan(beside.temperature_error_warnings) == np.isnan(size)
+        assert np.isnan(size) or 0.1 * size < nearby.temperature_error_warnings < size
+        assert np.isnan(nearby.temperature_error_warnings) == np.isnan(size)
         assert far.temperature_error_warnings == 0.0
-    assert (clean.temperature_error_warnings, beside.verdict) == (0.0, "undecided")
+    assert (clean.temperature_error_warnings, nearby.verdict) == (0.0, "undecided")
 
 
 @pytest.mark.parametrize(
@@ -79,23 +79,23 @@ def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_und
 )
 def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(status, also):
     missing = dict.fromkeys(((400.0, 2.0), *also), status)
-    partial, whole = synthetic.sweep(rise=wavy, status=missing), synthetic.sweep(rise=wavy)
-    masked = whole.where((whole["load"] != 400.0) | (whole["velocity"] != 2.0))
-    true = asked(whole, 400.0, 2.0)
+    partial, complete = synthetic.sweep(rise=wavy, status=missing), synthetic.sweep(rise=wavy)
+    masked = complete.where((complete["load"] != 400.0) | (complete["velocity"] != 2.0))
+    true = asked(complete, 400.0, 2.0)
     assert true.origin == "simulated"
     assert true.temperature_error_interpolation == 0.0
     for ds in (partial, masked.assign(status=partial["status"])):
-        here = asked(ds, 400.0, 2.0)
-        off = abs(here.governing_temperature - true.governing_temperature)
-        assert here.origin == "interpolated"
-        assert 0 < off <= here.temperature_error_interpolation
+        margin = asked(ds, 400.0, 2.0)
+        off = abs(margin.governing_temperature - true.governing_temperature)
+        assert margin.origin == "interpolated"
+        assert 0 < off <= margin.temperature_error_interpolation
 
 
 def near_the_boundary(rise=synthetic.rise):
     """Sweep that is done near its boundary alone, and the whole one."""
-    places = itertools.product(synthetic.LOADS, synthetic.VELOCITIES)
+    points = itertools.product(synthetic.LOADS, synthetic.VELOCITIES)
     critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
-    far = {place: PENDING for place in places if abs(np.log(place[1] / critical[place[0]])) > 0.3}
+    far = {point: PENDING for point in points if abs(np.log(point[1] / critical[point[0]])) > 0.3}
     return synthetic.sweep(rise=rise, status=far), synthetic.sweep(rise=rise)
 
 
@@ -123,7 +123,7 @@ def test_what_is_continued_tells_its_error():
 
 
 def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
-    here = asked(synthetic.sweep(preset=None), 400.0, 0.5)
-    assert np.isnan(here.temperature_error)
-    assert here.verdict == "undecided"
-    assert (here.probability_low, here.probability_high) == (0.0, 1.0)
+    margin = asked(synthetic.sweep(preset=None), 400.0, 0.5)
+    assert np.isnan(margin.temperature_error)
+    assert margin.verdict == "undecided"
+    assert (margin.probability_low, margin.probability_high) == (0.0, 1.0)

@@ -26,15 +26,17 @@ CONDITIONS = {"as tested": {}, "hot": {"friction": 0.3}, "cold": {"friction": 0.
 
 @pytest.mark.parametrize("corrections", [None, FALLING], ids=["constant", "falling friction"])
 @pytest.mark.parametrize("done", DONE)
-@pytest.mark.parametrize("told", CONDITIONS)
-def test_no_outcome_is_contradicted_by_points_that_are_not_done(told, done, corrections):
+@pytest.mark.parametrize("conditions", CONDITIONS)
+def test_no_outcome_is_contradicted_by_points_that_are_not_done(conditions, done, corrections):
     status = {(F, V): PENDING for F in LOADS for V in VELOCITIES if not DONE[done](F, V)}
     law = replace(synthetic.conditions(), corrections=corrections)
     ds = synthetic.sweep(
         LOADS, VELOCITIES, rise=synthetic.uneven(0), status=status, tests=(), conditions=law
     )
-    found = pipeline.boundary(ds, **CONDITIONS[told])
-    friction = CONDITIONS[told].get("friction", 0.1) * law.friction_factor(np.array(VELOCITIES))
+    boundary = pipeline.boundary(ds, **CONDITIONS[conditions])
+    friction = CONDITIONS[conditions].get("friction", 0.1) * law.friction_factor(
+        np.array(VELOCITIES)
+    )
     hot = (
         synthetic.uneven(0)(np.array(LOADS)[:, None], np.array(VELOCITIES), 0.9) * friction / 120.0
     )
@@ -43,22 +45,22 @@ def test_no_outcome_is_contradicted_by_points_that_are_not_done(told, done, corr
         ("velocity", np.array(VELOCITIES), hot, is_done),
         ("load", np.array(LOADS), hot.T, is_done.T),
     ):
-        outcomes = named(found[f"outcome_along_{along}"])
-        turns = found[f"crossings_along_{along}"].values
-        for outcome, line, here, places in zip(outcomes, lines, known, turns, strict=True):
-            places, hottest = places[np.isfinite(places)], line.max()
-            said = (outcome, line, places)
-            assert (len(places) > 0) == (outcome in ("transition", "several")), said
+        outcomes = named(boundary[f"outcome_along_{along}"])
+        turns = boundary[f"crossings_along_{along}"].values
+        for outcome, line, is_known, crossings in zip(outcomes, lines, known, turns, strict=True):
+            crossings, hottest = crossings[np.isfinite(crossings)], line.max()
+            context = (outcome, line, crossings)
+            assert (len(crossings) > 0) == (outcome in ("transition", "several")), context
             if outcome == "transition":  # exact but for interpolation
-                assert (line[x < 0.95 * places[0]] < 1).all(), said
-                assert (line[x > 1.05 * places[0]] > 1).all(), said
+                assert (line[x < 0.95 * crossings[0]] < 1).all(), context
+                assert (line[x > 1.05 * crossings[0]] > 1).all(), context
             elif outcome == "mild":
-                assert hottest < 1.02, said
+                assert hottest < 1.02, context
             elif outcome == "severe":
-                assert line[0] > 1, said
+                assert line[0] > 1, context
             elif outcome == "mild_to_highest":
-                assert (line[here] < 1).all(), said
+                assert (line[is_known] < 1).all(), context
             elif outcome == "severe_from_lowest":
-                assert (line[here] > 1).all(), said
+                assert (line[is_known] > 1).all(), context
             else:
-                assert not here.any(), said
+                assert not is_known.any(), context

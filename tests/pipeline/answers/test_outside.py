@@ -24,22 +24,22 @@ def test_a_place_outside_is_known_after_a_run_with_it(tmp_path):
     assert asked(pipeline.open_sweep(store), 150.0, 1.5).verdict != "unknown"
 
 
-@pytest.mark.parametrize("place", [(-1.0, 2.0), (400.0, 0.0), (float("inf"), 2.0), (400.0, 9e9)])
-def test_what_is_no_place_of_the_plane_is_outside(place):
-    assert "is outside the sweep" in asked(synthetic.sweep(), *place).reason
+@pytest.mark.parametrize("point", [(-1.0, 2.0), (400.0, 0.0), (float("inf"), 2.0), (400.0, 9e9)])
+def test_what_is_no_place_of_the_plane_is_outside(point):
+    assert "is outside the sweep" in asked(synthetic.sweep(), *point).reason
 
 
-@pytest.mark.parametrize("place", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])
-def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
+@pytest.mark.parametrize("point", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])
+def test_a_place_beyond_the_edge_by_rounding_is_the_edge(point):
     ds = synthetic.sweep()
-    edge, here = asked(ds, 750.0, 4.0), asked(ds, *place)
-    assert here.probability == pytest.approx(edge.probability, rel=1e-6)
-    assert (here.load, here.velocity) == pytest.approx((750.0, 4.0), rel=1e-5)
+    edge, beyond = asked(ds, 750.0, 4.0), asked(ds, *point)
+    assert beyond.probability == pytest.approx(edge.probability, rel=1e-6)
+    assert (beyond.load, beyond.velocity) == pytest.approx((750.0, 4.0), rel=1e-5)
 
 
 def test_loads_without_a_point_that_is_done_are_unknown_beside_others_that_are_known():
     later = [load for load in synthetic.LOADS.tolist() if load > 450]
     waits = {(load, speed): PENDING for load in later for speed in synthetic.VELOCITIES.tolist()}
-    found = pipeline.boundary(synthetic.sweep(status=waits)).sel(load=later)
-    assert {*named(found["outcome_along_velocity"])} == {"unknown"}
-    assert found["critical_velocity"].isnull().all()
+    boundary = pipeline.boundary(synthetic.sweep(status=waits)).sel(load=later)
+    assert {*named(boundary["outcome_along_velocity"])} == {"unknown"}
+    assert boundary["critical_velocity"].isnull().all()

@@ -35,13 +35,15 @@ def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
 ):
     (scene, rows, plane, table), verdicts = places_computed, set()
     for load, velocity in rows:
-        place = f"--load={load} N", f"--velocity={velocity} m/s"
-        (alone,) = irg("point", scene, *place, "--json")
-        (within,) = irg("margin", plane, *place, "--json")
+        options = f"--load={load} N", f"--velocity={velocity} m/s"
+        (single_row,) = irg("point", scene, *options, "--json")
+        (within,) = irg("margin", plane, *options, "--json")
         (row,) = np.flatnonzero((table["load"] == load) & (table["velocity"] == velocity))
-        own = {"governing temperature [°C]": table["governing_temperature"].values[row] - 273.15}
-        own["verdict"] = named(table["verdict"])[row].replace("_", " ")
-        for door in (alone, own):
+        expected = {
+            "governing temperature [°C]": table["governing_temperature"].values[row] - 273.15
+        }
+        expected["verdict"] = named(table["verdict"])[row].replace("_", " ")
+        for door in (single_row, expected):
             hot = door["governing temperature [°C]"]
             assert hot == pytest.approx(within["governing temperature [°C]"], **SAME)
             assert door["verdict"] in (within["verdict"], "undecided")

@@ -49,6 +49,6 @@ def test_an_error_that_one_realization_does_not_know_decides_nothing():
     assert asked(ds, 400.0, 0.75).verdict == "mild"
     for surfaces in ([ds, unstable], [unstable, ds]):
         both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
-        found = asked(both, 400.0, 0.75)
-        assert np.isnan(found.temperature_error)
-        assert found.verdict == "undecided"
+        margin = asked(both, 400.0, 0.75)
+        assert np.isnan(margin.temperature_error)
+        assert margin.verdict == "undecided"

@@ -28,37 +28,37 @@ LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
 HOTTEST_TENTH = QUANTILES.index(0.9)
 
 
-def realizations(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **told):
+def realizations(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **options):
     """Sweep of several realizations, each a factor hotter than the first; `states` of each."""
     sweeps = []
     for seed, lift in enumerate(lifts):
-        one = synthetic.sweep(
+        dataset = synthetic.sweep(
             LOADS,
             VELOCITIES,
-            rise=lambda F, V, q=1.0, k=lift, own=seed: (
-                k * (F / 400.0) ** (growth * own) * synthetic.rise(F, V, q)
+            rise=lambda F, V, q=1.0, k=lift, seed_offset=seed: (
+                k * (F / 400.0) ** (growth * seed_offset) * synthetic.rise(F, V, q)
             ),
             status=(states or {}).get(seed),
-            **{"tests": ()} | told,
+            **{"tests": ()} | options,
         )
-        deviations = np.full(one["rise_realization_std"].shape, sampling)
-        one["rise_realization_std"] = one["rise_realization_std"].dims, deviations
-        sweeps.append(one)
+        deviations = np.full(dataset["rise_realization_std"].shape, sampling)
+        dataset["rise_realization_std"] = dataset["rise_realization_std"].dims, deviations
+        sweeps.append(dataset)
     seeds = xr.Variable("realization", np.arange(len(lifts)))
     return xr.concat(sweeps, seeds, coords="minimal", compat="override", combine_attrs="override")
 
 
-def only(*places, state=PENDING):
+def only(*points, state=PENDING):
     """States of a realization that is done at these places alone."""
-    return {(F, V): state for F in LOADS for V in VELOCITIES if (F, V) not in places}
+    return {(F, V): state for F in LOADS for V in VELOCITIES if (F, V) not in points}
 
 
 def factor(ds, **conditions):
     """Rise of the specimen at each load over that of the closed form, from its boundary."""
-    found = pipeline.boundary(ds, **conditions)["critical_velocity"].values
+    critical_velocity = pipeline.boundary(ds, **conditions)["critical_velocity"].values
     share = 0.0 if conditions else 0.1
-    own = synthetic.critical_velocity(np.array(LOADS), synthetic.limit(), share)
-    return (own / found) ** synthetic.VELOCITY_EXPONENT
+    closed_form = synthetic.critical_velocity(np.array(LOADS), synthetic.limit(), share)
+    return (closed_form / critical_velocity) ** synthetic.VELOCITY_EXPONENT
 
 
 def mean(lifts):
@@ -67,8 +67,8 @@ def mean(lifts):
 
 def sparse():
     """Realizations of which the first alone has more than a point at each load."""
-    places = [(F, 2.0) for F in LOADS]
-    return realizations(states={k: only(*places) for k in range(1, len(LIFTS))})
+    points = [(F, 2.0) for F in LOADS]
+    return realizations(states={k: only(*points) for k in range(1, len(LIFTS))})
 
 
 def growing(*loads):
@@ -98,15 +98,15 @@ def test_a_boundary_is_that_of_the_mean_of_realizations(name):
 
 
 def test_where_the_highest_temperature_decides_the_hottest_realization_does():
-    found = factor(realizations(), critical_area_fraction=0.0)
-    np.testing.assert_allclose(found, max(LIFTS), rtol=1e-12)
+    factors = factor(realizations(), critical_area_fraction=0.0)
+    np.testing.assert_allclose(factors, max(LIFTS), rtol=1e-12)
 
 
 def test_at_a_load_without_a_point_realizations_differ_as_at_the_loads_beside():
     lacks_400 = realizations((1.0, 1.1), {k: only((200.0, 2.0), (600.0, 2.0)) for k in (0, 1)})
-    found = asked(lacks_400, 400.0, 2.0)
-    beside = asked(lacks_400, 200.0, 2.0)
-    assert found.realizations == beside.realizations == 2
+    margin = asked(lacks_400, 400.0, 2.0)
+    nearby_margin = asked(lacks_400, 200.0, 2.0)
+    assert margin.realizations == nearby_margin.realizations == 2
 
 
 def test_a_failed_realization_stays_where_it_alone_has_points():
@@ -117,16 +117,16 @@ def test_a_failed_realization_stays_where_it_alone_has_points():
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_the_surface_is_a_bound_by_the_realizations_own_estimates_and_their_spread(count):
-    found = asked(realizations(LIFTS[:count], sampling=0.03), 400.0, 2.0)
+    margin = asked(realizations(LIFTS[:count], sampling=0.03), 400.0, 2.0)
     levels = np.log(LIFTS[:count])
     spread = np.sum((levels - levels.mean()) ** 2)
     scale = (7 + spread / 0.03**2) / (6 + count)  # all loads tell the same
     deviation = math.sqrt((7 * scale * 0.03**2 + spread) / (6 + count))
     expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
-    rise = found.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
-    assert found.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
-    parts = [getattr(found, f"temperature_error_{part}") for part in PARTS]
-    assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
+    rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    assert margin.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
+    parts = [getattr(margin, f"temperature_error_{part}") for part in PARTS]
+    assert margin.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
 
 
 def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_state():
@@ -135,8 +135,8 @@ def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_st
     sparse = {k: only(*((200.0, V) for V in VELOCITIES)) for k in range(2, 5)}
     ds = realizations(np.exp(levels), sparse, sampling=0.03)
     is_high = (ds["load"] > 200.0).drop_attrs()
-    own = ds["rise_realization_std"]
-    ds["rise_realization_std"] = (own / (1 + 2 * is_high)).assign_attrs(own.attrs)
+    stored_std = ds["rise_realization_std"]
+    ds["rise_realization_std"] = (stored_std / (1 + 2 * is_high)).assign_attrs(stored_std.attrs)
     spread = np.array([np.square(levels).sum(), 0.05**2 / 2])
     stated, freedom = [0.03, 0.01], [4, 1]
     ratios = spread / np.square(stated)
@@ -153,18 +153,18 @@ def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_st
         (200.0, bound(spread[0], 0)),
         (400.0, math.hypot(few, slope * bound(spread[0], 0))),
     ):
-        found = asked(ds, load, 2.0)
-        rise = found.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
-        assert found.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
+        margin = asked(ds, load, 2.0)
+        rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+        assert margin.temperature_error_surface / rise == pytest.approx(expected, rel=1e-12)
     means = np.array([0.0, 0.05 * (1 - slope), 0.05 * (1 - slope)])
     np.testing.assert_allclose(factor(ds), np.exp(means), rtol=1e-12)
 
 
 def test_with_local_wear_a_realization_alone_tells_little_and_several_tell_by_their_spread():
     degrees, factor = ALONE_IN_LOCAL_WEAR
-    one = surface_sampling_bound(1, 0.0, 0.02, alone=LOCAL)
-    assert one == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
-    assert one > 5 * surface_sampling_bound(1, 0.0, 0.02)
+    single_bound = surface_sampling_bound(1, 0.0, 0.02, alone=LOCAL)
+    assert single_bound == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
+    assert single_bound > 5 * surface_sampling_bound(1, 0.0, 0.02)
     squares = 15 * 0.06**2  # of realizations that differ by 6 %
     deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
     expected = t(degrees + 15).ppf(0.975) * deviation / 4
@@ -182,21 +182,21 @@ def test_with_local_wear_a_realization_alone_tells_little_and_several_tell_by_th
 
 def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     ds = realizations(sampling=0.03)
-    found = pipeline.boundary(ds).sel(load=400.0)
-    here = asked(ds, 400.0, found["critical_velocity"].item())
-    rise = here.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
-    parts = np.array([getattr(here, f"temperature_error_{part}") for part in PARTS])
+    boundary = pipeline.boundary(ds).sel(load=400.0)
+    margin = asked(ds, 400.0, boundary["critical_velocity"].item())
+    rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    parts = np.array([getattr(margin, f"temperature_error_{part}") for part in PARTS])
     parts = parts / rise / synthetic.VELOCITY_EXPONENT
-    parts[1] = here.temperature_error_discretization / rise / RISE_SHARE
-    assert found["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
-    assert found["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
+    parts[1] = margin.temperature_error_discretization / rise / RISE_SHARE
+    assert boundary["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
+    assert boundary["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
 
 def test_the_highest_of_realizations_is_as_uncertain_as_one_of_them():
     relative = []
     for share in (0.1, 0.0):
-        found = asked(realizations(), 400.0, 2.0, critical_area_fraction=share)
-        relative.append(found.temperature_error_surface / (found.governing_temperature - 298.15))
+        margin = asked(realizations(), 400.0, 2.0, critical_area_fraction=share)
+        relative.append(margin.temperature_error_surface / (margin.governing_temperature - 298.15))
     assert relative[1] / relative[0] == pytest.approx(math.sqrt(len(LIFTS)), rel=1e-9)
 
 
@@ -211,10 +211,10 @@ def test_a_test_is_computed_on_the_first_realization_and_stands_on_the_level_of_
 
 
 def test_the_specimen_of_realizations_that_differ_a_lot_is_decided_by_more_realizations():
-    here = asked(realizations((1.0, 1.4), sampling=0.1), 400.0, 1.9)
-    assert here.verdict == "undecided"
-    assert here.temperature_error_surface == max(
-        getattr(here, f"temperature_error_{part}") for part in PARTS
+    margin = asked(realizations((1.0, 1.4), sampling=0.1), 400.0, 1.9)
+    assert margin.verdict == "undecided"
+    assert margin.temperature_error_surface == max(
+        getattr(margin, f"temperature_error_{part}") for part in PARTS
     )
 
 
@@ -223,6 +223,6 @@ def test_points_at_far_velocities_leave_the_surface_part_of_an_error_as_it_is():
     rough = 0.02 + 0.06 * (ds["velocity"] > 2.5)  # which points there state of their own deviation
     ds = ds.assign(rise_realization_std=(ds["rise_realization_std"] + rough).drop_attrs())
     few = ds.isel(velocity=ds["velocity"].values <= 2.0)
-    parts = [asked(one, 425.0, 1.2).temperature_error_surface for one in (few, ds)]
+    parts = [asked(dataset, 425.0, 1.2).temperature_error_surface for dataset in (few, ds)]
     assert parts[0] == pytest.approx(parts[1], rel=1e-12)
     assert asked(ds, 425.0, 3.2).temperature_error_surface > 2 * parts[0]

@@ -18,15 +18,15 @@ LOAD = 400.0
 CRITICAL = float(synthetic.critical_velocity(LOAD, LIMIT))
 
 
-def at(y, outcome="transition", **own):
+def at(y, outcome="transition", **options):
     """Test at which y = ln(rise/limit) is a given number."""
     velocity = synthetic.critical_velocity(LOAD, math.exp(y) * LIMIT)
-    return bare_test(LOAD, float(velocity), outcome=outcome, **own)
+    return bare_test(LOAD, float(velocity), outcome=outcome, **options)
 
 
-def swept(*tests, **told):
+def swept(*tests, **options):
     plane = (200.0, 300.0, 450.0, 600.0, 750.0), (0.5, 1.0, 2.0, 3.0, 4.0)
-    return synthetic.sweep(*plane, tests=tests, **told)
+    return synthetic.sweep(*plane, tests=tests, **options)
 
 
 def chances(ds, *ys):
@@ -74,15 +74,15 @@ def test_rows_of_one_specimen_are_one_result(name):
 def test_while_a_test_has_no_result_no_verdict_is_given_that_it_may_forbid(state, outcome, closed):
     ds = swept(at(0.0, outcome))
     ds = synthetic.with_tests(ds, status=state)
-    found = [asked(ds, 500.0, v) for v in (0.5, 4.0)]
-    for margin, usual in zip(found, ("mild", "severe"), strict=True):
+    margins = [asked(ds, 500.0, v) for v in (0.5, 4.0)]
+    for margin, usual in zip(margins, ("mild", "severe"), strict=True):
         assert margin.verdict == ("undecided" if usual in closed else usual)
         if usual in closed:
             assert margin.reason.startswith("test 1 (")
             assert "irg run" in margin.reason
-    alone = ds.assign_attrs(without_tests="yes")
-    assert [asked(alone, 500.0, v).verdict for v in (0.5, 4.0)] == ["mild", "severe"]
-    assert chances(ds, -0.1, 0.1) == pytest.approx(chances(alone, -0.1, 0.1))
+    untested = ds.assign_attrs(without_tests="yes")
+    assert [asked(untested, 500.0, v).verdict for v in (0.5, 4.0)] == ["mild", "severe"]
+    assert chances(ds, -0.1, 0.1) == pytest.approx(chances(untested, -0.1, 0.1))
 
 
 def test_a_dataset_without_the_points_of_its_tests_says_so():
@@ -93,7 +93,7 @@ def test_a_dataset_without_the_points_of_its_tests_says_so():
     assert "has not been simulated yet" in margin.reason
 
 
-HELD = synthetic.scene().base.with_hold(30.0)
+HELD_CASE = synthetic.scene().base.with_hold(30.0)
 EASIER = {
     "load": (0.9, 1.0, {}),
     "velocity": (1.0, 0.9, {}),
@@ -102,19 +102,21 @@ EASIER = {
 }
 
 
-@pytest.mark.parametrize("way", EASIER)
-def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
+@pytest.mark.parametrize("quantity", EASIER)
+def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(quantity):
     """Many mild tests make an easy place mild, but for one that a severe test dominates."""
-    load, velocity, own = EASIER[way]
+    load, velocity, conditions = EASIER[quantity]
     mild = [at(-0.2, "mild", number=f"m{k}") for k in range(40)]
-    severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **own)
+    severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **conditions)
     ds = swept(*mild, severe)
-    there = asked(ds, 300.0, 0.9)
-    assert there.probability_high <= 0.05
-    assert (there.verdict, "rules it out" in there.reason) == ("undecided", True)
+    margin = asked(ds, 300.0, 0.9)
+    assert margin.probability_high <= 0.05
+    assert (margin.verdict, "rules it out" in margin.reason) == ("undecided", True)
     assert asked(ds, 200.0, 0.6).verdict == "mild"
-    held = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", case=HELD, **own)
-    assert asked(swept(*mild, held), 300.0, 0.9).verdict == "mild"  # not alike
+    held_test = bare_test(
+        300.0 * load, 0.9 * velocity, outcome="severe", case=HELD_CASE, **conditions
+    )
+    assert asked(swept(*mild, held_test), 300.0, 0.9).verdict == "mild"  # not alike
 
 
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
@@ -134,16 +136,16 @@ def test_friction_moves_the_place_alone_and_another_critical_temperature_its_tes
     moved = asked(ds, 400.0, 2.2, critical_temperature=438.15).probability
     shift = math.log(140 / 120)
     results = tuple(Outcome(y - shift, y - shift) for y in (-0.1, 0.0))
-    place = math.log(synthetic.rise(400.0, 2.2, 0.9) / synthetic.limit(critical=438.15))
-    (expected,) = update(results, Prior()).probability(np.array([place]))
+    log_rise_ratio = math.log(synthetic.rise(400.0, 2.2, 0.9) / synthetic.limit(critical=438.15))
+    (expected,) = update(results, Prior()).probability(np.array([log_rise_ratio]))
     assert moved == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_test_that_the_others_make_unlikely_is_named():
     tests = [at(y) for y in (0.0, 0.02, -0.02, 0.01, -0.01)]
     slip = at(-1.0, "severe", number="slip")
-    (said,) = pipeline.boundary(swept(*tests, slip)).attrs["outliers"].split(" | ")
-    assert said.startswith("outlier: test slip (severe, 400 N, ")
+    (outlier,) = pipeline.boundary(swept(*tests, slip)).attrs["outliers"].split(" | ")
+    assert outlier.startswith("outlier: test slip (severe, 400 N, ")
     assert pipeline.boundary(swept(*tests)).attrs["outliers"] == ""
 
 
