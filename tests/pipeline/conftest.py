@@ -16,13 +16,13 @@ from tests.helpers.points import run_point
 def commit_all(path, sweep, skip=()):
     """Create the store of a sweep, and compute its points in this process."""
     with writing(path, sweep) as store:
-        wanted = [point for point in points(sweep) if point not in skip]
-        store.commit(run_point(sweep, point).record(sweep.fields) for point in wanted)
+        selected = [point for point in points(sweep) if point not in skip]
+        store.commit(run_point(sweep, point).record(sweep.fields) for point in selected)
         run_serial(store)
 
 
 @pytest.fixture(scope="session")
-def alone(tmp_path_factory):
+def tiny_store(tmp_path_factory):
     """Store of the tiny sweep with fields, each point simulated from the start."""
     path = tmp_path_factory.mktemp("alone") / "tiny.zarr"
     with np.errstate(all="raise", under="ignore"):
@@ -37,9 +37,9 @@ def path(tmp_path):
 
 
 @pytest.fixture
-def copy(alone, tmp_path):
-    """Path of a copy of the store `alone`, which a test may change."""
-    return shutil.copytree(alone, tmp_path / "tiny.zarr")
+def copy(tiny_store, tmp_path):
+    """Path of a copy of the store `tiny_store`, which a test may change."""
+    return shutil.copytree(tiny_store, tmp_path / "tiny.zarr")
 
 
 _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE)

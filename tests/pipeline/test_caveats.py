@@ -10,9 +10,9 @@ from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
-OWN = "Not validated: no test of this steel."
+NOTE = "Not validated: no test of this steel."
 HARD = "materials.steel.hardness: 3.14 times the elastic modulus is unusual (0.001 to 0.2 times"
-PLACE = ["--load", "300 N", "--velocity", "1.5 m/s"]
+POINT = ["--load", "300 N", "--velocity", "1.5 m/s"]
 
 
 @pytest.fixture(scope="module")
@@ -30,41 +30,41 @@ def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
     doors = {
         "check": irg("check", odd),
         "run": irg("run", odd, "-o", store, "-q"),
-        "one point": irg("point", odd, *PLACE),
+        "one point": irg("point", odd, *POINT),
         "attributes": pipeline.boundary(store).attrs["notes"],
     }
-    for door, said in doors.items():
-        assert " ".join(said.split()).count(HARD) == 1, door
+    for door, output in doors.items():
+        assert " ".join(output.split()).count(HARD) == 1, door
     assert "is unusual" not in (store / "about" / "zarr.json").read_text()  # codes are stored
     irg("plot", store, "-o", figure)
     assert "3.14 times the elastic modulus" in " ".join(figure.read_text().split())
 
 
-def told_in(row):
+def caveats_in(row):
     """The caveats in a row of a table."""
     return [*row["notes"].split(" | "), row["not_included"]]
 
 
 def test_every_answer_on_a_store_says_the_same_caveats_each_once(odd, irg, tmp_path):
     store = shutil.copytree(odd.with_suffix(".zarr"), tmp_path / "noted.zarr")
-    irg("run", odd, "--set", f"note={OWN}", "-o", store, "-q")
+    irg("run", odd, "--set", f"note={NOTE}", "-o", store, "-q")
     expected = asked(store, "300 N", "1.5 m/s")
-    assert expected.notes[0] == OWN
+    assert expected.notes[0] == NOTE
     assert sum(HARD in note for note in expected.notes) == 1
     for part in ("sharp pin ends", "uncertain inputs"):
         assert expected.not_included.count(part) == 1
     lines = [*expected.notes, expected.not_included]
-    for command in (("margin", store, *PLACE), ("boundary", store)):
-        said = " ".join(irg(*command, "-o", tmp_path / "out.csv").split())
-        assert [said.count(line) for line in lines] == [1] * len(lines)
+    for command in (("margin", store, *POINT), ("boundary", store)):
+        output = " ".join(irg(*command, "-o", tmp_path / "out.csv").split())
+        assert [output.count(line) for line in lines] == [1] * len(lines)
         rows = pd.read_csv(tmp_path / "out.csv").to_dict("records")
-        assert all(told_in(row) == lines for row in (*irg(*command, "--json"), *rows))
+        assert all(caveats_in(row) == lines for row in (*irg(*command, "--json"), *rows))
 
 
 def test_values_of_all_cases_are_doubted(odd, irg):
     over = 'sweep.over={"pin.radius"=["2 mm","400 nm","8 mm"]}'
-    said = " ".join(irg("check", odd, "--set", over).split())
-    assert "pin.radius: 1 of 3 values: 0.0004 mm is unusual (0.1 to 1000 mm is common)" in said
+    output = " ".join(irg("check", odd, "--set", over).split())
+    assert "pin.radius: 1 of 3 values: 0.0004 mm is unusual (0.1 to 1000 mm is common)" in output
     over = 'sweep.over={"materials.steel.hardness"=["2 GPa","66 GPa"]}'
-    said = " ".join(irg("check", odd, "--set", over).split())
-    assert f"{HARD} the elastic modulus is common): check number and unit (in 66 GPa)" in said
+    output = " ".join(irg("check", odd, "--set", over).split())
+    assert f"{HARD} the elastic modulus is common): check number and unit (in 66 GPa)" in output

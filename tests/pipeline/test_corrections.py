@@ -41,35 +41,38 @@ KINDS = {"one bulk": lambda: without_tests(synthetic.sweep()), "friction by velo
 def test_it_acts_as_more_friction_does(kind):
     ds = KINDS[kind]()
     rubbed = {"friction": ADDED * sweep_of(ds).conditions.friction}
-    plain, boundary, like = (pipeline.boundary(ds, **own) for own in ({}, RISE, rubbed))
+    plain, boundary, like = (
+        pipeline.boundary(ds, **conditions) for conditions in ({}, RISE, rubbed)
+    )
     for name in ("critical_velocity", "critical_load", "critical_velocity_p50"):
         np.testing.assert_allclose(boundary[name], like[name], rtol=1e-12)
         assert not plain[name].equals(boundary[name])
-    margin, same = (asked(ds, 600.0, 1.2, **own) for own in (RISE, rubbed))
+    margin, same = (asked(ds, 600.0, 1.2, **conditions) for conditions in (RISE, rubbed))
     for name in ("governing_temperature", "temperature_margin", "probability", "probability_high"):
         assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-9)
     both = pipeline.temperatures(ds, **RISE), pipeline.temperatures(ds, **rubbed)
-    xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)
+    xr.testing.assert_allclose(*(dataset.drop_attrs() for dataset in both), rtol=1e-12)
 
 
 def test_each_answer_names_it_where_it_is_not_zero(irg, monkeypatch, tmp_path):
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: synthetic.sweep())
-    place = "--load=600 N", "--velocity=2 m/s"
+    point = "--load=600 N", "--velocity=2 m/s"
     at = "--at", "model.rise=+6 %"
-    for command in (("boundary", "a.zarr"), ("margin", "a.zarr", *place)):
+    for command in (("boundary", "a.zarr"), ("margin", "a.zarr", *point)):
         assert irg(*command, *at).count(LINE) == 1
         for none in ((), ("--at", "model.rise=0")):
             assert "outside the model" not in irg(*command, *none)
     assert "25 °C, rise +6 %" in irg("boundary", "a.zarr", *at)
     assert "rise −5 %" in irg("boundary", "a.zarr", "--at", "model.rise=-5 %")
     (tmp_path / "own.toml").write_text(SCENE)
-    assert LINE in irg("point", tmp_path / "own.toml", *place, "--set", "model.rise=+6 %")
+    assert LINE in irg("point", tmp_path / "own.toml", *point, "--set", "model.rise=+6 %")
 
 
 def test_a_critical_temperature_from_tests_contains_it():
     ds = synthetic.sweep()
     plain, added = (
-        pipeline.infer(ds, **own)["critical_temperature"].item() - 298.15 for own in ({}, RISE)
+        pipeline.infer(ds, **conditions)["critical_temperature"].item() - 298.15
+        for conditions in ({}, RISE)
     )
     assert added == pytest.approx(ADDED * plain, rel=0.01)  # the prior stays where it is
 
@@ -84,8 +87,10 @@ ALL = tribo.Corrections(
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
 
 
-def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(alone):
-    ds = with_fields(pipeline.open_sweep(alone), conditions=replace(CONDITIONS, corrections=ALL))
+def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(tiny_store):
+    ds = with_fields(
+        pipeline.open_sweep(tiny_store), conditions=replace(CONDITIONS, corrections=ALL)
+    )
     hottest = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)[-1].item()
     figure = pipeline.plot(ds, "fields", load=600.0, velocity=1.0)
     _, temperature, _ = (axes.collections[0].get_array() for axes in figure.axes[:3])
@@ -132,10 +137,10 @@ LOAD, VELOCITY = 600.0, 1.0
 def sweep_under(loading, motion=None, **changes):
     parts = replace(STAYS, motion=motion, pin_track=TRACK if motion else None)
     conditions = replace(CONDITIONS, corrections=parts)
-    places = {"loads": (250.0, LOAD), "velocities": (VELOCITY,)}
+    axes = {"loads": (250.0, LOAD), "velocities": (VELOCITY,)}
     little = tribo.Wear(1e-19)  # the contact hardly widens, so that the end is the hottest time
     return tiny.sweep(
-        conditions=conditions, loading=loading, motion=motion, wear=little, **places, **changes
+        conditions=conditions, loading=loading, motion=motion, wear=little, **axes, **changes
     )
 
 
@@ -160,11 +165,11 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
 UNKNOWN = replace(tiny.sweep().conditions, critical_temperature=None)
 
 
-def test_without_a_critical_temperature_temperatures_are_known_and_no_boundary(alone):
-    ds = with_fields(pipeline.open_sweep(alone), conditions=UNKNOWN)
-    found = pipeline.temperatures(ds)
-    assert np.isfinite(found["max_temperature"].values).any()
-    assert "failed_area_fraction" not in found
+def test_without_a_critical_temperature_temperatures_are_known_and_no_boundary(tiny_store):
+    ds = with_fields(pipeline.open_sweep(tiny_store), conditions=UNKNOWN)
+    temperatures = pipeline.temperatures(ds)
+    assert np.isfinite(temperatures["max_temperature"].values).any()
+    assert "failed_area_fraction" not in temperatures
     for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
         with pytest.raises(InputError, match=r"temperature is needed.*--critical-temperature"):
             judge(ds)
@@ -178,11 +183,11 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     scene = tmp_path / "scene.toml"
     scene.write_text('extends = "known.toml"\nwithout = ["temperature.critical"]\n')
     assert pipeline.load_scene(scene).conditions == UNKNOWN
-    place = ["--load", "200 N", "--velocity", "1 m/s"]
-    (row,) = irg("point", scene, *place, "--json")
+    point = ["--load", "200 N", "--velocity", "1 m/s"]
+    (row,) = irg("point", scene, *point, "--json")
     assert "verdict" not in row
     assert row["highest temperature [°C]"] > 25
-    assert "without temperature.critical there is no verdict" in irg("point", scene, *place)
+    assert "without temperature.critical there is no verdict" in irg("point", scene, *point)
     out = str(tmp_path / "out.zarr")
     assert "a critical temperature is needed" in irg(
         "run", scene, "--accuracy", "2%", "-o", out, "--workers", "1", code=2

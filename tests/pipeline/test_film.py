@@ -21,7 +21,9 @@ from tribo.material import minimum_point_film
 from tribo.simulation import lubrication
 from tribo.simulation.film import film_excess, film_inlet
 
-SAID = "Outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+OUTSIDE_MODEL = (
+    "Outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+)
 
 
 @functools.cache
@@ -44,9 +46,11 @@ def test_a_film_is_outside_from_where_it_carries_a_fifth_of_the_load(name, load,
     *_, state = tribo.simulate(sweep.scene, load, velocity)
     inlet, pressure = film_inlet(sweep.scene, state)
     bulk = sweep.conditions.bulk_temperature
-    found = film_excess(sweep.scene, sweep.lubricant, load, velocity, bulk, inlet, pressure)
-    assert found == pytest.approx(excess, abs=0.02)
-    assert (found > 0) == (excess > 0)
+    computed_excess = film_excess(
+        sweep.scene, sweep.lubricant, load, velocity, bulk, inlet, pressure
+    )
+    assert computed_excess == pytest.approx(excess, abs=0.02)
+    assert (computed_excess > 0) == (excess > 0)
 
 
 def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too():
@@ -54,8 +58,8 @@ def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too(
     soft = replace(sweep.scene, disk=replace(sweep.scene.disk, hardness=1.5e9))
     *_, state = tribo.simulate(soft, 750.0, 1.0)
     at = 750.0, 1.0, sweep.conditions.bulk_temperature
-    found = film_excess(soft, sweep.lubricant, *at, *film_inlet(soft, state))
-    assert found == pytest.approx(-0.325, abs=0.02)  # with the contact solved to 0.01
+    excess = film_excess(soft, sweep.lubricant, *at, *film_inlet(soft, state))
+    assert excess == pytest.approx(-0.325, abs=0.02)  # with the contact solved to 0.01
 
 
 def test_of_a_ball_and_between_smooth_bodies_the_inlet_is_not_known():
@@ -69,9 +73,9 @@ def test_of_a_ball_and_between_smooth_bodies_the_inlet_is_not_known():
     assert pressure == pytest.approx(4.08e8, rel=0.03)  # of Hertz
 
 
-def filmed(inlet=None, **told):
+def filmed(inlet=None, **options):
     """Synthetic sweep whose film carries a fifth of 400 N at 2 m/s, or with another inlet."""
-    ds = synthetic.sweep(oil=synthetic.OIL, **told)
+    ds = synthetic.sweep(oil=synthetic.OIL, **options)
     scene = sweep_of(ds).scene
     if inlet is None:
         at = 400.0, 2.0, 298.15
@@ -95,26 +99,26 @@ def store(monkeypatch):
 
 def test_a_place_outside_has_a_temperature_and_no_verdict(store, irg, tmp_path):
     out, within = (["--load", "400 N", "--velocity", v] for v in ("2.1 m/s", "1.9 m/s"))
-    said = irg("margin", "out.zarr", *out).replace("\n    ", " ")
-    assert said.startswith(f"{SAID}; governing temperature ")
-    assert "probability" not in said.splitlines()[0]
+    output = irg("margin", "out.zarr", *out).replace("\n    ", " ")
+    assert output.startswith(f"{OUTSIDE_MODEL}; governing temperature ")
+    assert "probability" not in output.splitlines()[0]
     assert irg("margin", "out.zarr", *within).startswith("Undecided: probability of")
     (row,) = irg("margin", "out.zarr", *out, "--json")
     assert (row["verdict"], row["probability"]) == ("outside the model", None)
     assert row["governing temperature [°C]"] > 100
-    found = pipeline.margin(store, [400.0, 400.0], [1.0, 2.1])
-    assert named(found["verdict"]).tolist() == ["mild", "outside_model"]
+    margins = pipeline.margin(store, [400.0, 400.0], [1.0, 2.1])
+    assert named(margins["verdict"]).tolist() == ["mild", "outside_model"]
 
 
 def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg, tmp_path):
-    found = pipeline.boundary(store)
-    inside = found["critical_velocity"].dropna("load")
-    assert 0 < inside.size < found.sizes["load"]  # the film grows with velocity: low loads go
+    boundary = pipeline.boundary(store)
+    inside = boundary["critical_velocity"].dropna("load")
+    assert 0 < inside.size < boundary.sizes["load"]  # the film grows with velocity: low loads go
     assert inside["load"].min() > 400.0
-    assert named(found["outcome_along_velocity"].sel(load=200.0)) == "outside_model"
+    assert named(boundary["outcome_along_velocity"].sel(load=200.0)) == "outside_model"
     # A velocity at which the whole line of loads is outside has no outcome, either.
-    fastest = float(found["velocity"][-1])
-    assert named(found["outcome_along_load"].sel(velocity=fastest)) == "outside_model"
+    fastest = float(boundary["velocity"][-1])
+    assert named(boundary["outcome_along_load"].sel(velocity=fastest)) == "outside_model"
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
     assert "outside the model (oil film)" in drawn
@@ -128,28 +132,28 @@ def test_a_hot_oil_is_thin_so_that_the_same_place_is_inside(store):
 
 
 def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
-    own = filmed()
+    film_sweep = filmed()
     every = filmed(inlet=1e9)
-    counted = pipeline.margin(own, 700.0, 0.6).attrs["model_error"]
+    counted = pipeline.margin(film_sweep, 700.0, 0.6).attrs["model_error"]
     assert "from 2 tests" in counted  # not those at 400 N, 2.25 m/s and 200 N, 3.75 m/s
     assert "from the prior" in pipeline.margin(every, 700.0, 0.5).attrs["model_error"]
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: own)
-    said = " ".join(irg("boundary", "out.zarr").split())
-    assert "(transition, 200 N, 3.75 m/s) is not used: an oil film" in said
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: film_sweep)
+    output = " ".join(irg("boundary", "out.zarr").split())
+    assert "(transition, 200 N, 3.75 m/s) is not used: an oil film" in output
 
 
 def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypatch):
     ds = filmed(inlet=np.nan)  # as stored for smooth bodies
     known = filmed(inlet=1e-6)
-    here, there = (asked(one, 400.0, 1.0) for one in (ds, known))
-    assert "film_unknown" in here.flags
-    assert "film_unknown" not in there.flags
-    assert here.verdict == there.verdict == "mild"
+    unknown_margin, known_margin = (asked(dataset, 400.0, 1.0) for dataset in (ds, known))
+    assert "film_unknown" in unknown_margin.flags
+    assert "film_unknown" not in known_margin.flags
+    assert unknown_margin.verdict == known_margin.verdict == "mild"
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     at = "--load", "400 N", "--velocity", "1 m/s"
     for words in (("margin", "out.zarr", *at), ("boundary", "out.zarr")):
-        said = " ".join(irg(*words).split())
-        assert "an oil film that carries load (unknown here), uncertain inputs" in said
+        output = " ".join(irg(*words).split())
+        assert "an oil film that carries load (unknown here), uncertain inputs" in output
     # Its pictures take seconds to draw.
     monkeypatch.setattr(report, "picture_of", lambda draw, *texts: Picture("", "", *texts))
     verdict, _, _ = pipeline.report(ds, load=400.0, velocity=1.0).partition("</section>")
@@ -180,13 +184,17 @@ def test_film_parameters_of_the_papers_transitions(sweep):
 
 
 def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
-    of = film_of(sweep).film_parameter
-    assert of(750, 2.5, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**0.7)
-    assert of(1500, 1.25, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**-0.13)
-    assert of(750, 1.25, 373.15) < 0.2 * of(750, 1.25, 298.15)
-    assert of(750, -1.25, 298.15) == of(750, 1.25, 298.15)
-    assert of(750, 0.0, 298.15) == 0.0
-    assert np.isnan(of([np.nan, 0.0, 750.0], [1.0, 1.0, np.nan], 298.15)).all()
+    film_parameter = film_of(sweep).film_parameter
+    assert film_parameter(750, 2.5, 298.15) / film_parameter(750, 1.25, 298.15) == pytest.approx(
+        2**0.7
+    )
+    assert film_parameter(1500, 1.25, 298.15) / film_parameter(750, 1.25, 298.15) == pytest.approx(
+        2**-0.13
+    )
+    assert film_parameter(750, 1.25, 373.15) < 0.2 * film_parameter(750, 1.25, 298.15)
+    assert film_parameter(750, -1.25, 298.15) == film_parameter(750, 1.25, 298.15)
+    assert film_parameter(750, 0.0, 298.15) == 0.0
+    assert np.isnan(film_parameter([np.nan, 0.0, 750.0], [1.0, 1.0, np.nan], 298.15)).all()
 
 
 def test_a_ball_has_the_film_of_a_point_contact(sweep):

@@ -51,8 +51,8 @@ def test_a_chunk_that_is_no_file_of_its_size_is_named_at_once(lay, name, copy, i
     (chunk,) = sorted((copy / name).glob("c.*"))[:1]
     chunk.unlink()
     lay(chunk)
-    said = "it has 1e+06 MB; at most 0." if lay is huge else "it is not a file"
-    assert f"{chunk} cannot be read: {said}" in irg("verify", copy, code=2)
+    reason = "it has 1e+06 MB; at most 0." if lay is huge else "it is not a file"
+    assert f"{chunk} cannot be read: {reason}" in irg("verify", copy, code=2)
     assert re.search(f"{name}.* cannot be read", irg("boundary", copy, code=2))
 
 
@@ -71,6 +71,6 @@ def test_a_small_workbook_that_asks_for_much_is_refused(tmp_path):
     far = pytest.importorskip("openpyxl").Workbook()
     far.active["XFD1048576"] = 1
     far.save(tmp_path / "far.xlsx")
-    for name, said in (("a", "unpacks to 11 MB"), ("far", "more than 1000000 cells")):
-        with pytest.raises(tribo.InputError, match=said):
+    for name, message in (("a", "unpacks to 11 MB"), ("far", "more than 1000000 cells")):
+        with pytest.raises(tribo.InputError, match=message):
             OperatingPoints.read(tmp_path / f"{name}.xlsx")

@@ -24,9 +24,9 @@ def swept(tmp_path_factory):
     return folder / "out.zarr"
 
 
-def same(one, other):
-    for name in set(other.data_vars) - {"wall_time"}:
-        np.testing.assert_array_equal(one[name].values, other[name].values, name)
+def same(first, second):
+    for name in set(second.data_vars) - {"wall_time"}:
+        np.testing.assert_array_equal(first[name].values, second[name].values, name)
 
 
 def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, path):
@@ -34,8 +34,8 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     assert ds["pin_radius"].values.tolist() == [0.002, 0.004]
     assert ds["pin_radius"].attrs["units"] == "m"
     assert ds["max_rise"].dims == ("pin_radius", "load", "velocity", "step")
-    boundaries, own = pipeline.boundary(ds), FEW | {"pin.radius": "4 mm"}
-    commit_all(path, pipeline.load_scene(swept.with_name("scene.toml"), overrides=own))
+    boundaries, entries = pipeline.boundary(ds), FEW | {"pin.radius": "4 mm"}
+    commit_all(path, pipeline.load_scene(swept.with_name("scene.toml"), overrides=entries))
     other = pipeline.open_sweep(path)
     same(ds.sel(pin_radius=0.004), other)
     same(boundaries.isel(pin_radius=1), pipeline.boundary(other))
@@ -50,5 +50,5 @@ def test_a_value_is_chosen_or_asked_for(swept, irg):
     assert chosen == rows
     assert "select one by pin_radius" in irg("plot", swept, "--kind", "ramp", code=2)
     for command in ("boundary", "plot"):
-        said = irg(command, swept, "--at", "pin.radius=3 mm", code=2)
-        assert "pin.radius 3 mm is not in the sweep, which has 2 mm, 4 mm" in said
+        output = irg(command, swept, "--at", "pin.radius=3 mm", code=2)
+        assert "pin.radius 3 mm is not in the sweep, which has 2 mm, 4 mm" in output

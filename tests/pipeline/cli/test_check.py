@@ -14,7 +14,7 @@ def check(irg):
 
 
 def test_a_check_says_what_a_scene_means(check):
-    said = check()
+    output = check()
     for words in (
         "Hertz: maximum pressure 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
         "Ra 0.27 µm, Rq 0.338 µm, rms slope 0.15, no lay",
@@ -24,9 +24,9 @@ def test_a_check_says_what_a_scene_means(check):
         "288 × 240 elements",
         "MB of memory per worker",
     ):
-        assert words in said
-    assert len(said.splitlines()) <= 20
-    assert max(map(len, said.splitlines())) <= 100
+        assert words in output
+    assert len(output.splitlines()) <= 20
+    assert max(map(len, output.splitlines())) <= 100
     rows = {row["subject"]: row["meaning"] for row in check("--json")["statements"]}
     assert rows["warning"].startswith("pin.length: the pin's sharp ends are not modelled")
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
@@ -34,8 +34,8 @@ def test_a_check_says_what_a_scene_means(check):
 
 def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):
     """Places A and E of the gears, by hand: Hertz of cylinders, and velocities of the flanks."""
-    found = check("--json", scene="gear_mesh")
-    first, *_, last = found["cases"]
+    document = check("--json", scene="gear_mesh")
+    first, *_, last = document["cases"]
     assert (first["case"], last["case"]) == ("A", "E")
     modulus = 209e9 / (2 * (1 - 0.28**2))
     for row, radius in ((first, 7.403e-3), (last, 5.094e-3)):
@@ -47,14 +47,16 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
         assert row["slide_roll_ratio"] == pytest.approx(ratio)
     assert (last["pin_velocity"], last["disk_velocity"]) == pytest.approx((0.938, 6.53), rel=1e-3)
     words = [
-        one["meaning"] for one in found["statements"] if "earlier revolutions" in one["meaning"]
+        statement["meaning"]
+        for statement in document["statements"]
+        if "earlier revolutions" in statement["meaning"]
     ]
     assert len(words) == 1
     assert words[0].endswith("(in all cases; numbers are of case A)")
 
 
 def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, tmp_path):
-    setting, said = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N exceeds what the window of"
-    assert said in check("--set", setting, code=2)
-    assert said in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
+    setting, message = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N exceeds what the window of"
+    assert message in check("--set", setting, code=2)
+    assert message in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
     assert not [*tmp_path.iterdir()]

@@ -50,10 +50,10 @@ def test_run_again_has_nothing_left_to_do(scene, store, irg):
 def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
     (tmp_path / "heavy.toml").write_text(SCENE.replace('"400 N"', '"7e6 N"'))
     arguments = ("--set", "increments=1", "-o", tmp_path / "heavy.zarr", "--workers", 1)
-    said = irg("run", tmp_path / "heavy.toml", *arguments, code=1)
-    assert "6 of 9 points done" in said
-    assert said.count("failed: 7e+06 N") == 3
-    assert "to simulate failed points again, add --retry-failed" in said
+    output = irg("run", tmp_path / "heavy.toml", *arguments, code=1)
+    assert "6 of 9 points done" in output
+    assert output.count("failed: 7e+06 N") == 3
+    assert "to simulate failed points again, add --retry-failed" in output
 
 
 def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg):
@@ -65,35 +65,37 @@ def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg)
     (record,) = irg("status", copy, "--json", code=1)
     assert [record[name] for name in ("points", "done", "failed", "pending")] == [9, 7, 1, 1]
     assert (record["title"], record["preset"]) == ("A small sweep", "standard")
-    said = irg("status", copy, code=1)
-    assert "9 points: 7 done, 1 failed, 1 pending" in said
-    assert said.count(": out of memory\n") == said.count("failed: ") == 1
-    assert f"of critical velocities at most {100 * PRESET_BOUNDS['standard']:g} %" in said
+    output = irg("status", copy, code=1)
+    assert "9 points: 7 done, 1 failed, 1 pending" in output
+    assert output.count(": out of memory\n") == output.count("failed: ") == 1
+    assert f"of critical velocities at most {100 * PRESET_BOUNDS['standard']:g} %" in output
     ds = xr.open_zarr(copy, chunks=None)
     flags = ds["warning_flags"].where(ds["status"] == 1, 0).values.astype(int)
     by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
-    (kinds,) = re.findall(r"a warning \((.*?)\)", " ".join(said.split()))
-    found = sorted(int(number) for number in re.findall(r": (\d+)", kinds))
-    assert found == sorted(filter(None, by_bit)) != []
-    assert f"{np.count_nonzero(flags)} points carry" in said
+    (kinds,) = re.findall(r"a warning \((.*?)\)", " ".join(output.split()))
+    counts = sorted(int(number) for number in re.findall(r": (\d+)", kinds))
+    assert counts == sorted(filter(None, by_bit)) != []
+    assert f"{np.count_nonzero(flags)} points carry" in output
     assert irg("verify", copy, "--json")["points"] == {"done": 7, "damaged": 0}
     assert "points: 7 done and undamaged, 0 damaged" in irg("verify", copy)
 
 
 def both(irg, folder, *words):
     """Text and document of a command, which is run once."""
-    said = irg(*words, "-o", folder / "both.json")
-    return said, json.loads((folder / "both.json").read_text())
+    output = irg(*words, "-o", folder / "both.json")
+    return output, json.loads((folder / "both.json").read_text())
 
 
 def test_a_point_alone_is_the_point_of_the_store(scene, store, tmp_path, irg):
     ds = pipeline.open_sweep(store).sel(load=400, velocity=4, step=0)
-    said, (row,) = both(irg, tmp_path, "point", scene, "--load=400 N", "--velocity=4 m/s")
+    output, (row,) = both(irg, tmp_path, "point", scene, "--load=400 N", "--velocity=4 m/s")
     quantiles, highest = ds["rise_quantile"], 298.15 + 0.1 * ds["max_rise"].item()
     temperature = 298.15 + 0.1 * quantiles.sel(area_fraction_below=0.9).item()
     assert row["governing temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
     assert row["temperature margin [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
-    assert f"governing temperature   {temperature - 273.15:.4g} °C, simulated at this point" in said
+    assert (
+        f"governing temperature   {temperature - 273.15:.4g} °C, simulated at this point" in output
+    )
     for words, value in {
         "highest temperature [°C]": highest - 273.15,
         "heat into the pin [%]": 100 * ds["pin_heat_share"].item(),
@@ -108,28 +110,30 @@ def test_a_point_alone_is_the_point_of_the_store(scene, store, tmp_path, irg):
         "failed area fraction [%]": row["failed area fraction [%]"],
     }.items():
         assert row[words] == pytest.approx(value, rel=1e-9)
-        assert re.search(rf"^{re.escape(words)} +{re.escape(f'{value:.4g}')}$", said, re.MULTILINE)
+        assert re.search(
+            rf"^{re.escape(words)} +{re.escape(f'{value:.4g}')}$", output, re.MULTILINE
+        )
     cooler = np.interp(1200.0, quantiles.values, quantiles["area_fraction_below"].values)
     assert row["failed area fraction [%]"] == pytest.approx(100 * (1 - cooler), abs=2)
 
 
 def test_a_point_takes_conditions_in_place_of_the_scenes_own_and_is_a_table(scene, tmp_path, irg):
     point = ("point", scene, "--load", "600 N", "--velocity", "4 m/s")
-    own = ("--friction=0.13", "--bulk-temperature=50 degC", "--critical-area-fraction=0.05")
+    options = ("--friction=0.13", "--bulk-temperature=50 degC", "--critical-area-fraction=0.05")
     same = ("friction.coefficient=0.13", "temperature.bulk=50 degC",
             "temperature.critical_area_fraction=0.05")  # fmt: skip
     out = tmp_path / "point.csv"
-    said = irg(*point, *own, "--set", "note=of no rig", "-o", out)
-    assert said.startswith("Severe: probability of severe wear ")
-    assert "  numerical error (95 %)  ± " in said
-    (held,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
-    assert (held["load [N]"], held["verdict"]) == ("600", "severe")
-    notes = held["notes"].split(" | ")
+    output = irg(*point, *options, "--set", "note=of no rig", "-o", out)
+    assert output.startswith("Severe: probability of severe wear ")
+    assert "  numerical error (95 %)  ± " in output
+    (written_row,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
+    assert (written_row["load [N]"], written_row["verdict"]) == ("600", "severe")
+    notes = written_row["notes"].split(" | ")
     assert notes[0] == "of no rig"
-    assert said.count("\n".join(notes)) == 1
+    assert output.count("\n".join(notes)) == 1
     (row,) = irg(*point, *(f"--set={entry}" for entry in same), "--json")
     assert row["governing temperature [°C]"] == pytest.approx(
-        float(held["governing temperature [°C]"]), rel=1e-5
+        float(written_row["governing temperature [°C]"]), rel=1e-5
     )
     (row,) = irg(*point, "--friction", 0, "--json")
     assert row["highest temperature [°C]"] == row["governing temperature [°C]"] == 25
@@ -150,12 +154,12 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     tested = tmp_path / "tested.toml"
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
-    said, (other,) = both(irg, tmp_path, *point)
-    alone, (row,) = both(irg, tmp_path, *point, "--without-tests")
+    output, (other,) = both(irg, tmp_path, *point)
+    untested_output, (row,) = both(irg, tmp_path, *point, "--without-tests")
     assert re.search(
-        r"model error  .* of the temperature rise \(90 % range, from [12] tests?", said
+        r"model error  .* of the temperature rise \(90 % range, from [12] tests?", output
     )
-    assert "(90 % range, from the prior)" in alone.replace("\n    ", " ")
+    assert "(90 % range, from the prior)" in untested_output.replace("\n    ", " ")
     assert other["probability"] > row["probability"]
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
     irg("run", tested, "-o", "results/tested.zarr", "--workers", 1)
@@ -163,14 +167,14 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 
 
-def untimed(said):
-    return re.sub(r"(?m)^time .*", "", said)
+def untimed(output):
+    return re.sub(r"(?m)^time .*", "", output)
 
 
 def test_a_dry_run_says_what_check_says_and_computes_nothing(scene, tmp_path, irg, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    said = irg("run", scene, "-n", "-j", 2, "-o", "a.zarr")
-    assert untimed(said) == untimed(irg("check", scene, "-j", 2))
+    output = irg("run", scene, "-n", "-j", 2, "-o", "a.zarr")
+    assert untimed(output) == untimed(irg("check", scene, "-j", 2))
     assert [*tmp_path.iterdir()] == []
 
 
@@ -185,12 +189,18 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
     critical = pipeline.boundary(store)["critical_load"].values
     printed = np.array([row["critical load [N]"] for row in document], float)
     np.testing.assert_allclose(printed, critical, 1e-12)
-    held = list(csv.DictReader((tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()))
-    assert [float(row["velocity [m/s]"]) for row in held] == [1.0, 2.0, 4.0]
-    assert len((tmp_path / "table.md").read_text(encoding="utf-8").splitlines()) == 2 + len(held)
+    csv_rows = list(
+        csv.DictReader((tmp_path / "table.csv").read_text(encoding="utf-8").splitlines())
+    )
+    assert [float(row["velocity [m/s]"]) for row in csv_rows] == [1.0, 2.0, 4.0]
+    assert len((tmp_path / "table.md").read_text(encoding="utf-8").splitlines()) == 2 + len(
+        csv_rows
+    )
     frictions = [f"--friction={0.08 + 0.005 * step}" for step in range(5)]
-    few, whole = (irg("boundary", store, *frictions, *more) for more in ([], ["--all"]))
-    rows = [[line for line in text.splitlines() if line.startswith("0.")] for text in (few, whole)]
+    few, all_rows = (irg("boundary", store, *frictions, *more) for more in ([], ["--all"]))
+    rows = [
+        [line for line in text.splitlines() if line.startswith("0.")] for text in (few, all_rows)
+    ]
     assert [*map(len, rows)] == [8, 15]
     assert (rows[0][0], rows[0][-1]) == (rows[1][0], rows[1][-1])
     assert "7 more rows: use --all, or -o TABLE.csv" in few

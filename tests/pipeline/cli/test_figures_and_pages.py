@@ -10,16 +10,16 @@ from pipeline.shipped import shipped_pages
 @pytest.fixture
 def drawn(monkeypatch):
     """List to which each call of `pipeline.plot` by a command adds its arguments."""
-    asked = []
+    calls = []
 
     def draw(ds, kind, out, **options):
-        asked.append((ds, kind, str(out), options))
+        calls.append((ds, kind, str(out), options))
         return out
 
     monkeypatch.setattr(inputs, "dataset_in", lambda options: "judged")
     monkeypatch.setattr(pipeline, "plot", draw)
     monkeypatch.setattr(pipeline, "points_with_warnings", lambda ds: None)
-    return asked
+    return calls
 
 
 @pytest.mark.parametrize(
@@ -43,15 +43,15 @@ def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look
 
 
 def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
-    held = shipped_pages()
+    pages = shipped_pages()
     titles = irg("help", "--json")
-    assert {*titles} == {*held, "library"}
-    assert all(f"# {titles[name]}\n" in held[name].read_text("utf-8") for name in held)
+    assert {*titles} == {*pages, "library"}
+    assert all(f"# {titles[name]}\n" in pages[name].read_text("utf-8") for name in pages)
     first, *lines, last = irg("help").splitlines()
     assert first == "To begin:"
     assert last == "Help on a command: irg COMMAND --help"
     assert {line.split()[2] for line in lines if line.startswith("  ")} == {*titles}
-    text = held["first-hour"].read_text("utf-8")
+    text = pages["first-hour"].read_text("utf-8")
     assert irg("help", "first-hour") == f"{text.removesuffix(chr(10))}\n"
     assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
     assert irg("help", "run") == irg("run", "--help")

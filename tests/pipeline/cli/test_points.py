@@ -25,14 +25,16 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert main(["margin", "out.zarr", "--points", str(duty), "-o", str(out), "-q"]) == 0
     with out.open(newline="") as file:
         first, second, beyond = csv.DictReader(file)
-    for row, place in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
-        here = asked(store, *place)
-        assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == place
+    for row, point in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
+        margin = asked(store, *point)
+        assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == point
         assert float(row["temperature margin [K]"]) == pytest.approx(
-            here.temperature_margin, rel=1e-5
+            margin.temperature_margin, rel=1e-5
         )
-        assert float(row["critical velocity [m/s]"]) == pytest.approx(here.critical_velocity, 1e-5)
-        assert row["verdict"] == here.verdict
+        assert float(row["critical velocity [m/s]"]) == pytest.approx(
+            margin.critical_velocity, 1e-5
+        )
+        assert row["verdict"] == margin.verdict
     assert (first["flank"], first["remark"]) == ("A", "cold start")
     assert beyond["verdict"] == "unknown"
     assert "load 9000 N is outside the sweep" in beyond["reason"]
@@ -44,36 +46,38 @@ def test_limits_of_a_row_judge_it_and_further_columns_are_kept(store, tmp_path, 
     points.write_text(f"{heads}\nA,400,1.2,100,10\nB,400,2.2,145,1\n", encoding="utf-8")
     rows = irg("margin", "out.zarr", "--points", points, "--json")
     limits = {"critical_temperature": "100 degC"}, {"critical_area_fraction": 0.01}
-    for row, part, velocity, own in zip(rows, "AB", (1.2, 2.2), limits, strict=True):
-        here = asked(store, 400.0, velocity, **own)
+    for row, part, velocity, conditions in zip(rows, "AB", (1.2, 2.2), limits, strict=True):
+        margin = asked(store, 400.0, velocity, **conditions)
         assert row["part"] == part
-        assert row["temperature margin [K]"] == pytest.approx(here.temperature_margin, rel=1e-9)
-        assert row["probability low"] == pytest.approx(here.probability_low, rel=1e-9)
+        assert row["temperature margin [K]"] == pytest.approx(margin.temperature_margin, rel=1e-9)
+        assert row["probability low"] == pytest.approx(margin.probability_low, rel=1e-9)
         assert row["temperature error discretization [K]"] == pytest.approx(
-            here.temperature_error_discretization, rel=1e-9
+            margin.temperature_error_discretization, rel=1e-9
         )
 
 
 def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tests(store, irg):
-    place = "margin", "out.zarr", "--load", "400 N", "--velocity", "1.4 m/s"
-    own = "--friction=0.12", "--bulk-temperature=60 degC", "--critical-temperature=150 degC"
-    held = (
+    command = "margin", "out.zarr", "--load", "400 N", "--velocity", "1.4 m/s"
+    options = "--friction=0.12", "--bulk-temperature=60 degC", "--critical-temperature=150 degC"
+    conditions = (
         "friction 0.12 (tests 0.091 to 0.103), bulk temperature 60 °C, critical temperature 150 °C"
     )
-    said = irg(*place, *own)
-    assert f" conditions {held} " in " ".join(said.split())
-    assert len(said.splitlines()) <= 14
-    assert max(map(len, said.splitlines())) <= 100
-    assert " ".join(irg("boundary", "out.zarr", *own).split()).startswith(f"conditions: {held}")
-    both = irg(*place, "--friction", "0.05", "--friction", "0.2")
+    output = irg(*command, *options)
+    assert f" conditions {conditions} " in " ".join(output.split())
+    assert len(output.splitlines()) <= 14
+    assert max(map(len, output.splitlines())) <= 100
+    assert " ".join(irg("boundary", "out.zarr", *options).split()).startswith(
+        f"conditions: {conditions}"
+    )
+    both = irg(*command, "--friction", "0.05", "--friction", "0.2")
     assert {"friction 0.05:", "friction 0.2:"} <= {*both.splitlines()}
 
 
 def test_a_text_of_too_many_rows_is_refused_before_its_rows_are_read(store, tmp_path, irg):
     points = tmp_path / "duty.csv"
     points.write_text("load [N],velocity [m/s]\n" + "400,1.5\n" * 200_000)
-    said = irg("margin", "out.zarr", "--points", points, code=2)
-    assert "has 200000 rows; at most 100000" in said
+    output = irg("margin", "out.zarr", "--points", points, code=2)
+    assert "has 200000 rows; at most 100000" in output
 
 
 def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeypatch):
@@ -82,5 +86,5 @@ def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeyp
     scene = tmp_path / "scenes" / "own.toml"
     scene.write_text('extends = "first_try"\nwithout = ["sweep.loads", "sweep.velocities"]\n')
     monkeypatch.chdir(tmp_path)
-    said = irg("check", "scenes/own.toml", "--set", "sweep.along=rows.csv")
-    assert "points   2: 2 cases" in said
+    output = irg("check", "scenes/own.toml", "--set", "sweep.along=rows.csv")
+    assert "points   2: 2 cases" in output

@@ -64,8 +64,8 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", whole_parser().get_default("commands"))
 def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
-    said = irg(command, "--help")
-    program, *words = shlex.split(said.splitlines()[-1])
+    output = irg(command, "--help")
+    program, *words = shlex.split(output.splitlines()[-1])
     assert program == "irg"
     options = parse(words)
     assert callable(pkgutil.resolve_name(options.function))
@@ -97,9 +97,14 @@ def loaded_by(*commands):
     return [{*modules} for _, *modules in lines]
 
 
-def test_an_answer_on_a_store_waits_for_no_library_and_no_reader_of_scenes(alone):
-    place = "--load=400N --velocity=1.2m/s"
-    commands = f"status {alone}", f"boundary {alone}", f"margin {alone} {place}", f"verify {alone}"
+def test_an_answer_on_a_store_waits_for_no_library_and_no_reader_of_scenes(tiny_store):
+    point = "--load=400N --velocity=1.2m/s"
+    commands = (
+        f"status {tiny_store}",
+        f"boundary {tiny_store}",
+        f"margin {tiny_store} {point}",
+        f"verify {tiny_store}",
+    )
     *_, loaded = loaded_by(*commands)
     slow = {"dask", "pint", "distributed", "matplotlib", "scipy.interpolate", "scipy.optimize"}
     assert slow & loaded == set()
@@ -123,9 +128,9 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
             show(Progress("", done, 8, 0, 4.0 * done, 4.0 * (8 - done)))
             show(Progress(f"note {done}"))
         show(Progress("", 8, 8, 0, 32.0, 0.0))
-    said = capsys.readouterr().err
-    assert "\r" not in said
-    notes, states = (re.findall(rf"irg: {kind}.*", said) for kind in ("note", r"\d"))
+    printed = capsys.readouterr().err
+    assert "\r" not in printed
+    notes, states = (re.findall(rf"irg: {kind}.*", printed) for kind in ("note", r"\d"))
     assert notes == [f"irg: note {done}" for done in range(8)]  # each note, without delay
     assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
     assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
@@ -152,10 +157,12 @@ def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_no
         show(Progress("a note"))
         time.sleep(0.11)  # tqdm draws every 0.1 s at most
         show(Progress("", 4, 8, 0, 8.0, 8.0))
-    said = capsys.readouterr().err
-    assert "irg: a note\n" in said
-    assert re.search(r"\r4 of 8 points done, 0 failed, 8 s so far, 8 s to go \|█{10} {10}\|", said)
-    assert said.endswith("\n")
+    printed = capsys.readouterr().err
+    assert "irg: a note\n" in printed
+    assert re.search(
+        r"\r4 of 8 points done, 0 failed, 8 s so far, 8 s to go \|█{10} {10}\|", printed
+    )
+    assert printed.endswith("\n")
 
 
 # Scenes, points and figures as a notebook shows them.
@@ -182,7 +189,7 @@ SAFE = "; finished points are saved"
 
 
 @pytest.mark.parametrize(
-    ("result", "command", "code", "said"),
+    ("result", "command", "code", "message"),
     [
         (Result({}, ["a line"], code=1), "status", 1, ""),
         ("few nodes", "status", 0, "irg: note: few nodes\n"),
@@ -201,10 +208,10 @@ SAFE = "; finished points are saved"
 )  # fmt: skip
 @pytest.mark.filterwarnings("always")
 def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
-    capsys, result, command, code, said
+    capsys, result, command, code, message
 ):
     assert carry_out(result, command) == code
-    assert capsys.readouterr().err == said
+    assert capsys.readouterr().err == message
 
 
 def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():

@@ -26,7 +26,7 @@ def nested():
     return command("check", "first_try", "--set", f"title={'[' * 20_000}")
 
 
-PLACE = ("--load", "250 N", "--velocity", "1 m/s")
+POINT = ("--load", "250 N", "--velocity", "1 m/s")
 WIDTH = ("--contact-width", "0.2 mm")
 
 
@@ -35,7 +35,7 @@ def recorded():
     ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
     assert ramp in SCENE
     Path("recorded.toml").write_text(SCENE.replace(ramp, 'file = "load.csv"'))
-    return command("infer", "recorded.toml", *WIDTH, *PLACE, "--duration", "9 s")
+    return command("infer", "recorded.toml", *WIDTH, *POINT, "--duration", "9 s")
 
 
 REFUSALS = {
@@ -48,7 +48,7 @@ REFUSALS = {
     "surfaces": (irg("paper", "fig4", "--surfaces", "0"), "not a whole number of at least 1"),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"),
                  '"0,12" is not a number; give one such as 0.1 or 10%'),
-    "frictions": (irg("point", "first_try", *PLACE, "--friction", "0.1", "--friction", "0.2"),
+    "frictions": (irg("point", "first_try", *POINT, "--friction", "0.1", "--friction", "0.2"),
                   "friction.coefficient takes a single value here"),
     "outside": (irg("margin", "tiny.zarr", "--load=2 N", "--velocity=1 m/s"),
                 "load 2 N is outside the sweep"),
@@ -68,14 +68,14 @@ REFUSALS = {
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            'critical_temperature: "150" has no unit'),
     "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius does not vary"),
-    "twice": (irg("margin", "tiny.zarr", *PLACE, "--friction=0.1", "--at=friction.coefficient=0.2"),
+    "twice": (irg("margin", "tiny.zarr", *POINT, "--friction=0.1", "--at=friction.coefficient=0.2"),
               "friction.coefficient is given twice"),
     "no scan": (irg("surface"), "give a SCAN, or --ra RA and --rsm RSM"),
     "a figure of no scan": (irg("surface", "--ra=0.2 um", "--rsm=60 um", "-o", "a.png"),
                             "a figure needs a SCAN; leave -o out"),
     "no velocity": (irg("margin", "tiny.zarr", "--load", "250 N"),
                     "give both a load and a velocity"),
-    "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
+    "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *POINT),
                    "--points already gives loads and velocities"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "no tests": (irg("infer", "fig5"), "has no tests; add [[tests]]"),
@@ -84,7 +84,7 @@ REFUSALS = {
                 "apply only with --contact-width"),
     "width": (irg("infer", "first_try", *WIDTH),
               "--contact-width also needs --load and --velocity"),
-    "short": (irg("infer", "first_try", *WIDTH, *PLACE, "--duration", "1 s"),
+    "short": (irg("infer", "first_try", *WIDTH, *POINT, "--duration", "1 s"),
               "shorter than the ramp to"),
     "record": (recorded, "--duration applies to load ramps; a recorded load has its own duration"),
     "new": (irg("new"), "give the name of the file to write"),
@@ -110,5 +110,5 @@ ELSEWHERE = {
 
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "cli", REFUSALS, ELSEWHERE, tiny="alone"
+    "cli", REFUSALS, ELSEWHERE, tiny="tiny_store"
 )

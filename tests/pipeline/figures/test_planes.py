@@ -16,9 +16,9 @@ LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.
 LIMIT = synthetic.limit()
 
 
-def sweep(**told):
-    whole = {"loads": LOADS, "velocities": VELOCITIES, "tests": (), "friction_band": None}
-    return synthetic.sweep(**whole | told)
+def sweep(**options):
+    defaults = {"loads": LOADS, "velocities": VELOCITIES, "tests": (), "friction_band": None}
+    return synthetic.sweep(**defaults | options)
 
 
 def drawn(ds, **options):
@@ -30,21 +30,21 @@ def drawn(ds, **options):
 
 def vertices(axes, gid):
     """Vertices of the drawn line or area with this id, (velocity, load)."""
-    (found,) = [one for one in axes.collections if one.get_gid() == gid]
-    return np.concatenate([path.vertices for path in found.get_paths()])
+    (collection,) = [artist for artist in axes.collections if artist.get_gid() == gid]
+    return np.concatenate([path.vertices for path in collection.get_paths()])
 
 
 def marks(axes, gid):
     """Set of (velocity, load) of the drawn points with this id."""
-    found = [line for line in axes.lines if line.get_gid() == gid]
-    return {(v, load) for line in found for v, load in zip(*line.get_data(), strict=True)}
+    marked_lines = [line for line in axes.lines if line.get_gid() == gid]
+    return {(v, load) for line in marked_lines for v, load in zip(*line.get_data(), strict=True)}
 
 
 def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     axes, words, legend = drawn(sweep())
-    places = vertices(axes, "boundary")
-    expected = synthetic.critical_velocity(places[:, 1], LIMIT)
-    np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
+    line = vertices(axes, "boundary")
+    expected = synthetic.critical_velocity(line[:, 1], LIMIT)
+    np.testing.assert_allclose(line[:, 0], expected, rtol=2e-3)
     assert "computed boundary, numerical error" in words
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert axes.get_title() == "White oil on ground steel"
@@ -56,18 +56,18 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
 def test_the_frictions_measured_have_a_line_each():
     axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
     assert "computed at friction 0.08 and 0.12" in words
-    edges = [one for one in axes.collections if one.get_gid() == "friction"]
+    edges = [edge for edge in axes.collections if edge.get_gid() == "friction"]
     for edge, friction in zip(edges, (0.08, 0.12), strict=True):
-        places = np.concatenate([path.vertices for path in edge.get_paths()])
-        expected = synthetic.critical_velocity(places[:, 1], synthetic.limit(friction))
-        np.testing.assert_allclose(places[:, 0], expected, rtol=3e-3)
-    one = drawn(sweep(friction_band=(0.1, 0.1)))[1]
-    assert not any("at friction" in each for each in one)
+        line = np.concatenate([path.vertices for path in edge.get_paths()])
+        expected = synthetic.critical_velocity(line[:, 1], synthetic.limit(friction))
+        np.testing.assert_allclose(line[:, 0], expected, rtol=3e-3)
+    legend_texts = drawn(sweep(friction_band=(0.1, 0.1)))[1]
+    assert not any("at friction" in text for text in legend_texts)
 
 
 def surfaces(*factors):
     several = [
-        sweep(rise=lambda *place, factor=factor: factor * synthetic.rise(*place))
+        sweep(rise=lambda *point, factor=factor: factor * synthetic.rise(*point))
         for factor in factors
     ]
     labels = xr.Variable("realization", range(1, len(factors) + 1))
@@ -78,8 +78,8 @@ def test_points_that_are_not_done_are_marked():
     ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
     axes, words, legend = drawn(ds)
     assert marks(axes, "lacking") == {(4.0, 200.0), (1.0, 300.0)}
-    whole = {(velocity, load) for velocity in VELOCITIES for load in LOADS}
-    assert marks(axes, "simulated") == whole - marks(axes, "lacking")
+    all_points = {(velocity, load) for velocity in VELOCITIES for load in LOADS}
+    assert marks(axes, "simulated") == all_points - marks(axes, "lacking")
     assert "dots: simulated points" in legend.get_title().get_text()
     assert "×: 2 points are pending or failed" in legend.get_title().get_text()
     assert len(words) <= 5
@@ -94,14 +94,16 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
         bare_test(200.0, 9.0, outcome="mild"),
     )
     axes = pipeline.plot(sweep(tests=tests)).axes[0]
-    places = lines(axes)
+    markers = lines(axes)
     colours = {line.get_gid(): line.get_markerfacecolor() for line in axes.lines}
-    assert places["test mild"].tolist() == [[1.5, 250.0]]
-    assert places["test severe"].tolist() == [[3.0, 500.0]]
-    assert places["test severe, elsewhere"].tolist() == [[2.5, 350.0]]
+    assert markers["test mild"].tolist() == [[1.5, 250.0]]
+    assert markers["test severe"].tolist() == [[3.0, 500.0]]
+    assert markers["test severe, elsewhere"].tolist() == [[2.5, 350.0]]
     assert colours["test mild"] == "white"
     assert colours["test severe"] == colours["test severe, elsewhere"] != "white"
-    numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
+    numbers = {
+        text.get_text(): text.xy for text in axes.texts if text.get_gid() == "number of a test"
+    }
     assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
     (legend,) = axes.figure.legends
     assert "not shown (outside the axes): tests 4, 5" in legend.get_title().get_text()
@@ -111,18 +113,18 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
 def test_operating_points_are_marked_as_pairs_with_their_numbers():
     axes = drawn(sweep(), load=["300 N", 500.0], velocity=[1.5, "3 m/s"])[0]
     assert marks(axes, "operating point") == {(1.5, 300.0), (3.0, 500.0)}
-    sides = {one.get_text(): (one.get_ha(), one.get_va()) for one in axes.texts}
+    sides = {text.get_text(): (text.get_ha(), text.get_va()) for text in axes.texts}
     assert sides["300 N, 1.5 m/s"] == ("left", "top")  # too near to the edge for words at its left
     assert sides["500 N, 3 m/s"] == ("left", "bottom")
 
 
-def two_pins(factors=(1.0, 0.1), **told):
+def two_pins(factors=(1.0, 0.1), **options):
     radii = (1e-3, 2e-3)
     parts = [
         sweep(
             case_table=radii_rows(),
-            rise=lambda *place, factor=factor: factor * synthetic.rise(*place),
-            **told,
+            rise=lambda *point, factor=factor: factor * synthetic.rise(*point),
+            **options,
         )
         for factor in factors
     ]
@@ -133,11 +135,11 @@ def two_pins(factors=(1.0, 0.1), **told):
 def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     axes, words, legend = drawn(two_pins())
     assert words == ["1 mm", "2 mm: no boundary in the sweep"]
-    places = vertices(axes, "boundary 1 mm")
-    ends = places[:, 1].min(), places[:, 1].max()
+    boundary = vertices(axes, "boundary 1 mm")
+    ends = boundary[:, 1].min(), boundary[:, 1].max()
     assert ends == pytest.approx((LOADS[0], LOADS[-1]), rel=1e-4)
-    expected = synthetic.critical_velocity(places[:, 1], LIMIT)
-    np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
+    expected = synthetic.critical_velocity(boundary[:, 1], LIMIT)
+    np.testing.assert_allclose(boundary[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
     assert title.startswith("boundary by pin radius; conditions: ")
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
@@ -146,7 +148,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     assert words == ["1 mm", "2 mm"]
     ends = [vertices(axes, f"boundary {name}")[:, 0].max() for name in words]
     assert ends[0] < ends[1]  # the cooler pin's boundary is faster
-    colours = [one.get_edgecolor()[0].tolist() for one in axes.collections]
+    colours = [collection.get_edgecolor()[0].tolist() for collection in axes.collections]
     assert colours[0] != colours[1]
     keys = [line.get_color() for line in axes.figure.legends[0].get_lines()]
     assert [list(key) for key in keys] == colours
@@ -157,10 +159,12 @@ def test_a_logarithmic_diagram_has_the_same_boundary_and_leaves_rest_out():
     plain, log = drawn(ds)[0], drawn(ds, log=True)[0]
     assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
     assert (log.get_xlim()[0], plain.get_xlim()[0]) == (1.0, 1.0)
-    whole = vertices(plain, "boundary")
-    np.testing.assert_allclose(vertices(log, "boundary"), whole)
+    boundary = vertices(plain, "boundary")
+    np.testing.assert_allclose(vertices(log, "boundary"), boundary)
     low, high = log.get_xlim()
-    shown = (one for one in log.get_xticklabels() if low <= one.get_position()[0] <= high)
-    assert [one.get_text() for one in shown] == ["1", "2", "3", "4"]
+    visible_labels = (
+        label for label in log.get_xticklabels() if low <= label.get_position()[0] <= high
+    )
+    assert [label.get_text() for label in visible_labels] == ["1", "2", "3", "4"]
     names = {text.get_text() for text in log.texts if text.get_gid() == "region"}
     assert names == {"mild wear\n(I and II)", "severe adhesive wear\n(III* and III)"}

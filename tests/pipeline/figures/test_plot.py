@@ -33,7 +33,7 @@ def lines(axes):
     parts = {}
     for line in axes.lines:
         parts.setdefault(line.get_gid(), []).append(np.column_stack(line.get_data()))
-    return {gid: np.concatenate(found) for gid, found in parts.items()}
+    return {gid: np.concatenate(vertices) for gid, vertices in parts.items()}
 
 
 def labels(legend):
@@ -62,8 +62,8 @@ def test_diagram_says_its_conditions(drawn):
 def test_the_command_and_the_docstring_offer_every_kind():
     command = whole_parser().get_default("commands")["plot"].format_help()
     (offered,) = re.findall(r"--kind \{(.*)\}\n", command)
-    told = re.search(r"kind : \{(.*)\}", plot.__doc__)[1]
-    assert [*live.KINDS] == offered.split(",") == re.findall(r'"(\w+)"', told)
+    documented = re.search(r"kind : \{(.*)\}", plot.__doc__)[1]
+    assert [*live.KINDS] == offered.split(",") == re.findall(r'"(\w+)"', documented)
 
 
 def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
@@ -96,11 +96,11 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
     )
     panels = figure.axes[:3]
     assert panels[0].get_ylabel() == "y [µm]"
-    here = sweep.sel(load=750.0, velocity=1.25)
+    point = sweep.sel(load=750.0, velocity=1.25)
     fields_of_point = {
-        "contact pressure [GPa]": here["pressure"] / 1e9,
-        "contact temperature [°C]": 25.0 + 0.1 * here["rise"],
-        "wear depth of the pin [µm]": 1e6 * here["wear_depth"],
+        "contact pressure [GPa]": point["pressure"] / 1e9,
+        "contact temperature [°C]": 25.0 + 0.1 * point["rise"],
+        "wear depth of the pin [µm]": 1e6 * point["wear_depth"],
     }
     for axes, (label, expected) in zip(panels, fields_of_point.items(), strict=True):
         assert axes.child_axes[0].get_xlabel() == label
@@ -129,11 +129,13 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
 
     drawn = [line.get_xdata() for line in axes.lines if line.get_color() == GREY]
     for test, ends in zip((*tests, mild), drawn, strict=True):
-        places = sorted({velocity for _, velocity in test.points})
-        expected = [ratio(test, velocity) for velocity in places]
+        velocities = sorted({velocity for _, velocity in test.points})
+        expected = [ratio(test, velocity) for velocity in velocities]
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
-    said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
-    assert {"undecided: severe wear 5 to 95 % probable", "boundary with tests (50 %)"} < {*said}
+    legend_texts = [text.get_text() for text in axes.figure.legends[0].get_texts()]
+    assert {"undecided: severe wear 5 to 95 % probable", "boundary with tests (50 %)"} < {
+        *legend_texts
+    }
 
 
 # Rows: a mark for each at its temperature margin, and the most critical one bold
@@ -146,27 +148,29 @@ POINTS = {
 
 
 @pytest.fixture(scope="module")
-def found():
+def row_margins():
     return pipeline.margin(synthetic.sweep(tests=()), POINTS)
 
 
-def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(found):
-    (row,) = found.sizes
-    assert row_labels(found, row) == ["idle", "part", "full", "gone"]
-    assert row_labels(found.drop_vars("case"), row)[0] == "200 N, 1 m/s"
+def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins):
+    (row,) = row_margins.sizes
+    assert row_labels(row_margins, row) == ["idle", "part", "full", "gone"]
+    assert row_labels(row_margins.drop_vars("case"), row)[0] == "200 N, 1 m/s"
     turned = {"angle [deg]": [0, 30], "load [N]": [200, 300], "velocity [m/s]": [1, 2]}
-    named = row_labels(pipeline.margin(synthetic.sweep(tests=()), turned), row)
-    assert named == ["angle 0 deg", "angle 30 deg"]
-    axes = draw_rows(found, "duty").axes[0]
-    places = {
+    angle_labels = row_labels(pipeline.margin(synthetic.sweep(tests=()), turned), row)
+    assert angle_labels == ["angle 0 deg", "angle 30 deg"]
+    axes = draw_rows(row_margins, "duty").axes[0]
+    drawn_margins = {
         float(y): float(x)
         for line in axes.lines
         if line.get_label() in ("mild", "undecided", "severe")
         for x, y in zip(*line.get_data(), strict=True)
     }
-    assert places == pytest.approx(dict(enumerate(found["temperature_margin"].values[:3])))
-    assert deciding_row(found) == 2
+    assert drawn_margins == pytest.approx(
+        dict(enumerate(row_margins["temperature_margin"].values[:3]))
+    )
+    assert deciding_row(row_margins) == 2
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]
-    told = [one.get_text() for one in axes.texts]
-    assert told[3:] == ["more than 99 %", "unknown"]
+    texts = [text.get_text() for text in axes.texts]
+    assert texts[3:] == ["more than 99 %", "unknown"]

@@ -73,12 +73,12 @@ def test_all_words_and_legends_are_inside_and_readable_in_any_style(kind):
         figure.draw_without_rendering()
     assert figure.get_facecolor() == (1, 1, 1, 1)
     assert figure.get_size_inches()[0] == pytest.approx(8.5 / 2.54)
-    room = figure.bbox.padded(1.0)
+    frame = figure.bbox.padded(1.0)
     parts = [*figure.findobj(Legend), *(axes.title for axes in figure.axes)]
     parts += [figure._suptitle] if figure._suptitle else []
     for part in parts:
         box = part.get_window_extent()
-        assert room.x0 <= box.x0 <= box.x1 <= room.x1
-        assert room.y0 <= box.y0 <= box.y1 <= room.y1
+        assert frame.x0 <= box.x0 <= box.x1 <= frame.x1
+        assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
     texts = (text for text in figure.findobj(Text) if text.get_text() and text.get_visible())
     assert all(float(text.get_fontsize()) >= 4.9 for text in texts)

@@ -50,16 +50,20 @@ class Page(HTMLParser):
     def handle_data(self, data):
         self.words += data
 
-    def of(self, tag):
+    def attributes_of(self, tag):
         return [attributes for name, attributes in self.tags if name == tag]
 
 
 def checked(text):
     """The parsed page: sound HTML that names all its parts to a screen reader, without scripts."""
     page = Page(text)
-    names = [one["id"] for _, one in page.tags if "id" in one]
+    names = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
     assert len({*names}) == len(names)
-    labels = {one["aria-labelledby"] for _, one in page.tags if "aria-labelledby" in one}
+    labels = {
+        attributes["aria-labelledby"]
+        for _, attributes in page.tags
+        if "aria-labelledby" in attributes
+    }
     assert labels <= {*names}
     levels = [tag for tag, _ in page.tags if re.fullmatch("h[1-6]", tag)]
     assert levels == ["h1", *["h2"] * (len(levels) - 1)]
@@ -68,12 +72,12 @@ def checked(text):
         "h2", "figure", "picture", "source", "img", "figcaption", "div", "table", "thead", "tbody",
         "tr", "th", "td", "ul", "li", "pre",
     }  # fmt: skip
-    assert not any(name.startswith("on") for _, one in page.tags for name in one)
-    assert len(page.of("tbody")) == len(page.of("table"))
+    assert not any(name.startswith("on") for _, attributes in page.tags for name in attributes)
+    assert len(page.attributes_of("tbody")) == len(page.attributes_of("table"))
     assert not re.search(r"<(ul|p)>\s*</", text)
-    for image in page.of("img"):
+    for image in page.attributes_of("img"):
         drawn = ElementTree.fromstring(b64decode(image["src"].partition("base64,")[2]))
-        assert not [one for one in drawn.iter() if one.tag.endswith("script")]
+        assert not [element for element in drawn.iter() if element.tag.endswith("script")]
     return page
 
 
@@ -99,13 +103,17 @@ def undrawn(monkeypatch):
 
 
 def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
-    here, found = pipeline.margin(sweep, 400.0, 1.9), Page(page)
-    (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
-    assert box["class"] == verdict_text(here)
-    headline = f"{HEADLINES[here['verdict'].item()]} at 400 N and 1.9 m/s"
-    first = found.words[found.words.index(headline) :]
-    said = f"The probability of severe wear is {probability_text(here['probability'].item())}"
-    assert first.index(said) < first.index("Transition diagram")
+    margin, parsed = pipeline.margin(sweep, 400.0, 1.9), Page(page)
+    (box,) = (
+        section for section in parsed.attributes_of("section") if section.get("id") == "verdict"
+    )
+    assert box["class"] == verdict_text(margin)
+    headline = f"{HEADLINES[margin['verdict'].item()]} at 400 N and 1.9 m/s"
+    first = parsed.words[parsed.words.index(headline) :]
+    statement = (
+        f"The probability of severe wear is {probability_text(margin['probability'].item())}"
+    )
+    assert first.index(statement) < first.index("Transition diagram")
 
 
 def test_the_tables_are_those_of_the_answers(sweep, page):
@@ -117,22 +125,25 @@ def test_the_tables_are_those_of_the_answers(sweep, page):
 
 
 def test_nothing_of_a_user_is_read_as_html(page):
-    found = checked(page)
-    assert all(image["src"].startswith("data:image/svg+xml;base64,") for image in found.of("img"))
-    assert found.words.count("<script>alert(1)</script>") == 4  # two titles, author, command
-    policy = found.of("meta")[1]["content"]
+    parsed = checked(page)
+    assert all(
+        image["src"].startswith("data:image/svg+xml;base64,")
+        for image in parsed.attributes_of("img")
+    )
+    assert parsed.words.count("<script>alert(1)</script>") == 4  # two titles, author, command
+    policy = parsed.attributes_of("meta")[1]["content"]
     assert policy.startswith("default-src 'none'; img-src data:; style-src 'sha256-")
     assert "http:" not in page.replace("http-equiv", "")
     assert "https:" not in page
 
 
 def test_a_screen_reader_finds_headings_captions_and_words_for_pictures(page):
-    found = Page(page)
-    assert found.of("html") == [{"lang": "en"}]
-    assert len(found.of("table")) >= 3
-    assert all("aria-labelledby" in one for one in found.of("table"))
-    assert all(one["scope"] in ("col", "row") for one in found.of("th"))
-    assert all(len(image["alt"]) > 40 for image in found.of("img"))
+    parsed = Page(page)
+    assert parsed.attributes_of("html") == [{"lang": "en"}]
+    assert len(parsed.attributes_of("table")) >= 3
+    assert all("aria-labelledby" in element for element in parsed.attributes_of("table"))
+    assert all(element["scope"] in ("col", "row") for element in parsed.attributes_of("th"))
+    assert all(len(image["alt"]) > 40 for image in parsed.attributes_of("img"))
 
 
 def half_done():
@@ -167,10 +178,10 @@ REPORTS = {
 
 @pytest.mark.parametrize("name", REPORTS)
 def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
-    make, asked, said = REPORTS[name]
-    found = checked(pipeline.report(make(), **asked))
-    for words in said:
-        assert words in found.words or words in found.of("img")[0]["alt"]
+    make, arguments, statements = REPORTS[name]
+    page = checked(pipeline.report(make(), **arguments))
+    for statement in statements:
+        assert statement in page.words or statement in page.attributes_of("img")[0]["alt"]
 
 
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
@@ -184,10 +195,12 @@ def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
 
 def test_rows_without_a_verdict_leave_the_headline_open(undrawn, sweep):
     points = {"case": ["idle", "beyond"], "load [N]": [200, 9000], "velocity [m/s]": [1, 4]}
-    found = checked(pipeline.report(sweep, points=points))
-    (box,) = (one for one in found.of("section") if one.get("id") == "verdict")
+    page = checked(pipeline.report(sweep, points=points))
+    (box,) = (
+        section for section in page.attributes_of("section") if section.get("id") == "verdict"
+    )
     assert box["class"] == ""
-    assert "1 of 2 operating points have a verdict; mild at the most critical" in found.words
+    assert "1 of 2 operating points have a verdict; mild at the most critical" in page.words
 
 
 def test_without_a_point_the_boundary_is_told(undrawn, sweep, tmp_path):

@@ -40,7 +40,7 @@ MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 
 
 @contextmanager
-def here(count, threads=1, **settings):
+def local_cluster(count, threads=1, **settings):
     """A cluster of workers that a user has started, by default in this process; and its client."""
     settings = {"processes": False, "dashboard_address": "127.0.0.1:0"} | settings
     with (
@@ -97,12 +97,14 @@ def elsewhere(tmp_path_factory):
             assert time.monotonic() < end, "the scheduler does not start"
             time.sleep(0.05)
         address = json.loads(file.read_text())["address"]
-        found = SimpleNamespace(scheduler=scheduler, address=address, file=file)
-        yield found, configured
+        remote = SimpleNamespace(scheduler=scheduler, address=address, file=file)
+        yield remote, configured
 
 
 @pytest.mark.timeout(300)
-def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_path, alone, irg):
+def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(
+    elsewhere, tmp_path, tiny_store, irg
+):
     cluster, configured = elsewhere
     with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at"):
         client_of(cluster.address)
@@ -111,7 +113,7 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
         with client_of(cluster.address) as client:
             outcome = run_sweep(SWEEP, hidden / "tiny.zarr", client=client)
         assert (outcome.done, outcome.failed) == (9, ())
-        assert content(hidden / "tiny.zarr") == content(alone)
+        assert content(hidden / "tiny.zarr") == content(tiny_store)
 
         (tmp_path / "small.toml").write_text(SCENE)
         point = '--set=sweep.loads=["200 N"]', '--set=sweep.velocities=["1 m/s"]'
@@ -133,7 +135,7 @@ def test_a_hash_of_the_code_tells_a_changed_line(tmp_path):
 @pytest.mark.timeout(300)
 def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsewhere, tmp_path):
     cluster, configured = elsewhere
-    lacking = r"this program: .*pipeline\.run\.work"
+    missing_module = r"this program: .*pipeline\.run\.work"
     with dask.config.set(configured), client_of(cluster.address) as client:
         client.run(lambda: setattr(work, "PROGRAM", work.PROGRAM._replace(code="theirs")))
         with pytest.raises(ExecutionError, match=rf"tls://127.*theirs.*{PROGRAM.code}"):
@@ -143,7 +145,7 @@ def test_a_cluster_with_other_code_or_none_is_refused_and_computes_nothing(elsew
             (client.run_on_scheduler, "the Dask scheduler cannot read tasks of"),
         ):
             ask(lambda: sys.modules.update({"pipeline.run.work": None}))
-            with pytest.raises(ExecutionError, match=f"{who} {lacking}"):
+            with pytest.raises(ExecutionError, match=f"{who} {missing_module}"):
                 run_sweep(SHORT, tmp_path / "out.zarr", client=client)
             ask(lambda: sys.modules.pop("pipeline.run.work"))
     assert summary(tmp_path / "out.zarr").done == 0
@@ -218,13 +220,13 @@ class Tasks(SchedulerPlugin):
             self.below[key] = [task.key for task in self.scheduler.tasks[key].dependencies]
 
 
-def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
+def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store):
     tasks = Tasks()
-    with here(2, threads=3) as (cluster, client):
+    with local_cluster(2, threads=3) as (cluster, client):
         cluster.scheduler.add_plugin(tasks)
         tasks.scheduler = cluster.scheduler
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
-        given = dict(tasks.below)
+        dependencies = dict(tasks.below)
         for _ in range(2):  # workers are lost during the run, then missing from its start
             with pytest.raises(ExecutionError, match="no Dask worker takes tasks within 1 s"):
                 run_sweep(
@@ -236,26 +238,28 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
                 )
             assert summary(tmp_path / "later.zarr").done
     assert (outcome.done, outcome.failed) == (9, ())
-    assert content(tmp_path / "out.zarr") == content(alone)
-    named = {key.rsplit("-", 2)[0]: below for key, below in given.items()}
-    places = itertools.product(SWEEP.loads, SWEEP.velocities)
-    assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
-    assert sum(map(len, named.values())) == 0
+    assert content(tmp_path / "out.zarr") == content(tiny_store)
+    dependencies_by_point = {key.rsplit("-", 2)[0]: below for key, below in dependencies.items()}
+    coordinates = itertools.product(SWEEP.loads, SWEEP.velocities)
+    assert dependencies_by_point.keys() == {
+        f"point-{load:g}N-{velocity:g}ms" for load, velocity in coordinates
+    }
+    assert sum(map(len, dependencies_by_point.values())) == 0
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
     pytest.importorskip("bokeh")
-    told, before = [], multiprocessing.active_children()
+    answers, before = [], multiprocessing.active_children()
 
     def look(progress):
         if progress.words:
-            told.append(progress.words)
-        if progress.done and len(told) == 1:
-            with urllib.request.urlopen(told[0].removeprefix("dashboard: ")) as page:
-                told.append(page.status)
+            answers.append(progress.words)
+        if progress.done and len(answers) == 1:
+            with urllib.request.urlopen(answers[0].removeprefix("dashboard: ")) as page:
+                answers.append(page.status)
 
     run_sweep(SHORT, tmp_path / "out.zarr", workers=1, progress=look, dashboard=True)
-    assert told[1] == 200
+    assert answers[1] == 200
     assert multiprocessing.active_children() == before
 
 
@@ -279,9 +283,9 @@ class Hungry(tiny.FaultyRamp):
     """A ramp that takes more and more memory at one load, until its process is killed."""
 
     def fault(self):
-        held = []
+        blocks = []
         while True:
-            held.append(bytearray(2**24))
+            blocks.append(bytearray(2**24))
 
 
 Hungry.__name__ = "Ramp"
@@ -290,15 +294,15 @@ HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=
 
 def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
     lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are")
-    with here(2) as (_, client), lost:
+    with local_cluster(2) as (_, client), lost:
         run_sweep(MANY, path, client=client, progress=when_done(client.close), patience=5.0)
     assert 0 < summary(path).done < len(MANY.loads) * 60
 
 
-def test_results_whose_fetch_is_cancelled_are_computed_again(path, alone, monkeypatch):
+def test_results_whose_fetch_is_cancelled_are_computed_again(path, tiny_store, monkeypatch):
     """As by a restart of all workers at that moment."""
 
-    with here(2) as (_, client):
+    with local_cluster(2) as (_, client):
         gather, first = client._gather, iter([True])
 
         async def cancelled_once(*futures, **options):
@@ -309,14 +313,14 @@ def test_results_whose_fetch_is_cancelled_are_computed_again(path, alone, monkey
         monkeypatch.setattr(client, "_gather", cancelled_once)
         outcome = run_sweep(SWEEP, path, client=client)
     assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
-    assert content(path) == content(alone)
+    assert content(path) == content(tiny_store)
 
 
 def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
     monkeypatch.setattr(drive, "_MAX_DEATHS", 1)  # three are tried by points that crash
     monkeypatch.setattr(drive, "_MAX_SHARED_DEATHS", 1)
     limit = {"processes": True, "memory_limit": "500 MB"}
-    with dask.config.set(CONFIGURATION), here(1, **limit) as (_, client):
+    with dask.config.set(CONFIGURATION), local_cluster(1, **limit) as (_, client):
         outcome = run_sweep(HUNGRY, path, client=client)
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)

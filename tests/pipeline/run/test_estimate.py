@@ -50,6 +50,6 @@ def test_the_time_of_a_sweep_is_estimated_within_a_factor_of_three(changes):
     assert 1 / 3 < (cost.seconds - 1.0) / seconds < 3  # one second starts the workers
 
 
-def test_a_store_takes_the_room_that_was_estimated_within_a_factor_of_two(alone):
-    blocks = sum(512 * file.stat().st_blocks for file in alone.rglob("*"))
+def test_a_store_takes_the_room_that_was_estimated_within_a_factor_of_two(tiny_store):
+    blocks = sum(512 * file.stat().st_blocks for file in tiny_store.rglob("*"))
     assert 0.5 < estimate(tiny.full()).disk_bytes / blocks < 2.0

@@ -45,18 +45,18 @@ def done(path):
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("goal") / "small.zarr"
-    told = []
-    outcome = run(scene(), path, progress=lambda one: told.append(str(one)))
+    messages = []
+    outcome = run(scene(), path, progress=lambda progress: messages.append(str(progress)))
     assert outcome.computed == outcome.done < 30
-    assert told[0] == "preset standard (up to 1.1 %)"
-    assert any("first realization done; about" in words for words in told)
+    assert messages[0] == "preset standard (up to 1.1 %)"
+    assert any("first realization done; about" in words for words in messages)
     return path
 
 
 def test_the_stated_error_is_below_the_goal_with_the_ends_of_few_points(small):
-    found = pipeline.boundary(small)
-    assert (found["velocity_error"] < 0.04).all()
-    assert found.attrs["missing_points"] == 0
+    boundary = pipeline.boundary(small)
+    assert (boundary["velocity_error"] < 0.04).all()
+    assert boundary.attrs["missing_points"] == 0
     ds = pipeline.open_sweep(small)
     assert np.array_equal(ds["status"] == NOT_NEEDED, ds["status"] != DONE)
     assert (ds.sizes["step"], ds.attrs["stored_steps"]) == (1, "end")
@@ -92,24 +92,24 @@ def test_a_run_that_was_stopped_ends_with_the_same_points(tmp_path, small):
 
 
 def test_each_case_has_the_goal_and_a_preset_in_place_of_its_own_numbers(tmp_path):
-    path, told = tmp_path / "cases.zarr", []
+    path, messages = tmp_path / "cases.zarr", []
     radii = {"sweep.over": {"pin.radius": ["1.8 mm", "2 mm"]}, "sweep.loads": ["750 N"]}
     sweep = scene(**radii | {"fidelity.increments": 7})
-    run(sweep, path, 0.05, progress=lambda one: told.append(str(one)))
-    assert told[0] == "preset standard (up to 1.1 %), in place of the scene's own [fidelity]"
-    found = pipeline.boundary(path)
-    assert found["velocity_error"].dims == ("pin_radius", "load")
-    assert np.isfinite(found["critical_velocity"]).all()
-    assert (found["velocity_error"] < 0.05).all()
+    run(sweep, path, 0.05, progress=lambda progress: messages.append(str(progress)))
+    assert messages[0] == "preset standard (up to 1.1 %), in place of the scene's own [fidelity]"
+    boundary = pipeline.boundary(path)
+    assert boundary["velocity_error"].dims == ("pin_radius", "load")
+    assert np.isfinite(boundary["critical_velocity"]).all()
+    assert (boundary["velocity_error"] < 0.05).all()
 
 
 def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_path, irg):
     out = tmp_path / "seeds.zarr"
-    own = words(**{"sweep.loads": ["400 N"], "sweep.realizations": [3, 5]})
-    said = irg("run", "first_try", *own, "--accuracy", "2%", "-o", out, "--workers", "1")
-    assert "accuracy 2 % reached: at most ± 1." in said
-    assert "2 listed seeds, not reduced by computing" in said
-    assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in said
+    options = words(**{"sweep.loads": ["400 N"], "sweep.realizations": [3, 5]})
+    output = irg("run", "first_try", *options, "--accuracy", "2%", "-o", out, "--workers", "1")
+    assert "accuracy 2 % reached: at most ± 1." in output
+    assert "2 listed seeds, not reduced by computing" in output
+    assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in output
     assert done(out)[1].sum() == 1
 
 
@@ -132,11 +132,11 @@ def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
 
 def test_the_command_tells_what_it_reached_and_a_smaller_goal_goes_on_with_the_store(tmp_path, irg):
     out = tmp_path / "out.zarr"
-    own = words(**{"sweep.loads": ["100 N", "750 N"]})
-    arguments = "run", "first_try", *own, "-o", out, "--workers", "1"
-    said = irg(*arguments, "--accuracy", "5%")
-    assert re.search(r"accuracy 5 % reached: at most ± [34][.\d]* %, at 750 N \(inter", said)
-    assert "no critical velocity in the plane at 100 N" in said
+    options = words(**{"sweep.loads": ["100 N", "750 N"]})
+    arguments = "run", "first_try", *options, "-o", out, "--workers", "1"
+    output = irg(*arguments, "--accuracy", "5%")
+    assert re.search(r"accuracy 5 % reached: at most ± [34][.\d]* %, at 750 N \(inter", output)
+    assert "no critical velocity in the plane at 100 N" in output
     first = done(out).sum()
     document = irg(*arguments, "--accuracy", "3%", "--json")
     assert first + document["computed"] == done(out).sum() > first
@@ -145,9 +145,9 @@ def test_the_command_tells_what_it_reached_and_a_smaller_goal_goes_on_with_the_s
 
 def test_a_goal_out_of_reach_ends_with_a_line_of_advice_and_exit_code_1(tmp_path, irg):
     arguments = *words(**{"sweep.loads": ["400 N"]}), "-o", tmp_path / "far.zarr"
-    said = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
-    assert "accuracy 0.58 % not reached" in said
-    assert "to reach it: there are too few surface realizations" in said
+    output = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
+    assert "accuracy 0.58 % not reached" in output
+    assert "to reach it: there are too few surface realizations" in output
     assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further realizations
 
 
@@ -157,5 +157,5 @@ def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_
     assert "accuracy 5 % reached" in irg("run", "first_try", *few, "-o", out, "--accuracy", "5%")
     velocities = pipeline.open_sweep(out)["velocity"].values
     assert {0.5, 4.0} < {*velocities.tolist()}
-    near = pipeline.boundary(out)["critical_velocity"].item()
-    assert np.abs(velocities / near - 1).min() < 0.02
+    critical_velocity = pipeline.boundary(out)["critical_velocity"].item()
+    assert np.abs(velocities / critical_velocity - 1).min() < 0.02

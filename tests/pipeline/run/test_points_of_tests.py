@@ -23,9 +23,9 @@ WORN = (
     '[[tests]]\nload = "300 N"\nvelocity = "3 m/s"\noutcome = "severe"\nfriction = 0.12\n'
     'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }\n'
 )
-HELD = '[[tests]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
-HELD += 'with = { "loading.hold" = "3 s" }\n'
-PARTED = HELD.replace('"3 s"', '"6 s", "fidelity.increments" = 12')
+HOLD = '[[tests]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\n'
+HOLD += 'with = { "loading.hold" = "3 s" }\n'
+FINE_HOLD = HOLD.replace('"3 s"', '"6 s", "fidelity.increments" = 12')
 
 
 def load(folder, *tests, sweep=""):
@@ -34,11 +34,11 @@ def load(folder, *tests, sweep=""):
     return pipeline.load_scene(folder / "lab.toml")
 
 
-def compute(path, sweep, most=None):
+def compute(path, sweep, count=None):
     """Compute points of tests in this process, all or the first ones; return their number."""
     with writing(path, sweep) as store:
         tests, done = store.tests, 0
-        for point in tests.pending()[:most]:
+        for point in tests.pending()[:count]:
             scene = tests.sweep.case(point.case).scene
             tests.commit([plan.run_point(scene, tests.sweep.stored_steps, point).record(False)])
             done += 1
@@ -49,13 +49,13 @@ def answered(source):
     """Load, velocity and rise of each test's point under the test's own conditions."""
     case = cases_of(source)[0]
     return [
-        (one.load, one.velocity, one.rise(test.case.conditions))
+        (point.load, point.velocity, point.rise(test.case.conditions))
         for test, points in zip(case.sweep.tests, case.tests, strict=True)
-        for one in points
+        for point in points
     ]
 
 
-def alone(sweep, load, velocity, friction=0.1, **entries):
+def simulated_rise(sweep, load, velocity, friction=0.1, **entries):
     """Rise at a load and velocity in the scene of a sweep with other entries."""
     scene = sweep._single_case()
     for path, value in entries.items():
@@ -66,45 +66,45 @@ def alone(sweep, load, velocity, friction=0.1, **entries):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def tested_store(tmp_path_factory):
     """A sweep with three tests, and its store, which was computed on workers."""
     folder = tmp_path_factory.mktemp("tests")
-    sweep = load(folder, STEP, WORN, HELD)
+    sweep = load(folder, STEP, WORN, HOLD)
     outcome = pipeline.run_sweep(sweep, folder / "lab.zarr", workers=1)
     assert (outcome.total, outcome.done, outcome.computed) == (2, 2, 2)
     assert (outcome.tests.total, outcome.tests.done, outcome.tests.failed) == (4, 4, ())
     return sweep, folder / "lab.zarr"
 
 
-def test_points_of_tests_have_the_rises_of_their_own_scenes(made):
-    sweep, path = made
-    found = answered(path)
-    assert [one[:2] for one in found] == [(400, 1), (400, 2), (300, 3), (500, 1)]
-    own = {}, {}, {"wear__specific_wear_rate": "3.7e-7 mm^3/(N m)", "friction": 0.12}
+def test_points_of_tests_have_the_rises_of_their_own_scenes(tested_store):
+    sweep, path = tested_store
+    test_rises = answered(path)
+    assert [point[:2] for point in test_rises] == [(400, 1), (400, 2), (300, 3), (500, 1)]
+    changes_by_test = {}, {}, {"wear__specific_wear_rate": "3.7e-7 mm^3/(N m)", "friction": 0.12}
     for (load_of, velocity, rise), changes in zip(
-        found, (*own, {"loading__hold": "3 s"}), strict=True
+        test_rises, (*changes_by_test, {"loading__hold": "3 s"}), strict=True
     ):
-        assert rise == alone(sweep, load_of, velocity, **changes)
+        assert rise == simulated_rise(sweep, load_of, velocity, **changes)
     ds = pipeline.open_sweep(path)
     assert ds.sizes["test_step"] == 2  # the onset of the hold, and its end
     plane = deciding_rise(ds, sweep.conditions).values[0]
-    assert [rise for *_, rise in found[:2]] == pytest.approx(plane.tolist(), rel=1e-12)
+    assert [rise for *_, rise in test_rises[:2]] == pytest.approx(plane.tolist(), rel=1e-12)
 
 
-def test_an_interrupted_run_goes_on_and_a_second_one_computes_nothing(made, tmp_path):
-    sweep, path = made[0], tmp_path / "lab.zarr"
-    assert compute(path, sweep, most=3) == 3
+def test_an_interrupted_run_goes_on_and_a_second_one_computes_nothing(tested_store, tmp_path):
+    sweep, path = tested_store[0], tmp_path / "lab.zarr"
+    assert compute(path, sweep, count=3) == 3
     assert pipeline.summary(path).tests.pending == 1
     outcome = pipeline.run_sweep(sweep, path, workers=1)
     assert (outcome.tests.done, outcome.computed) == (4, 2)
-    assert answered(path) == answered(made[1])
+    assert answered(path) == answered(tested_store[1])
     assert compute(path, sweep) == 0
 
 
 def test_a_changed_or_further_test_is_computed_alone_and_no_store_is_refused(tmp_path):
     path = tmp_path / "lab.zarr"
     assert compute(path, load(tmp_path, STEP)) == 2
-    assert compute(path, load(tmp_path, HELD, STEP)) == 1
+    assert compute(path, load(tmp_path, HOLD, STEP)) == 1
     changed = WORN.replace("3.7e-7", "1e-7")
     assert compute(path, load(tmp_path, STEP, WORN)) == 1
     assert compute(path, load(tmp_path, STEP, changed)) == 1
@@ -112,14 +112,18 @@ def test_a_changed_or_further_test_is_computed_alone_and_no_store_is_refused(tmp
     sweep = load(tmp_path, STEP, WORN.replace("0.12", "0.2"))
     assert compute(path, sweep) == 0  # the same simulation
     wear = {"wear__specific_wear_rate": "3.7e-7 mm^3/(N m)"}
-    assert answered(path)[2] == (300.0, 3.0, alone(sweep, 300.0, 3.0, 0.2, **wear))
+    assert answered(path)[2] == (300.0, 3.0, simulated_rise(sweep, 300.0, 3.0, 0.2, **wear))
     assert pipeline.verify_store(path).is_clean
 
 
 def test_a_test_with_more_steps_than_the_store_has_room_for_is_taken(tmp_path):
     path = tmp_path / "lab.zarr"
     track = SCENE.replace("[disk]\n", '[disk]\ntrack_length = "200 mm"\n')
-    for tests, computed in (((STEP, HELD), 3), ((STEP, HELD, PARTED), 1), ((STEP, PARTED), 0)):
+    for tests, computed in (
+        ((STEP, HOLD), 3),
+        ((STEP, HOLD, FINE_HOLD), 1),
+        ((STEP, FINE_HOLD), 0),
+    ):
         (tmp_path / "lab.toml").write_text(track + "\n" + "".join(tests), encoding="utf-8")
         sweep = pipeline.load_scene(tmp_path / "lab.toml")
         assert compute(path, sweep) == computed
@@ -128,7 +132,7 @@ def test_a_test_with_more_steps_than_the_store_has_room_for_is_taken(tmp_path):
 
 
 def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(tmp_path, monkeypatch):
-    before, sweep = load(tmp_path, STEP), load(tmp_path, HELD, STEP, WORN)
+    before, sweep = load(tmp_path, STEP), load(tmp_path, HOLD, STEP, WORN)
     assert compute(tmp_path / "before.zarr", before) == 2
     kills = 0
     for count in range(0, 400, 97):
@@ -159,23 +163,23 @@ def test_rows_and_surfaces_have_the_tests_of_the_scene_once(tmp_path):
     rows = 'over = { "pin.radius" = ["3 mm", "1 mm"] }\nrealizations = 2\n'
     sweep, path = load(tmp_path, STEP, sweep=rows), tmp_path / "lab.zarr"
     assert compute(path, sweep) == 2
-    assert answered(path) == [(400.0, V, alone(sweep, 400.0, V)) for V in (1.0, 2.0)]
-    taken = pipeline.open_sweep(path).sel(pin_radius=1e-3).isel(realization=[0])
-    assert answered(taken) == answered(path)
+    assert answered(path) == [(400.0, V, simulated_rise(sweep, 400.0, V)) for V in (1.0, 2.0)]
+    selected = pipeline.open_sweep(path).sel(pin_radius=1e-3).isel(realization=[0])
+    assert answered(selected) == answered(path)
 
 
-TAKEN = {
+SELECTIONS = {
     "one place": lambda ds: ds.sel(load=400.0, velocity=1.0),
     "joined": lambda ds: xr.concat([ds.isel(velocity=[k]) for k in (0, 1)], "velocity"),
     "where": lambda ds: ds.where(ds["velocity"] > 0),
 }
 
 
-@pytest.mark.parametrize("kind", TAKEN)
-def test_what_xarray_does_with_the_plane_leaves_the_tests_alone(made, kind):
+@pytest.mark.parametrize("kind", SELECTIONS)
+def test_what_xarray_does_with_the_plane_leaves_the_tests_alone(tested_store, kind):
     with np.errstate(all="ignore"):
-        ds = TAKEN[kind](pipeline.open_sweep(made[1]))
-    assert answered(ds) == answered(made[1])
+        ds = SELECTIONS[kind](pipeline.open_sweep(tested_store[1]))
+    assert answered(ds) == answered(tested_store[1])
 
 
 def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_path, irg):
@@ -184,34 +188,34 @@ def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_pat
     with writing(path, sweep) as store:
         point = plan.points(store.tests.sweep)[1]
         store.tests.commit([plan.PointRecord(point, None, "out of luck")])
-    points = [one for points in cases_of(path)[0].tests for one in points]
-    assert [one.status for one in points] == [1, 2]
+    points = [test_point for points in cases_of(path)[0].tests for test_point in points]
+    assert [test_point.status for test_point in points] == [1, 2]
     assert points[1].message == "out of luck"
-    said = irg("status", path, code=1)
-    assert "tests: 1 of 2 points done" in said
-    assert "failed: 400 N, 2 m/s, test 1: out of luck" in said
+    output = irg("status", path, code=1)
+    assert "tests: 1 of 2 points done" in output
+    assert "failed: 400 N, 2 m/s, test 1: out of luck" in output
     outcome = pipeline.run_sweep(sweep, path, workers=1, retry_failed=True)
     assert (outcome.tests.done, outcome.tests.failed) == (2, ())
 
 
-def test_damage_of_a_test_is_named_apart_and_mended(made, tmp_path, irg):
-    path = shutil.copytree(made[1], tmp_path / "lab.zarr")
+def test_damage_of_a_test_is_named_apart_and_mended(tested_store, tmp_path, irg):
+    path = shutil.copytree(tested_store[1], tmp_path / "lab.zarr")
     assert "tests: 4 done and undamaged, 0 damaged" in irg("verify", path)
     (chunk,) = (path / "tests" / "max_rise").glob("c.*")
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 1
     chunk.write_bytes(content)
-    said = irg("verify", path, code=1)
-    assert "points: 2 done and undamaged, 0 damaged" in said
-    assert "tests: 0 done and undamaged, 4 damaged" in said
-    outcome = pipeline.run_sweep(made[0], path, workers=1)
+    output = irg("verify", path, code=1)
+    assert "points: 2 done and undamaged, 0 damaged" in output
+    assert "tests: 0 done and undamaged, 4 damaged" in output
+    outcome = pipeline.run_sweep(tested_store[0], path, workers=1)
     assert (outcome.computed, outcome.tests.done) == (0, 4)
-    assert answered(path) == answered(made[1])
+    assert answered(path) == answered(tested_store[1])
 
 
-def test_commands_count_the_tests_apart(made, tmp_path, irg):
-    sweep, path = made
-    load(tmp_path, STEP, WORN, HELD)
+def test_commands_count_the_tests_apart(tested_store, tmp_path, irg):
+    sweep, path = tested_store
+    load(tmp_path, STEP, WORN, HOLD)
     assert pipeline.estimate(sweep, workers=1).tests == 4
     copy = shutil.copytree(path, tmp_path / "lab.zarr")
     command = "run", tmp_path / "lab.toml", "-o", copy
@@ -219,8 +223,8 @@ def test_commands_count_the_tests_apart(made, tmp_path, irg):
     assert irg(*command, "--json")["tests"] == {"points": 4, "done": 4, "failed": 0}
 
 
-def test_points_of_tests_are_taken_from_another_store(made, tmp_path):
-    sweep, path = made[0], tmp_path / "new.zarr"
-    outcome = pipeline.run_sweep(sweep, path, workers=1, source=made[1])
+def test_points_of_tests_are_taken_from_another_store(tested_store, tmp_path):
+    sweep, path = tested_store[0], tmp_path / "new.zarr"
+    outcome = pipeline.run_sweep(sweep, path, workers=1, source=tested_store[1])
     assert (outcome.computed, outcome.tests.done) == (0, 4)
-    assert answered(path) == answered(made[1])
+    assert answered(path) == answered(tested_store[1])

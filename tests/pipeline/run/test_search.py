@@ -50,33 +50,33 @@ class Specimen:
 
     def y(self, load, x, realization=None):
         """ln(rise/limit) at friction 1, of a realization or of the mean of all."""
-        own = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
-        return own + (0.0 if realization is None else self.offsets[realization])
+        log_rise = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
+        return log_rise + (0.0 if realization is None else self.offsets[realization])
 
     def search(self, accuracy, promised=0.0, realizations=256, **more):
         judged = conditions(self.law, more.pop("share", 0.1))
-        alone = more.pop("alone", SWEPT)
+        single_quality = more.pop("alone", SWEPT)
         goal = Goal(accuracy, realizations, **more)
-        return Told(self.loads, self._few, judged, promised, goal, alone)
+        return Told(self.loads, self._few, judged, promised, goal, single_quality)
 
-    def rise(self, place):
-        if place[1:] in self.failing:
+    def rise(self, point):
+        if point[1:] in self.failing:
             return np.nan
-        load, x = self.loads[place.load], np.log(self.velocities[place.velocity])
-        return LIMIT * np.exp(self.y(load, x, place.realization))
+        load, x = self.loads[point.load], np.log(self.velocities[point.velocity])
+        return LIMIT * np.exp(self.y(load, x, point.realization))
 
     def run(self, search, known=None):
         """Return all that is asked, in order; or the first points that are not all `known`."""
-        asked = []
+        points = []
         while batch := search.ask():
             if known is not None and not known.issuperset(batch):
                 return batch
             assert not search.asked[tuple(np.array(batch).T)].any()  # nothing twice
-            asked += batch
+            points += batch
             self.velocities = search.velocities
-            rises = np.array([self.rise(place) for place in batch])
+            rises = np.array([self.rise(point) for point in batch])
             search.tell(batch, rises, np.full(len(batch), self.stated))
-        return asked
+        return points
 
     def crossings(self, load, realization=None):
         """Velocities at which wear turns, of a whole line."""
@@ -91,22 +91,22 @@ class Specimen:
 
 @pytest.mark.parametrize("turns", [0, 1, 3])
 def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
-    count = asked = 0
+    count = point_count = 0
     for seed in range(2):
         specimen = Specimen(seed, turns, loads=5, scatter=0.0)
         search = specimen.search(0.02, realizations=1)
-        asked += len(specimen.run(search))
+        point_count += len(specimen.run(search))
         levels = np.full(len(specimen.loads), search.limit)
-        found = search.specimen.field.along_velocity(specimen.loads, levels).crossings
+        crossings = search.specimen.field.along_velocity(specimen.loads, levels).crossings
         for number in np.flatnonzero(search.asked[0].any(axis=1)):
-            whole, touches = specimen.crossings(specimen.loads[number])
+            expected, touches = specimen.crossings(specimen.loads[number])
             if not touches:
-                here = found[number][np.isfinite(found[number])]
-                assert len(here) == len(whole), (seed, number)
-                np.testing.assert_allclose(here, whole, rtol=0.01)
-                count += len(whole)
+                load_crossings = crossings[number][np.isfinite(crossings[number])]
+                assert len(load_crossings) == len(expected), (seed, number)
+                np.testing.assert_allclose(load_crossings, expected, rtol=0.01)
+                count += len(expected)
     assert count > 5
-    assert asked < 2 * search.asked.size * (0.1 + 0.12 * turns)
+    assert point_count < 2 * search.asked.size * (0.1 + 0.12 * turns)
 
 
 @pytest.mark.parametrize("accuracy", [0.05, 0.02])
@@ -118,10 +118,10 @@ def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
         points.append(len(specimen.run(search)))
         errors = np.sqrt((search.errors**2).sum(axis=0))
         for load, critical, error in zip(specimen.loads, search.critical, errors, strict=True):
-            whole, _ = specimen.crossings(load)
-            if len(whole) and np.isfinite(critical):
+            crossings, _ = specimen.crossings(load)
+            if len(crossings) and np.isfinite(critical):
                 assert error <= accuracy
-                missed += abs(critical / whole[0] - 1) > error
+                missed += abs(critical / crossings[0] - 1) > error
                 count += 1
     assert count > 7
     assert missed <= 0.05 * count
@@ -147,20 +147,20 @@ def test_a_realization_that_states_too_large_a_deviation_refuses_no_goal():
 @pytest.mark.parametrize("turns", [0, 2])
 def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
     specimen = Specimen(5, turns, loads=3)
-    whole = specimen.run(specimen.search(0.05))
+    uninterrupted = specimen.run(specimen.search(0.05))
     generator, done = np.random.default_rng(1), set()
-    for _ in range(len(whole)):
+    for _ in range(len(uninterrupted)):
         batch = specimen.run(specimen.search(0.05), done)
-        missing = [place for place in batch if place not in done]
+        missing = [point for point in batch if point not in done]
         if not missing:
             break
-        some = generator.permutation(len(missing))[: 1 + len(missing) // 2]
-        done |= {missing[k] for k in some}
-    assert done == {*whole}
+        chosen = generator.permutation(len(missing))[: 1 + len(missing) // 2]
+        done |= {missing[k] for k in chosen}
+    assert done == {*uninterrupted}
 
 
 def test_few_velocities_become_more_where_the_goal_needs_them():
-    missed = found = 0
+    missed = found_count = 0
     for seed, count in ((0, 4), (1, 6)):
         few = np.geomspace(0.25, 6.0, count)
         specimen = Specimen(seed, loads=4, velocities=few)
@@ -172,16 +172,16 @@ def test_few_velocities_become_more_where_the_goal_needs_them():
             if np.isfinite(critical):
                 assert error <= 0.01
                 missed += abs(critical / specimen.crossings(load)[0][0] - 1) > error
-                found += 1
-    assert found > 4
-    assert missed <= 0.1 * found
+                found_count += 1
+    assert found_count > 4
+    assert missed <= 0.1 * found_count
 
 
 def test_without_a_crossing_the_search_ends_after_few_points():
     specimen = Specimen(0)
     for level in (0.01, 100.0):
         search = specimen.search(0.02)
-        specimen.rise = lambda place, k=level: k * LIMIT * VELOCITIES[place.velocity] ** 0.6
+        specimen.rise = lambda point, k=level: k * LIMIT * VELOCITIES[point.velocity] ** 0.6
         assert len(specimen.run(search)) <= 15  # three at each of five loads
         assert np.isnan(search.critical).all()
 
@@ -190,8 +190,8 @@ def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
     specimen = Specimen(4)
     search = specimen.search(0.02, realizations=3, counts_surface=False)
     specimen.run(search)
-    found = search.asked.any(axis=2).sum(axis=0)
-    assert {*found[np.isfinite(search.critical) & (found > 0)]} == {3}
+    surface_counts = search.asked.any(axis=2).sum(axis=0)
+    assert {*surface_counts[np.isfinite(search.critical) & (surface_counts > 0)]} == {3}
     assert np.nanmax(search.reducible) < 0.02
 
 
@@ -202,8 +202,8 @@ def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
     specimen.run(search)
     assert search.asked[:, 2].sum() == 3
     crossed = [bool(len(specimen.crossings(load)[0])) for load in specimen.loads]
-    found = np.isfinite(search.critical)
-    assert found[[0, 1, 3, 4]].tolist() == [crossed[k] for k in (0, 1, 3, 4)]
+    has_crossing = np.isfinite(search.critical)
+    assert has_crossing[[0, 1, 3, 4]].tolist() == [crossed[k] for k in (0, 1, 3, 4)]
 
 
 def test_one_load_and_two():

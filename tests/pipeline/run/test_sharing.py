@@ -19,11 +19,15 @@ CONDUCTIVITY, RATE = "materials.steel.thermal_conductivity", "wear.specific_wear
 CONDUCTIVITIES = "20 W/(m K)", "45 W/(m K)"
 RATES = "1.2e-6 mm^3/(N m)", "2.4e-6 mm^3/(N m)"
 # The second rate at half the velocity wears the pin as fast as the first.
-PLACES = [(RATES[0], "300 N", "2 m/s"), (RATES[1], "300 N", "1 m/s"), (RATES[0], "600 N", "2 m/s")]
+POINTS_BY_RATE = [
+    (RATES[0], "300 N", "2 m/s"),
+    (RATES[1], "300 N", "1 m/s"),
+    (RATES[0], "600 N", "2 m/s"),
+]
 ROWS = [
     {CONDUCTIVITY: conductivity, RATE: rate, "load": load, "velocity": velocity}
     for conductivity in CONDUCTIVITIES
-    for rate, load, velocity in PLACES
+    for rate, load, velocity in POINTS_BY_RATE
 ]
 PHYSICS = {
     "course": {"sweep.steps": "course"},
@@ -54,14 +58,16 @@ def table(scene, **overrides):
 def test_a_row_that_shares_contacts_has_the_bits_that_it_has_alone(scene, physics):
     """With a cache of any size, in the order of the queue and in any other."""
     sweep = table(scene, **PHYSICS[physics])
-    alone = {point: run_point(sweep, point) for point in points(sweep)}
+    single_results = {point: run_point(sweep, point) for point in points(sweep)}
     every = [task.point for task in tasks(points(sweep), sweep)]
     mixed = random.Random(2).sample(every, len(every))
     for order, ramp_cache in ((mixed[:3], RampCache(0)), ((*every, *mixed[:3]), RampCache(2**28))):
         for point in order:
             shared = run_point(sweep, point, ramp_cache)
-            assert shared.warnings == alone[point].warnings
-            for name, values in (alone[point].columns | alone[point].fields).items():
+            assert shared.warnings == single_results[point].warnings
+            for name, values in (
+                single_results[point].columns | single_results[point].fields
+            ).items():
                 assert values.tobytes() == (shared.columns | shared.fields)[name].tobytes(), name
 
 
@@ -78,11 +84,13 @@ def test_rows_of_a_store_are_those_of_their_own_scenes_after_an_interruption(sce
             entry: f"{row.coords[entry.replace('.', '_')].item()!r} {unit}"
             for entry, unit in ((CONDUCTIVITY, "W/(m K)"), (RATE, "m^2/N"))
         }
-        own = pipeline.load_scene(scene, overrides={"sweep.steps": "end"} | entries)
-        alone = pipeline.run_point(own, row["load"].item(), row["velocity"].item())
+        row_scene = pipeline.load_scene(scene, overrides={"sweep.steps": "end"} | entries)
+        single_result = pipeline.run_point(row_scene, row["load"].item(), row["velocity"].item())
         for name in COLUMNS.keys() & row.data_vars.keys():
-            stored = row[name].transpose("step", ...).values[-len(alone.columns["time"]) :]
-            assert stored.tobytes() == alone.columns[name].astype(stored.dtype).tobytes(), name
+            stored = row[name].transpose("step", ...).values[-len(single_result.columns["time"]) :]
+            assert stored.tobytes() == single_result.columns[name].astype(stored.dtype).tobytes(), (
+                name
+            )
 
 
 @pytest.mark.parametrize("physics", ["hold", "no wear"])

@@ -72,16 +72,20 @@ def test_onset_and_end_of_each_stage_are_stored(store):
 
 def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     ds = pipeline.open_sweep(store[1])
-    found = pipeline.margin(ds, [100.0, 120.0, 140.0], [2.0] * 3)["governing_temperature"].values
+    governing = pipeline.margin(ds, [100.0, 120.0, 140.0], [2.0] * 3)[
+        "governing_temperature"
+    ].values
     steps = pipeline.temperatures(ds)["temperature_quantile"].sel(
         area_fraction_below=0.9, velocity=2
     )
-    own = steps.sel(load=140).values
-    assert own[2] < own[0]  # the unworn first stage is hotter than the second
-    assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
+    stage_temperatures = steps.sel(load=140).values
+    assert (
+        stage_temperatures[2] < stage_temperatures[0]
+    )  # the unworn first stage is hotter than the second
+    assert governing == pytest.approx(np.maximum.accumulate(stage_temperatures)[1::2], rel=1e-9)
     point = pipeline.run_point(store[0]._single_case(), 120.0, 2.0)
     assert point.verdict(store[0].conditions).governing_temperature == pytest.approx(
-        found[1], rel=1e-12
+        governing[1], rel=1e-12
     )
 
 

@@ -40,11 +40,11 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
     return {name: values[name].tolist().__repr__() for name in names}
 
 
-def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
+def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, tiny_store):
     reports = []
     outcome = run_sweep(SWEEP, path, workers=2, progress=reports.append)
     assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
-    assert content(path) == content(alone)
+    assert content(path) == content(tiny_store)
     done = [report.done for report in reports]
     assert (done[0], done[-1]) == (0, 9)
     assert done == sorted(done)
@@ -63,7 +63,7 @@ def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
         assert stored[-len(expected) :].tobytes() == expected.tobytes()
 
 
-def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, copy):
+def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(tiny_store, copy):
     with writing(copy, SWEEP) as store:
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
@@ -72,7 +72,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
     assert messages == [f"{copy} had 2 damaged points or files, which are computed again"]
     assert (outcome.computed, outcome.done) == (3, 9)
-    assert content(copy) == content(alone)
+    assert content(copy) == content(tiny_store)
     outcome = run_sweep(tiny.full(loads=(250.0, 800.0), velocities=(1.5,)), copy)
     assert (outcome.total, outcome.computed, outcome.done) == (10, 1, 10)
     result = pipeline.run_point(changed(SWEEP, loads=(*tiny.LOADS, 800.0)), 800.0, 1.5)
@@ -181,7 +181,7 @@ def is_gone(group):
 
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -9)])
 def test_ctrl_c_or_a_kill_ends_everything_and_keeps_finished_points(
-    sent, code, path, tmp_path, alone
+    sent, code, path, tmp_path, tiny_store
 ):
     """The signal goes to the driver and all workers, as from a terminal."""
     (tmp_path / "script.py").write_text(SCRIPT)
@@ -204,9 +204,9 @@ def test_ctrl_c_or_a_kill_ends_everything_and_keeps_finished_points(
     assert 3 <= summary(path).done < summary(path).total
     assert verify_store(path).is_clean
     assert summary(path).running is None
-    kept, whole = plain_values(path), plain_values(alone)
-    is_done = kept["status"] == DONE
-    assert kept["max_rise"][is_done].tobytes() == whole["max_rise"][is_done].tobytes()
+    stored, expected = plain_values(path), plain_values(tiny_store)
+    is_done = stored["status"] == DONE
+    assert stored["max_rise"][is_done].tobytes() == expected["max_rise"][is_done].tobytes()
 
 
 UNGUARDED = """

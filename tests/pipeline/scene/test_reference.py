@@ -22,31 +22,34 @@ def test_the_page_is_what_the_format_says():
     assert text.endswith(reference.scene()), "write it anew with: make reference"
 
 
-def paths_of(table, place=""):
+def paths_of(table, parent=""):
     """Yield the paths of entries in nested tables, and in headings of the tables that they name."""
     for key, value in table.items():
-        path = "materials.NAME" if place == "materials" else f"{place}.{key}".lstrip(".")
+        path = "materials.NAME" if parent == "materials" else f"{parent}.{key}".lstrip(".")
         yield path
         if path == "sweep.over":
             yield from value
-        if str(value).endswith(".csv") and (key == "along" or place == "tests"):
+        if str(value).endswith(".csv") and (key == "along" or parent == "tests"):
             head, *_ = (WORKFLOWS / value).read_text("utf-8").splitlines()
             names = [
-                re.sub(r"\s*\[.*", "", one).replace(" ", "_") for one in re.split("[;,]", head)
+                re.sub(r"\s*\[.*", "", column).replace(" ", "_")
+                for column in re.split("[;,]", head)
             ]
-            yield from (name if "." in name else f"{place}.{name}" for name in names)
-        for one in value if isinstance(value, list) else [value]:
-            if isinstance(one, dict):
-                yield from paths_of(one, path)
+            yield from (name if "." in name else f"{parent}.{name}" for name in names)
+        for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, dict):
+                yield from paths_of(item, path)
 
 
 def set_by_code(file):
     """Yield texts that code gives as the path of an entry: keys, and what `changed` takes first."""
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        given = node.keys if isinstance(node, ast.Dict) else []
+        expressions = node.keys if isinstance(node, ast.Dict) else []
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "changed":
-            given = node.args[:1]
-        yield from (one.value for one in given if isinstance(one, ast.Constant))
+            expressions = node.args[:1]
+        yield from (
+            expression.value for expression in expressions if isinstance(expression, ast.Constant)
+        )
 
 
 def test_every_entry_is_set_by_a_shipped_scene_or_by_the_paper_and_its_evidence():

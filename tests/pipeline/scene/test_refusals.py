@@ -24,8 +24,8 @@ def scene(*changes, text=TEXT, **overrides):
     return load_scene("scene.toml", overrides=overrides)
 
 
-def entry(key, value, **others):
-    return lambda: scene(**{key: value}, **others)
+def entry(key, value, **other_entries):
+    return lambda: scene(**{key: value}, **other_entries)
 
 
 def text(old, new):
@@ -61,26 +61,26 @@ def long_load():
     return scene((RAMP, 'file = "load.csv"'))
 
 
-def along(rows, **others):
+def along(rows, **other_entries):
     def build():
         Path("rows.csv").write_text(rows)
-        return scene(**{"sweep.along": "rows.csv"}, **others)
+        return scene(**{"sweep.along": "rows.csv"}, **other_entries)
 
     return build
 
 
-def measured(shape, **others):
+def measured(shape, **other_entries):
     np.save("surface.npy", np.zeros(shape))
-    return scene((ROUGHNESS, MEASURED_SURFACE), **others)
+    return scene((ROUGHNESS, MEASURED_SURFACE), **other_entries)
 
 
-def again():
+def new_scene_twice():
     new_scene("mine.toml")
     return new_scene("mine.toml")
 
 
-def over(path, values, **others):
-    return entry("sweep.over", {path: values}, **others)
+def over(path, values, **other_entries):
+    return entry("sweep.over", {path: values}, **other_entries)
 
 
 FILES = {
@@ -112,10 +112,10 @@ QUANTITIES = {
 EVEN = '{ first = "200 N", step = "200 N", hold = "60 s" }'
 
 
-def stages(what, loads=("200 N", "400 N"), more="", **others):
+def stages(stage_text, loads=("200 N", "400 N"), more="", **other_entries):
     """Function that reads the scene with the loading in stages."""
-    loading = (RAMP, f'rate = "150 N/s"\nstages = {what}\n{more}')
-    return lambda: scene(loading, **{"sweep.loads": [*loads], "without": "tests"} | others)
+    loading = (RAMP, f'rate = "150 N/s"\nstages = {stage_text}\n{more}')
+    return lambda: scene(loading, **{"sweep.loads": [*loads], "without": "tests"} | other_entries)
 
 
 def staged(test, loading=RAMP):
@@ -241,7 +241,7 @@ TEXTS = {
     ),
     "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
-    "new again": (again, "mine.toml already exists"),
+    "new again": (new_scene_twice, "mine.toml already exists"),
     "new folder": (
         lambda: new_scene("no/mine.toml"),
         "no/mine.toml cannot be written: No such file",

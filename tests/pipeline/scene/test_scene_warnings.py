@@ -42,8 +42,8 @@ def rough(array, **changes):
 
 def waves(nx=64, ny=32, along=0):
     """Heights of grooves along one axis, amplitude 0.3 µm, wavelength 8 pixels."""
-    place = np.indices((nx, ny))[along]
-    return 0.3e-6 * np.sin(2 * np.pi * place / 8)
+    position = np.indices((nx, ny))[along]
+    return 0.3e-6 * np.sin(2 * np.pi * position / 8)
 
 
 @pytest.mark.parametrize(("rate", "load", "velocity"), [(0.0, 600.0, 4.0), (1.2e-14, 200.0, 0.5)])
@@ -92,10 +92,10 @@ def test_grooves_lie_across_the_direction_in_which_heights_change(along, lay):
 SOURCE = load_scene("first_try").source
 
 
-def said_of(sweep, **facts):
-    named = replace(sweep, source=SOURCE)
-    found = warnings_of_case(named, replace(estimate_contact(sweep), **facts))
-    return [warning_text(one) for one in found]
+def warning_texts(sweep, **facts):
+    named_sweep = replace(sweep, source=SOURCE)
+    scene_warnings = warnings_of_case(named_sweep, replace(estimate_contact(sweep), **facts))
+    return [warning_text(warning) for warning in scene_warnings]
 
 
 def surface(**changes):
@@ -120,9 +120,9 @@ USUAL = [
 
 
 @pytest.mark.parametrize(
-    ("path", "low", "high", "unit", "beside"), USUAL, ids=[r[0] for r in USUAL]
+    ("path", "low", "high", "unit", "other_entries"), USUAL, ids=[r[0] for r in USUAL]
 )
-def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, unit, beside):
+def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, unit, other_entries):
     def is_doubted(value):
         entry = f"{value!r} {unit}" if unit else value
         if path == "sweep.velocities":
@@ -130,11 +130,13 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
         if path == "oil.kinematic_viscosity":
             higher, lower = (value, 0.9 * value) if value > 10 else (1.1 * value, value)
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
-        scene = load_scene("first_try", overrides={**beside, path: entry})
+        scene = load_scene("first_try", overrides={**other_entries, path: entry})
         key = path.rpartition(".")[2]
-        found = *scene.warnings, *warnings_of_case(scene, estimate_contact(scene))
-        unusual = (one.place.split("[")[0] for one in found if one.code == "unusual")
-        return any(place.endswith(key) for place in unusual)
+        scene_warnings = *scene.warnings, *warnings_of_case(scene, estimate_contact(scene))
+        unusual = (
+            warning.place.split("[")[0] for warning in scene_warnings if warning.code == "unusual"
+        )
+        return any(warning_place.endswith(key) for warning_place in unusual)
 
     def beyond(end, less):
         return end + less * 1e-3 * abs(end)
@@ -148,27 +150,27 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
 @pytest.mark.parametrize(("load", "is_far"), [(19.9, 1), (20.1, 0), (7499.0, 0), (7501.0, 1)])
 def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
     test = bare_test(load, max(SMOOTH.velocities))
-    doubts = said_of(changed(SMOOTH, loads=(200.0, 750.0), tests=(test,)))
+    doubts = warning_texts(changed(SMOOTH, loads=(200.0, 750.0), tests=(test,)))
     assert sum("the test at" in doubt for doubt in doubts) == is_far
 
 
 @pytest.mark.parametrize(
-    ("half_width", "expected", "said"),
+    ("half_width", "expected", "count"),
     [(49e-6, 99e-6, False), (50e-6, 99e-6, True), (49e-6, 100e-6, True)],
 )
-def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
-    doubts = said_of(
+def test_a_contact_has_to_fit_into_the_window(half_width, expected, count):
+    doubts = warning_texts(
         SMOOTH,
         hertz_half_width=Span(1e-6, half_width),
         contact_width=Span(90e-6, max(expected, 90e-6)),
         window=(100e-6, 20e-6),  # periodic along y
     )
     beyond = "may grow to 100 µm, wider than the window (100 µm)"
-    assert sum(beyond in doubt for doubt in doubts) == said
+    assert sum(beyond in doubt for doubt in doubts) == count
 
 
 @pytest.mark.parametrize(
-    ("lay", "measured", "pattern", "said"),
+    ("lay", "measured", "pattern", "is_warned"),
     [
         (30.0, True, "swept", True),
         (30.1, True, "swept", False),
@@ -177,10 +179,10 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
         (None, True, "swept", False),
     ],
 )
-def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
+def test_grooves_along_sliding_are_doubted(lay, measured, pattern, is_warned):
     scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern))
-    found = said_of(scene, surface=surface(lay=lay, measured=measured))
-    assert any("the grooves run along the sliding direction" in one for one in found) is said
+    texts = warning_texts(scene, surface=surface(lay=lay, measured=measured))
+    assert any("the grooves run along the sliding direction" in text for text in texts) is is_warned
 
 
 # What a scene leaves out, and tests with another past
@@ -200,24 +202,24 @@ LEFT_OUT = [
 ]
 
 
-@pytest.mark.parametrize(("entries", "code", "said"), LEFT_OUT)
-def test_what_a_scene_leaves_out_is_said(tmp_path, entries, code, said):
+@pytest.mark.parametrize(("entries", "code", "start"), LEFT_OUT)
+def test_what_a_scene_leaves_out_is_said(tmp_path, entries, code, start):
     (tmp_path / "plain.toml").write_text(SCENE)
     scene = load_scene(tmp_path / "plain.toml", overrides=entries)
-    found = [warning_text(one) for one in scene.all_warnings if one.code == code]
-    assert len(found) == bool(said)
-    assert not said or found[0].startswith(said)
+    texts = [warning_text(warning) for warning in scene.all_warnings if warning.code == code]
+    assert len(texts) == bool(start)
+    assert not start or texts[0].startswith(start)
 
 
-PLACE = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
+POINT = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
 STAGES = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\n'
 RUN = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
 FRESH = "one specimen at several points, but each is simulated as a fresh specimen and thus too hot"
 OTHERWISE = "loaded in another way than the sweep"
 PASTS = [
-    (PLACE + STAGES, OTHERWISE),
-    (PLACE + 'with = { "loading.rate" = "15 N/s" }\n', OTHERWISE),
-    (PLACE + 'with = { "loading.hold" = "30 s" }\n', OTHERWISE),
+    (POINT + STAGES, OTHERWISE),
+    (POINT + 'with = { "loading.rate" = "15 N/s" }\n', OTHERWISE),
+    (POINT + 'with = { "loading.hold" = "30 s" }\n', OTHERWISE),
     (RUN, FRESH),
 ]
 
@@ -228,6 +230,6 @@ def test_a_test_with_another_past_than_the_plane_is_told_with_its_effect(
 ):
     scene = tmp_path / "scene.toml"
     scene.write_text(f'extends = "first_try"\nwithout = ["tests"]\n[[tests]]\n{test}')
-    said = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
-    (line,) = [one for one in said if one.startswith("test ")]
+    statements = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
+    (line,) = [statement for statement in statements if statement.startswith("test ")]
     assert line.startswith(f"test 1: {words}")

@@ -60,8 +60,8 @@ def test_every_shipped_scene_loads_says_what_it_shows_and_comes_back_from_a_stor
     sweep = load_scene(path)
     header = path.read_text(encoding="utf-8").split("\n\n")[0]
     assert all(word in header for word in ("# Shows", "# Expect", "# Costs"))
-    again = parse_sweep(sweep_text(sweep), file_contents(sweep))
-    for other in (pickle.loads(pickle.dumps(sweep)), again):
+    reread = parse_sweep(sweep_text(sweep), file_contents(sweep))
+    for other in (pickle.loads(pickle.dumps(sweep)), reread):
         assert (other, hash(other.scene)) == (sweep, hash(sweep.scene))
 
 
@@ -93,8 +93,8 @@ def test_a_pin_has_a_free_or_periodic_window_and_is_swept_over(read, shape):
     assert scene.sweeps_over == is_swept
 
 
-def seeds(wanted, **entries):
-    scene = load_scene("first_try", overrides={"sweep.realizations": wanted} | entries)
+def seeds(realizations, **entries):
+    scene = load_scene("first_try", overrides={"sweep.realizations": realizations} | entries)
     names = [dict(name)["realization"] for name in scene.case_table.names]
     return names, scene.scene.roughness.seed
 
@@ -120,15 +120,23 @@ def test_what_may_be_left_out_takes_its_default(read):
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     standard = tribo.PRESETS["standard"]
-    own = 'preset = "standard"', 'preset = "standard"\nincrements = 30\nheat_model = "history"'
-    for changes, given, preset, fidelity in (
+    own_numbers = (
+        'preset = "standard"',
+        'preset = "standard"\nincrements = 30\nheat_model = "history"',
+    )
+    for changes, arguments, preset, fidelity in (
         ([], {}, "standard", {}),
-        ([own], {}, None, {"increments": 30, "heat_model": "history"}),
-        ([own], {"preset": "standard"}, "standard", {}),
-        ([own], {"preset": "standard", "overrides": {"increments": 40}}, None, {"increments": 40}),
+        ([own_numbers], {}, None, {"increments": 30, "heat_model": "history"}),
+        ([own_numbers], {"preset": "standard"}, "standard", {}),
+        (
+            [own_numbers],
+            {"preset": "standard", "overrides": {"increments": 40}},
+            None,
+            {"increments": 40},
+        ),
         ([], {"overrides": {"contact_tolerance": standard.contact_tolerance}}, "standard", {}),
     ):
-        sweep = read(*changes, **given)
+        sweep = read(*changes, **arguments)
         assert (sweep.preset, sweep.scene.fidelity) == (preset, replace(standard, **fidelity))
 
 
@@ -163,9 +171,9 @@ FAULTS = {  # scene, other entries, and the keys that are named
 @pytest.mark.parametrize("kind", FAULTS)
 def test_all_faults_are_named_at_once(faults, kind):
     text, overrides, keys = FAULTS[kind]
-    said = faults(text=text, overrides=overrides)
-    found = [one.partition(":")[0].partition(" ")[0] for one in said]
-    assert sorted(found) == sorted(keys.split())
+    scene_faults = faults(text=text, overrides=overrides)
+    fault_keys = [fault.partition(":")[0].partition(" ")[0] for fault in scene_faults]
+    assert sorted(fault_keys) == sorted(keys.split())
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):

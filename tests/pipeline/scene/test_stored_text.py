@@ -35,17 +35,17 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatc
     monkeypatch.setitem(tribo.PRESETS, "standard", standard)
     values = library.library()["materials"]["AISI 52100"]
     monkeypatch.setitem(values, "density", ["7000 kg/m^3", values["density"][1]])
-    again = sweep_of(pipeline.open_sweep(path))
-    assert again == sweep != pipeline.load_scene(scene)
-    assert again.preset == sweep.preset == "standard"
-    with pytest.raises(pipeline.StoreMismatchError) as told:
+    reread = sweep_of(pipeline.open_sweep(path))
+    assert reread == sweep != pipeline.load_scene(scene)
+    assert reread.preset == sweep.preset == "standard"
+    with pytest.raises(pipeline.StoreMismatchError) as caught:
         make(path, pipeline.load_scene(scene))
     for entry in (
         "disk.roughness.seed: 0 in the store, 1 in the scene",
         "fidelity.contact_tolerance: 0.12 in the store, 0.001 in the scene",
         "material of the pin.density: ",
     ):
-        assert entry in str(told.value)
+        assert entry in str(caught.value)
 
 
 def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():

@@ -15,8 +15,8 @@ HEADS = "load [N],velocity [m/s]"
 
 
 def faults_in(row):
-    TEST.read(row, "", found := Faults())
-    return found
+    TEST.read(row, "", faults := Faults())
+    return faults
 
 
 def points(tmp_path, text, decimal=None, encoding="utf-8", ignore=()):
@@ -44,8 +44,8 @@ def test_clean_tables_are_read(tmp_path, text, decimal):
 
 def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
     text = "load [N];velocity [m/s];bulk temperature [°C]\n300;1.5;60\n"
-    found = points(tmp_path, text, encoding="cp1252")
-    assert found.columns["bulk_temperature"] == [333.15]
+    table = points(tmp_path, text, encoding="cp1252")
+    assert table.columns["bulk_temperature"] == [333.15]
     pd.DataFrame({"load [N]": [300], "velocity [m/s]": [1.5]}).to_excel(
         tmp_path / "a.xlsx", index=False
     )
@@ -86,8 +86,8 @@ def test_a_point_where_decimals_have_commas_is_no_thousand(tmp_path):
 
 def test_columns_without_a_meaning_are_named_once(tmp_path):
     text = f"date,{HEADS},Temp [degC]\n2026-05-01,300,1.5,90\n"
-    found = points(tmp_path, text, ignore=["Date", "temp"])
-    assert found == ({"load": [300.0], "velocity": [1.5]}, {})
+    table = points(tmp_path, text, ignore=["Date", "temp"])
+    assert table == ({"load": [300.0], "velocity": [1.5]}, {})
     with pytest.raises(InputError, match='no column "dat" to ignore in "date", "load'):
         points(tmp_path, text, ignore=["dat", "temp"])
 

@@ -37,8 +37,8 @@ BEYOND = 'velocity = "2 m/s"\nmild_up_to = "700 N"\nfriction = 0.1'
 
 def test_a_run_by_stages_is_its_last_mild_test_and_its_severe_one_or_one_of_them(load):
     tests = load(BY_LOAD, BY_VELOCITY, BEYOND).tests
-    found = [(test.normal_load, test.velocity, test.outcome, test.number) for test in tests]
-    assert found == [
+    read_tests = [(test.normal_load, test.velocity, test.outcome, test.number) for test in tests]
+    assert read_tests == [
         (400.0, 2.0, "mild", "7"),
         (450.0, 2.0, "severe", "7"),
         (300.0, 2.0, "mild", "b"),
@@ -49,8 +49,8 @@ def test_a_run_by_stages_is_its_last_mild_test_and_its_severe_one_or_one_of_them
 
 
 def test_a_test_has_the_scene_with_its_own_entries(load):
-    own = transition(WEAR, "friction = 0.12", 'bulk_temperature = "60 degC"')
-    changed, plain = load(own, transition()).tests
+    own_entries = transition(WEAR, "friction = 0.12", 'bulk_temperature = "60 degC"')
+    changed, plain = load(own_entries, transition()).tests
     scene = pipeline.load_scene("first_try")
     with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")
     assert changed.case.scene == with_wear.scene
@@ -69,9 +69,9 @@ def test_a_step_leads_from_the_last_mild_place_to_the_transition(load, step, bef
 
 
 def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
-    own = 'with = { "pin.material" = "100Cr6", "fidelity.preset" = "fine" }'
+    own_entries = 'with = { "pin.material" = "100Cr6", "fidelity.preset" = "fine" }'
     sweep = load(
-        transition(own, 'step = "0.5 m/s"'),
+        transition(own_entries, 'step = "0.5 m/s"'),
         f'load = "300 N"\nvelocity = "1 m/s"\noutcome = "mild"\n{WEAR}',
     )
     stored = parse_sweep(sweep_text(sweep), {})
@@ -133,8 +133,8 @@ def test_the_stages_of_a_test_are_one_specimen_up_to_its_last_stage_and_are_stor
     assert mild.case.scene == severe.case.scene
     assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
     assert other.case.scene.loading == Stages((400.0,), (60.0, 90.0), 150.0, velocities=(1.0, 1.5))
-    again = parse_sweep(sweep_text(sweep), {})
-    assert [test.case.scene for test in again.tests] == [test.case.scene for test in sweep.tests]
+    reread = parse_sweep(sweep_text(sweep), {})
+    assert [test.case.scene for test in reread.tests] == [test.case.scene for test in sweep.tests]
 
 
 def test_a_test_without_stages_of_its_own_has_those_of_the_scene(staged):
@@ -176,7 +176,7 @@ def test_a_label_in_numbers_is_in_si(tmp_path):
     heads = "cycle time [min],angle [deg],flank,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3b,600,2\n"
     table = pipeline.load_scene(scene(tmp_path, rows=rows)).case_table
-    held = {column.name: (table.column(column.name), column.unit) for column in table.columns}
-    assert held["cycle_time"] == ((30.0, 60.0), "s")
-    assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
-    assert held["flank"] == (("2a", "3b"), None)
+    columns = {column.name: (table.column(column.name), column.unit) for column in table.columns}
+    assert columns["cycle_time"] == ((30.0, 60.0), "s")
+    assert columns["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
+    assert columns["flank"] == (("2a", "3b"), None)

@@ -142,7 +142,11 @@ def test_no_spelling_is_read_as_another_dimension(text, like):
         to_si(text, like)
 
 
-@pytest.mark.parametrize(("place", "velocity"), [("radius", 2 * math.pi), ("diameter", math.pi)])
-def test_turns_at_a_radius_or_diameter_are_a_velocity(place, velocity):
+@pytest.mark.parametrize(
+    ("dimension", "velocity"), [("radius", 2 * math.pi), ("diameter", math.pi)]
+)
+def test_turns_at_a_radius_or_diameter_are_a_velocity(dimension, velocity):
     for turns in ("60 rpm", "1 Hz"):
-        assert to_si(f"{turns} at {place} 1 m", like="1 m/s") == pytest.approx(velocity, rel=1e-14)
+        assert to_si(f"{turns} at {dimension} 1 m", like="1 m/s") == pytest.approx(
+            velocity, rel=1e-14
+        )

@@ -143,5 +143,5 @@ ELSEWHERE = {
 
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "store", REFUSALS, ELSEWHERE, tiny="alone"
+    "store", REFUSALS, ELSEWHERE, tiny="tiny_store"
 )

@@ -33,7 +33,7 @@ def address(server, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def made(server):
+def stored(server):
     """Address of a store with one of its two points done, which tests do not change."""
     address = f"s3://irg/made_{os.getpid()}/tiny.zarr"
     commit(address, SWEEP, [POINT])
@@ -43,8 +43,8 @@ def made(server):
 def request(method, address, **more):
     """Answer of the object store to a request for an address in its bucket."""
     key = address.removeprefix("s3://irg/")
-    named = {"Prefix": key} if method == "list_objects_v2" else {"Key": key}
-    return getattr(boto3.client("s3"), method)(Bucket="irg", **named, **more)
+    object_name = {"Prefix": key} if method == "list_objects_v2" else {"Key": key}
+    return getattr(boto3.client("s3"), method)(Bucket="irg", **object_name, **more)
 
 
 def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeypatch, irg):
@@ -75,10 +75,10 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
     request("put_object", f"{address}/pressure/c.0.0.0.0", Body=b"\x28\xb5\x2f\xfd nonsense")
     request("put_object", f"{address}/load/c.0", Body=b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
-    said = irg("verify", address, code=1)
-    assert "150 N, 1 m/s: pressure cannot be read" in said
-    assert "damaged: load\n" in said
-    assert "write to another store" in said
+    output = irg("verify", address, code=1)
+    assert "150 N, 1 m/s: pressure cannot be read" in output
+    assert "damaged: load\n" in output
+    assert "write to another store" in output
     request("delete_object", f"{address}/mean_rise/c.0.0.0")
     with pytest.raises(StoreError, match=r"is missing at 150 N.* and at 1 more; irg"):
         open_sweep(address).load()
@@ -109,23 +109,23 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
         assert copy_points(store, opened(address)) == 1
 
 
-def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
+def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(stored):
     messages = Heard()
     with computing({}, pace=0.0), pytest.raises(KeyError):  # no record for the point not yet done
-        run_sweep(SWEEP, made, progress=messages.hear)
-    assert messages == [f"{made} cannot be locked: make sure that only one run writes to it"]
-    with writing(made, SWEEP):
-        assert summary(made).running is None
+        run_sweep(SWEEP, stored, progress=messages.hear)
+    assert messages == [f"{stored} cannot be locked: make sure that only one run writes to it"]
+    with writing(stored, SWEEP):
+        assert summary(stored).running is None
 
 
-def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):
-    with writing(made, SWEEP) as store:
+def test_a_server_that_is_gone_is_an_error_in_a_line(stored, monkeypatch):
+    with writing(stored, SWEEP) as store:
 
-        async def gone(*_, **__):
+        async def unreachable(*_, **__):
             raise ConnectionRefusedError(111, "Connect call failed")
 
         with monkeypatch.context() as patch:
-            patch.setattr(s3fs.S3FileSystem, "_pipe_file", gone)
+            patch.setattr(s3fs.S3FileSystem, "_pipe_file", unreachable)
             with pytest.raises(StoreError, match="cannot be written: Connect call failed"):
                 store.commit([record(OTHER)])
-    assert set(done_points(made)) == {POINT}
+    assert set(done_points(stored)) == {POINT}

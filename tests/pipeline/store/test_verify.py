@@ -40,8 +40,8 @@ LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.velocities, 2.0))
 
 def chunks(path, name):
     """Files of the chunks of a variable; a store that took the place of another has no "c."."""
-    others = ("zarr.json",)
-    return sorted(file for file in (path / path_of(name)).iterdir() if file.name not in others)
+    metadata = ("zarr.json",)
+    return sorted(file for file in (path / path_of(name)).iterdir() if file.name not in metadata)
 
 
 def flipped(file):
@@ -109,10 +109,10 @@ def test_files_that_were_exchanged_are_named_left_out_of_a_new_store_and_compute
     commit(copy := path, SWEEP)
     before, harmed = stored(copy), {Point(150.0, 0.5), Point(150.0, 1.0)}
     if name == "rise":  # of two points
-        one, other = chunks(copy, name)[:2]
-        one.rename(copy / "spare")
-        other.rename(one)
-        (copy / "spare").rename(other)
+        chunk, other_chunk = chunks(copy, name)[:2]
+        chunk.rename(copy / "spare")
+        other_chunk.rename(chunk)
+        (copy / "spare").rename(other_chunk)
     else:  # of another sweep with the same plane
         fast = tiny.full(loading=tribo.Ramp(rate=300.0, reference_load=750.0))
         with writing(tmp_path / "fast.zarr", fast) as store:
@@ -132,12 +132,12 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(long, tmp_pa
     before = stored(path)
     harm(chunks(path, name)[-1])
     harmed = contents(path)
-    found = pipeline.verify_store(path)
-    assert not found.is_clean
+    verification = pipeline.verify_store(path)
+    assert not verification.is_clean
     assert contents(path) == harmed
     outcome, messages = resumed(path, LONG)
-    assert outcome.computed >= len(found.damaged)
-    count = len(found.damaged) + len(found.shared)
+    assert outcome.computed >= len(verification.damaged)
+    count = len(verification.damaged) + len(verification.shared)
     expected = [f"{path} had {count} damaged points or files, which are computed again"]
     assert messages == (expected if count else [])
     assert stored(path) == before
@@ -185,11 +185,11 @@ def test_the_command_names_what_is_damaged(copy, irg):
     document = irg("verify", copy, "--json", code=1)
     assert document["points"]["damaged"] == 1
     (record,) = document["damaged"]
-    place = {"load [N]": 250.0, "velocity [m/s]": 1.0, "place": "250 N, 1 m/s"}
-    assert record == place | {"message": OTHER}
-    said = irg("verify", copy, code=1)
-    assert f"damaged: 250 N, 1 m/s: {OTHER}" in said
-    assert "irg run repairs it with the same scene" in said
+    point = {"load [N]": 250.0, "velocity [m/s]": 1.0, "place": "250 N, 1 m/s"}
+    assert record == point | {"message": OTHER}
+    output = irg("verify", copy, code=1)
+    assert f"damaged: 250 N, 1 m/s: {OTHER}" in output
+    assert "irg run repairs it with the same scene" in output
 
 
 def test_damage_on_one_of_several_surfaces_is_named(tmp_path):

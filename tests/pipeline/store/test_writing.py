@@ -32,9 +32,9 @@ from tests.helpers.stores import (
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 
 
-def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
-    assert_is_as_computed(alone, points(SWEEP))
-    with open_sweep(alone) as ds:
+def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(tiny_store):
+    assert_is_as_computed(tiny_store, points(SWEEP))
+    with open_sweep(tiny_store) as ds:
         for point in points(SWEEP):
             result = run_point(SWEEP, point)
             stored = ds.sel(load=point.load, velocity=point.velocity)
@@ -116,13 +116,13 @@ def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(
         assert ds["mean_rise"].notnull().any("step").sum() == 10
 
 
-def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
+def test_a_lack_of_threads_is_no_damage(tiny_store, monkeypatch):
     """Otherwise a repair would delete sound data."""
 
     def none_left(*_, **__):
         raise RuntimeError("can't start new thread")
 
-    store = opened(alone)
+    store = opened(tiny_store)
     monkeypatch.setattr(type(store.arrays["mean_rise"]), "get_orthogonal_selection", none_left)
     with pytest.raises(RuntimeError, match="new thread"):
         store.read("mean_rise", ...)
@@ -131,7 +131,7 @@ def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
 # One run at a time writes to a store, by whatever path it came, and none for the dead.
 
 HOST = os.uname().nodename
-HERE = f"process {os.getpid()} on {HOST}"
+THIS_PROCESS = f"process {os.getpid()} on {HOST}"
 
 
 @pytest.fixture
@@ -141,7 +141,7 @@ def begun(tmp_path):
     return begun
 
 
-def refuse(begun, holder=HERE):
+def refuse(begun, holder=THIS_PROCESS):
     with pytest.raises(StoreError, match=f"in use by {holder}"):
         commit(begun, SWEEP, ())
 
@@ -151,7 +151,7 @@ def test_a_store_is_locked_by_whatever_path(begun):
     for alias in (begun.parent.parent / "linked" / begun.name, f"{os.path.relpath(begun)}/"):
         with writing(alias, SWEEP):
             refuse(begun)
-            assert summary(begun).running == HERE
+            assert summary(begun).running == THIS_PROCESS
     with writing(begun, SWEEP):
         with pytest.raises(StoreError, match="in use"):
             pipeline.run_sweep(SWEEP, alias)

@@ -22,13 +22,13 @@ def holed(heights, share=0.3, seed=1):
 def test_amplitudes_are_those_of_the_measured_heights():
     """Normal heights have Sa = Sq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
     patchy = holed(ROUGH)
-    found = areal_roughness(patchy, SPACING)
+    roughness = areal_roughness(patchy, SPACING)
     values = patchy[np.isfinite(patchy)]
-    assert found.sq == pytest.approx(values.std(), rel=1e-3)
-    assert found.sa == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
-    assert found.sa / found.sq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
-    assert found.mean == pytest.approx(values.mean(), rel=1e-9)
-    assert (found.ssk, found.sku) == pytest.approx((0, 3), abs=0.1)
+    assert roughness.sq == pytest.approx(values.std(), rel=1e-3)
+    assert roughness.sa == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
+    assert roughness.sa / roughness.sq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
+    assert roughness.mean == pytest.approx(values.mean(), rel=1e-9)
+    assert (roughness.ssk, roughness.sku) == pytest.approx((0, 3), abs=0.1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
@@ -37,8 +37,8 @@ def test_the_plane_and_both_curvatures_are_taken_off(share):
     level, slopes, radii = remove_form(holed(ROUGH + form, share), SPACING)
     assert slopes == pytest.approx((0.02, -0.01), rel=0.01)
     assert radii == pytest.approx((0.03, -0.05), rel=0.03)
-    kept = np.isfinite(level)
-    assert level[kept].std() == pytest.approx(ROUGH[kept].std(), rel=0.01)
+    is_measured = np.isfinite(level)
+    assert level[is_measured].std() == pytest.approx(ROUGH[is_measured].std(), rel=0.01)
 
 
 def test_a_curvature_within_the_roughness_is_left():
@@ -51,21 +51,21 @@ def test_a_curvature_within_the_roughness_is_left():
 
 def test_grooves_longer_than_the_area_have_an_aspect_of_0_and_a_lay():
     grooves = np.sin(2 * np.pi * X / 40e-6) + 1e-6 * ROUGH / 1e-7
-    found = areal_roughness(1e-7 * grooves, SPACING)
-    assert found.aspect == 0
-    assert abs(found.lay) == pytest.approx(90, abs=2)
+    roughness = areal_roughness(1e-7 * grooves, SPACING)
+    assert roughness.aspect == 0
+    assert abs(roughness.lay) == pytest.approx(90, abs=2)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.4])
 def test_holes_do_not_move_the_autocorrelation(share):
     """A wave of 40 µm falls to 0.2 at 40 µm · arccos(0.2)/2π = 8.7 µm."""
     wave = np.cos(2 * np.pi * np.arange(200) / 40)[:, None] * np.ones(60)
-    whole, *_ = autocorrelation_lengths(wave, (1e-6, 1e-6))
-    assert whole == pytest.approx(
+    complete, *_ = autocorrelation_lengths(wave, (1e-6, 1e-6))
+    assert complete == pytest.approx(
         40e-6 * math.acos(0.2) / (2 * math.pi), rel=0.03
     )  # ends of the wave
     patchy, longest, _ = autocorrelation_lengths(holed(wave, share), (1e-6, 1e-6))
-    assert patchy == pytest.approx(whole, rel=0.01)
+    assert patchy == pytest.approx(complete, rel=0.01)
     assert longest == math.inf
 
 

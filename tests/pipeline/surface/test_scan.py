@@ -120,10 +120,10 @@ def test_other_files_are_refused_with_help(tmp_path, content, why):
 def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
     grid = Grid((256, 256), (0.5e-6, 0.5e-6))
     np.save(tmp_path / "a.npy", self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3).T)
-    found = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
-    assert found.faults_of_fit == ()
-    assert found.fit.correlation_length == pytest.approx((3e-6, 12e-6), rel=0.3)
-    assert abs(found.roughness.lay) == pytest.approx(90, abs=15)
+    statistics = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
+    assert statistics.faults_of_fit == ()
+    assert statistics.fit.correlation_length == pytest.approx((3e-6, 12e-6), rel=0.3)
+    assert abs(statistics.roughness.lay) == pytest.approx(90, abs=15)
 
 
 @pytest.mark.parametrize(
@@ -154,8 +154,8 @@ def test_what_a_random_surface_lacks_is_said(tmp_path, change, why):
 def test_units_that_are_off_by_a_thousand_are_told(tmp_path, factor, side, word):
     grid = Grid((64, 64), (0.5e-6, 0.5e-6))
     np.save(tmp_path / "a.npy", factor * self_affine(grid, 2e-7, 0.8, (3e-6, 3e-6), seed=3).T)
-    found = surface_statistics(tmp_path / "a.npy", 1.0, (side, side))
-    assert any(word in note for note in found.notes)
+    statistics = surface_statistics(tmp_path / "a.npy", 1.0, (side, side))
+    assert any(word in note for note in statistics.notes)
 
 
 def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
@@ -164,36 +164,38 @@ def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
     heights = 5e8 * self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3)
     heights[3:20, 4:44] = np.nan
     np.save(tmp_path / "a.npy", heights.T)
-    found = surface_statistics(tmp_path / "a.npy", "2 nm", ("0.5 um", "0.5 um"), missing=0.2)
+    statistics = surface_statistics(tmp_path / "a.npy", "2 nm", ("0.5 um", "0.5 um"), missing=0.2)
 
     def roughness(toml):
         head = 'extends = "first_try"\nwithout = ["disk.roughness"]\n'
         (tmp_path / "a.toml").write_text(head + toml)
         return load_scene(tmp_path / "a.toml").scene.roughness
 
-    assert roughness(found.random_tables).ra == pytest.approx(found.roughness.sa, rel=1e-3)
-    scan = roughness(f"{found.scan_tables}pixels = [96, 64]\n").array
-    assert scan.std() == pytest.approx(found.heights.std(), rel=0.01)
+    assert roughness(statistics.random_tables).ra == pytest.approx(
+        statistics.roughness.sa, rel=1e-3
+    )
+    scan = roughness(f"{statistics.scan_tables}pixels = [96, 64]\n").array
+    assert scan.std() == pytest.approx(statistics.heights.std(), rel=0.01)
 
 
 def test_a_figure_has_scan_and_random_surface_their_spectra_and_numbers(tmp_path):
     """The spectral density of white noise is Sq² times the side of a pixel, along both axes."""
     np.save(tmp_path / "a.npy", 1e-6 * HEIGHTS.T)
-    found = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
+    statistics = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
     maps, spectra, table = {}, None, None
-    for axes in plot(found).axes:
+    for axes in plot(statistics).axes:
         for image in axes.images:
             maps[len(maps)] = 1e-6 * image.get_array()
         spectra = axes if axes.lines else spectra
         table = axes if axes.tables else table
-    np.testing.assert_allclose(maps[0], found.heights.T)
-    np.testing.assert_allclose(maps[1], found.fitted_heights.T)
+    np.testing.assert_allclose(maps[0], statistics.heights.T)
+    np.testing.assert_allclose(maps[1], statistics.fitted_heights.T)
     for line, label in zip(spectra.lines[:2], ("scan along x", "scan along y"), strict=True):
         assert line.get_label() == label
         density = line.get_ydata()
-        assert density.mean() == pytest.approx(0.5e12 * found.roughness.sq**2, rel=0.1)
+        assert density.mean() == pytest.approx(0.5e12 * statistics.roughness.sq**2, rel=0.1)
     written = {cell.get_text().get_text() for cell in table.tables[0].get_celld().values()}
-    assert {"scan", "random surface", "Sa", "Sdq", f"{found.roughness.sdq:.3g}"} <= written
+    assert {"scan", "random surface", "Sa", "Sdq", f"{statistics.roughness.sdq:.3g}"} <= written
 
 
 # Files of instruments, written by own writers: heights, holes, pixels and units come out.
@@ -215,10 +217,10 @@ FILES = {
 @pytest.mark.parametrize("name", FILES)
 def test_an_instrument_s_heights_come_out_with_holes_and_pixels(tmp_path, name):
     pytest.importorskip("SurfaceTopography")
-    content, near = FILES[name]
+    content, tolerance = FILES[name]
     (tmp_path / name).write_bytes(content)
     surface = read_scan(tmp_path / name)
-    np.testing.assert_allclose(surface.heights, HOLED, rtol=1e-12, atol=near)
+    np.testing.assert_allclose(surface.heights, HOLED, rtol=1e-12, atol=tolerance)
     assert surface.pixel_size == pytest.approx(SIDES, rel=1e-6)
 
 

@@ -50,26 +50,26 @@ def test_a_scene_takes_an_area_levelled_and_filled(scene):
 def test_missing_heights_are_the_mean_of_their_neighbours(share):
     """Fields z = x² − y² and xy have this mean inside, where no edge is missing."""
     x, y = np.meshgrid(np.arange(30.0), np.arange(20.0), indexing="ij")
-    for whole in (x**2 - y**2, x * y):
-        holed = whole.copy()
+    for heights in (x**2 - y**2, x * y):
+        holed = heights.copy()
         holed[1:-1, 1:-1][np.random.default_rng(3).random((28, 18)) < share] = np.nan
-        np.testing.assert_allclose(filled(Scan(holed, SIDES), 1.0), whole, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(filled(Scan(holed, SIDES), 1.0), heights, rtol=1e-9, atol=1e-9)
 
 
 def test_realizations_of_a_scan_are_its_areas(scene):
     """The scan of 48 × 40 has 3 × 2 areas of 14 × 18, in its middle, along x first."""
     sweep = scene((14, 18), realizations=6)
     areas = [HEIGHTS[i : i + 14, j : j + 18] for j in (2, 20) for i in (3, 17, 31)]
-    assert [one.name for one in sweep.cases] == [(("realization", k),) for k in range(6)]
+    assert [case.name for case in sweep.cases] == [(("realization", k),) for k in range(6)]
     for case, area in zip(sweep.cases, areas, strict=True):
         np.testing.assert_array_equal(case.scene.roughness.array, area)
     listed = scene((14, 18), realizations=[5, 2])
-    assert [dict(one.name)["realization"] for one in listed.cases] == [2, 5]
+    assert [dict(case.name)["realization"] for case in listed.cases] == [2, 5]
     assert listed.scene == listed.cases[0].scene == sweep.cases[2].scene
     assert sweep._take_surface(4).scene == sweep.cases[4].scene
-    for wanted in (7, [0, 6]):
+    for numbers in (7, [0, 6]):
         with pytest.raises(SceneFileError, match=r"has 6 areas .* there is no area 6"):
-            scene((14, 18), realizations=wanted)
+            scene((14, 18), realizations=numbers)
 
 
 def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
@@ -87,7 +87,7 @@ def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
 
 
 def test_ra_and_rsm_of_a_profile_make_a_table(irg):
-    found = irg("surface", "--ra", "0.2 um", "--rsm", "60 um", "--json")
-    table = tomllib.loads(found["random_tables"])["disk"]["roughness"]
+    document = irg("surface", "--ra", "0.2 um", "--rsm", "60 um", "--json")
+    table = tomllib.loads(document["random_tables"])["disk"]["roughness"]
     assert (table["ra"], table["hurst_exponent"]) == ("0.2 um", 0.8)
     assert 1e-6 < to_si(table["correlation_length"], "1 um") < 60e-6

@@ -60,14 +60,14 @@ def _few_positions(monkeypatch):
 @pytest.mark.parametrize("physics", PHYSICS)
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics):
     """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
-    sweep, alone = tiny.sweep(steps="end", **PHYSICS[physics]), {}
+    sweep, single_results = tiny.sweep(steps="end", **PHYSICS[physics]), {}
     large, none = RampCache(2**28), RampCache(0)
     order = (250.0, 600.0, 625.0, 250.0)
     for load, ramp_cache in (*((load, large) for load in order), (600.0, none)):
         result = run_alone(sweep, Point(load, 1.0), ramp_cache)
-        if load not in alone:
-            alone[load] = run_point(sweep, load, 1.0)
-        assert same(result, alone[load])
+        if load not in single_results:
+            single_results[load] = run_point(sweep, load, 1.0)
+        assert same(result, single_results[load])
         assert len(result.columns["time"]) == len(
             choose_stored_steps(sweep).select(sweep.scene, load)
         )
@@ -92,24 +92,24 @@ def test_a_step_is_the_end_of_the_point_at_its_load(physics):
 
 
 @pytest.mark.parametrize(
-    ("room", "function", "place"), [(contact_ramp, refine_step, 3), (plan, heat, 1)]
+    ("module", "function", "argument"), [(contact_ramp, refine_step, 3), (plan, heat, 1)]
 )
-def test_what_is_not_found_at_an_increment_costs_no_end(monkeypatch, room, function, place):
+def test_what_is_not_found_at_an_increment_costs_no_end(monkeypatch, module, function, argument):
     """Where the contact is not found, only the time and the path of the step are known."""
 
     def failing(*arguments):
-        if arguments[place].normal_load == 250.0:
+        if arguments[argument].normal_load == 250.0:
             raise tribo.ConvergenceError("it did not converge", solution=None)
         return function(*arguments)
 
-    whole = run_point(SWEEP, 600.0, 1.0).columns
-    monkeypatch.setattr(room, function.__name__, failing)
+    undisturbed = run_point(SWEEP, 600.0, 1.0).columns
+    monkeypatch.setattr(module, function.__name__, failing)
     columns = run_point(SWEEP, 600.0, 1.0).columns
     for name, values in columns.items():
-        assert values[[0, 2, 3, 4]].tobytes() == whole[name][[0, 2, 3, 4]].tobytes(), name
+        assert values[[0, 2, 3, 4]].tobytes() == undisturbed[name][[0, 2, 3, 4]].tobytes(), name
     assert np.isnan(columns["max_rise"][1])
-    assert np.isnan(columns["wear_volume"][1]) == (room is contact_ramp)
-    assert columns["normal_load"].tolist() == whole["normal_load"].tolist()
+    assert np.isnan(columns["wear_volume"][1]) == (module is contact_ramp)
+    assert columns["normal_load"].tolist() == undisturbed["normal_load"].tolist()
     with pytest.raises(tribo.ConvergenceError, match="it did not converge"):
         run_point(SWEEP, 250.0, 1.0)
 

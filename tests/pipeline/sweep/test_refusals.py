@@ -31,7 +31,7 @@ def data(**changes):
 def other_heights():
     sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(np.zeros((32, 16))))
     plain, arrays = plain_sweep(sweep)
-    return sweep_of_plain(plain, {key: one + 1.0 for key, one in arrays.items()})
+    return sweep_of_plain(plain, {key: array + 1.0 for key, array in arrays.items()})
 
 
 SMOOTH = tiny.sweep(roughness=None)

@@ -15,7 +15,7 @@ from tribo.simulation.severity import relative_sampling, worst_rises
 from tribo.simulation.verdict import verdict
 from tribo.thermal import failed_share
 
-OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
+CONDITIONS = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
 """Rises spread evenly over the contact area from 0 to 2000 K."""
 
@@ -30,7 +30,7 @@ def columns(*rises, loads):
 
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.5])
 def test_at_the_limit_just_the_critical_area_fraction_is_above_the_critical_temperature(share):
-    conditions = replace(OWN, friction=0.05, critical_area_fraction=share)
+    conditions = replace(CONDITIONS, friction=0.05, critical_area_fraction=share)
     at_limit = allowable_rise(conditions)
     rises = EVEN * at_limit / conditions.governing_rise({"rise_quantile": EVEN})
     assert failed_share(rises, allowable_rise(conditions)) == pytest.approx(share, abs=1e-12)
@@ -55,13 +55,13 @@ def test_each_critical_area_fraction_decides_by_its_own_temperature_everywhere(s
     judged = result.verdict(conditions)
     assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
     oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, critical_area_fraction=share)
-    alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
-    assert alone.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-9)
+    judgement = tribo.judge(sweep.scene, 600.0, 1.5, oil)
+    assert judgement.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-9)
 
 
 def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     rises = (factor * EVEN for factor in (9.0, 0.5, 0.7, 0.6))
-    judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
+    judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, CONDITIONS)
     assert judged.time == 3.0
     assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
     assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
@@ -70,7 +70,7 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
 def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the_end():
     known = columns(3 * EVEN, EVEN, loads=[300.0, 600.0])
     known["rise_realization_std"] = np.interp(QUANTILES, [0.8, 1.0], [0.04, 0.06])
-    assert relative_sampling(known, OWN) == pytest.approx(0.05, rel=1e-6)
+    assert relative_sampling(known, CONDITIONS) == pytest.approx(0.05, rel=1e-6)
 
 
 # What is said of points, inputs, surfaces and durations, in the words that users read.
@@ -88,9 +88,9 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
     ],
 )
 def test_only_a_preset_has_a_known_error(preset, changes, error):
-    own = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
-    assert velocity_error(own) == error
-    assert has_unknown_error(own) == (error is None)
+    case = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
+    assert velocity_error(case) == error
+    assert has_unknown_error(case) == (error is None)
 
 
 @pytest.mark.parametrize(
