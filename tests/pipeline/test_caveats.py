@@ -1,4 +1,4 @@
-"""What a reader of a verdict must know is said by every door, each line once."""
+"""Every command and function that gives a verdict states each warning and note once."""
 
 import shutil
 
@@ -17,7 +17,7 @@ POINT = ["--load", "300 N", "--velocity", "1.5 m/s"]
 
 @pytest.fixture(scope="module")
 def odd(tmp_path_factory):
-    """Scene file of steel with slips in its moduli, with its store beside."""
+    """Scene file of steel with mistyped moduli; its store is in the same folder."""
     path = tmp_path_factory.mktemp("odd") / "odd.toml"
     text = SCENE.replace("increments = 10", "increments = 1").replace("210 GPa", "21 GPa")
     path.write_text(text.replace("6.6 GPa", "66 GPa"))
@@ -41,7 +41,7 @@ def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
 
 
 def caveats_in(row):
-    """The caveats in a row of a table."""
+    """Notes in a row of a table."""
     return [*row["notes"].split(" | "), row["not_included"]]
 
 

@@ -1,4 +1,4 @@
-"""What acts beside the simulated rise: conditions that cost no simulation, one for all answers."""
+"""Corrections of the simulated rise, which need no new simulation and act on all answers."""
 
 from dataclasses import replace
 
@@ -77,7 +77,7 @@ def test_a_critical_temperature_from_tests_contains_it():
     assert added == pytest.approx(ADDED * plain, rel=0.01)  # the prior stays where it is
 
 
-# Physics beside the half-spaces: entries that cost no simulation, one for all answers.
+# Corrections for bodies that are no half-spaces
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
 ALL = tribo.Corrections(
@@ -107,7 +107,7 @@ def test_corrections_cost_no_point_and_change_no_stored_number(copy):
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path):
-    """A diameter stands for its circumference, over which the pin's wear also spreads."""
+    """A diameter gives the circumference as track length, over which the pin's wear spreads."""
     (tmp_path / "plain.toml").write_text(SCENE)
     entries = {"motion": {"slide_roll_ratio": 0.5}, "pin.diameter": "10 cm", "pin.width": "1 cm"}
     entries |= {"disk.track_length": "40 cm"}
@@ -118,7 +118,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path):
     assert corrections.motion == scene.scene.motion
 
 
-# Heat that stays in the bodies depends on all of the load before, whatever a store keeps of it.
+# Heat stored in the bodies depends on the whole loading history, whichever steps are stored.
 
 TRACK = tribo.Track.under(PIN, STEEL, 0.3)
 STAYS = tribo.Corrections(track=TRACK)
@@ -160,7 +160,7 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
     assert margin.governing_temperature == pytest.approx(verdict.governing_temperature, rel=1e-9)
 
 
-# A scene without a critical temperature can do all that needs none.
+# A scene without a critical temperature
 
 UNKNOWN = replace(tiny.sweep().conditions, critical_temperature=None)
 

@@ -1,4 +1,4 @@
-"""Where an oil film carries more than a fifth of the load, no door gives a verdict."""
+"""No verdict is given where an oil film carries more than 20 % of the load."""
 
 import functools
 import math
@@ -160,7 +160,7 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypa
     assert "an oil film that carries load (unknown here), uncertain inputs" in verdict
 
 
-# In which regime of lubrication a crossing lies.
+# Film parameter at the boundary
 
 WHITE = Oil((32e-6, 5e-6), 866.0, 20e-9)
 LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5, 2.25, 3.75])

@@ -1,4 +1,4 @@
-"""Input on which no reader may hang, run out of memory or end with a traceback."""
+"""Input for which no reader may hang, run out of memory, or raise an unexpected error."""
 
 import csv
 import os

@@ -111,7 +111,7 @@ def straight(slope=0.6):
 
 
 def test_the_bounds_between_points_are_these_numbers():
-    """Of a straight line: 0.1 gap²/8 of curvature, and 0.8 or 3 % of the gap of roughness."""
+    """For a straight line: 0.1 gap²/8 for curvature, and 0.8 or 3 % of the gap for roughness."""
     x = np.array([0.0, 0.4, 0.8])
     within = math.hypot(0.1 * 0.4**2 / 8, 0.008 * 0.4)
     assert curve_errors(x, 0.6 * x, np.array([0.2, 0.6])) == pytest.approx([within] * 2, rel=1e-9)
@@ -133,7 +133,7 @@ def test_the_error_by_a_preset_is_its_promise_and_grows_where_the_rise_does_not(
     assert preset_error == pytest.approx([0.015 * factor], rel=1e-6)
 
 
-# What further points change of stated errors: random planes
+# How further points change the stated errors, on random planes
 
 
 def random_plane(seed, bend=0.07, rough=0.001):
@@ -171,7 +171,7 @@ def bound_at(specimen, velocities):
 
 
 def test_a_point_within_or_beyond_the_bound_stated_there_changes_it_little_or_to_its_distance():
-    """Within it by more than a tenth at 2 % of places, beyond it on both sides."""
+    """A bound grows by over 10 % at fewer than 2 % of points; else it grows on both sides."""
     ratios, beyond = [], 0
     for before, after, velocity in with_one_more(range(150)):
         at, point = np.array([velocity]), (before.field.loads, np.array([velocity]))

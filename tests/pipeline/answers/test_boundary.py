@@ -1,4 +1,4 @@
-"""The transition boundary (pipeline.boundary), on sweeps with a known one."""
+"""The boundary (pipeline.boundary) of sweeps whose boundary is known in closed form."""
 
 import numpy as np
 import pytest
@@ -94,7 +94,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 
 def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
-    """A transition at 0.9 of the limit at all loads moves the line, and leaves the computed one."""
+    """Transitions at 0.9 of the limit move the line with tests, but not the computed one."""
     plain, limit = synthetic.sweep(tests=()), synthetic.limit()
     tests = tuple(
         bare_test(load, float(synthetic.critical_velocity(load, 0.9 * limit)))

@@ -1,4 +1,4 @@
-"""The critical temperature from tests: by brute force over it, the bias and the scatter."""
+"""The critical temperature from tests, compared with a sum over all parameters on a grid."""
 
 import math
 
@@ -27,14 +27,14 @@ def swept(*tests, critical=None, **options):
 
 
 def heat(load, velocity):
-    """Temperature rise by friction 0.1 [K]."""
+    """Temperature rise at a friction of 0.1 [K]."""
     return 0.1 * float(synthetic.rise(load, velocity, 0.9))
 
 
 def brute_force(tests, points, bias=0.15, scatter=0.055):
-    """Median of the critical temperature without a bias, its spread with one [K], and P at places.
+    """Median critical temperature without bias, spread with bias [K], and probabilities at points.
 
-    Places are (load, velocity, bulk temperature).
+    Points are (load, velocity, bulk temperature).
     """
     u, w = np.linspace(-3, 3, 181)[:, None, None], np.linspace(-6.5, 6.5, 91)[:, None]
     b = bias * np.sinh(w)

@@ -1,4 +1,4 @@
-"""One table of 200 points, and each type of argument, given to every door: one answer, or none."""
+"""Functions, commands, figures and reports give the same answers to the same 200 points."""
 
 import functools
 import html
@@ -61,7 +61,7 @@ STORES = {
 
 @functools.cache
 def table(name):
-    """50 points in and around a plane, half of them with a friction and a bulk of their own."""
+    """50 points in and around a plane; half of them with friction and bulk temperature."""
     rng = np.random.default_rng([*STORES].index(name))
     coordinates = rng.uniform(190, 760, 50).round(2), rng.uniform(0.45, 4.1, 50).round(3)
     has_conditions = rng.random(50) < 0.5
@@ -194,7 +194,7 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
         if len({*verdicts}) == 1 and verdicts[0] not in ("unknown", "outside the model"):
             painted = [
                 verdict
-                for verdict in ("mild", "undecided", "severe")  # each upon those before
+                for verdict in ("mild", "undecided", "severe")  # in the order of painting
                 for path in regions.get(f"{verdict} region", ())
                 if path.contains_point((velocity, load))
             ]
@@ -229,7 +229,7 @@ def test_nothing_is_mild_that_is_no_easier_than_a_severe_test(film):
         ]  # fmt: skip
         arguments = {"tests": tests, "model_bias": 0.01, **SMALL}
         ds = filmed(inlet=film, **arguments) if film else synthetic.sweep(**arguments)
-        if film == 1e9:  # tests alone had a film
+        if film == 1e9:  # only the tests had an oil film
             ds = ds.assign(film_inlet=ds["film_inlet"] * 0 + 1e-9)
         load, velocity = rng.uniform(210, 740, 60), rng.uniform(0.55, 3.9, 60)
         bulk = rng.uniform(280, 330, 60)

@@ -28,7 +28,7 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(bulk):
     np.testing.assert_allclose(margin["governing_temperature"], warm, rtol=1e-12)
     np.testing.assert_allclose(margin["temperature_margin"], 418.15 - warm, atol=1e-9)
     assert ((margin["probability"] > 0.5) == (warm > 418.15)).all()
-    # The least that is stated between two of four velocities: its points may be bent or rough.
+    # The smallest stated error between two of four velocities, which may be curved or rough.
     error = margin["temperature_error_interpolation"]
     assert ((error > 0) & (error < 0.006 * (warm - bulk))).all()
 
@@ -67,7 +67,7 @@ def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_und
         nearby, far = asked(warned, 425.0, 2.1), asked(warned, 425.0, 3.1)
         rise = nearby.governing_temperature - 298.15
         size = rise * (np.nan if share is None else share)
-        # Between the points it is that share of it by which the warned one counts.
+        # Between points, the allowance is weighted like the point that has the warning.
         assert np.isnan(size) or 0.1 * size < nearby.temperature_error_warnings < size
         assert np.isnan(nearby.temperature_error_warnings) == np.isnan(size)
         assert far.temperature_error_warnings == 0.0
@@ -92,7 +92,7 @@ def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(sta
 
 
 def near_the_boundary(rise=synthetic.rise):
-    """Sweep that is done near its boundary alone, and the whole one."""
+    """Sweep that is done only near its boundary, and the complete sweep."""
     points = itertools.product(synthetic.LOADS, synthetic.VELOCITIES)
     critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
     far = {point: PENDING for point in points if abs(np.log(point[1] / critical[point[0]])) > 0.3}

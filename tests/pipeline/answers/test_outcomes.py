@@ -1,4 +1,4 @@
-"""The outcomes along lines of a boundary say no more than the points that are done tell."""
+"""Outcomes along lines of a boundary agree with the points that are done."""
 
 from dataclasses import replace
 

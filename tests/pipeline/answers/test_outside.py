@@ -1,4 +1,4 @@
-"""A place outside a sweep is unknown, until it is simulated."""
+"""The verdict outside a sweep is unknown until the point is simulated."""
 
 import pytest
 

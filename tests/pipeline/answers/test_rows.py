@@ -1,4 +1,4 @@
-"""A point alone and a row are as hot as in a plane."""
+"""A single point and a row have the temperatures of a plane."""
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ HEADS = "load [N]", "velocity [m/s]"
 
 @pytest.fixture(scope="module")
 def places_computed(tmp_path_factory):
-    """Scene, and margins of some points: from a plane, computed alone, and from rows."""
+    """Scene, and margins of some points from a plane, a single simulation, and rows."""
     folder = tmp_path_factory.mktemp("doors")
     scene, rows = folder / "small.toml", [(200.0, 2.0), (400.0, 5.0), (400.0, 1.0)]
     # The numerical error of a preset is known.

@@ -1,4 +1,4 @@
-"""What would count severe wear mild, understate an error, or hide a damage."""
+"""Cases that might call severe wear mild, understate an error, or hide damage."""
 
 from dataclasses import replace
 

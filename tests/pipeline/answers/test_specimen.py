@@ -1,4 +1,4 @@
-"""Realizations of one specimen, by the front door: their mean, gaps, and how they may err."""
+"""Several realizations of one specimen: their mean, missing points and surface sampling error."""
 
 import math
 from dataclasses import replace
@@ -29,7 +29,7 @@ HOTTEST_TENTH = QUANTILES.index(0.9)
 
 
 def realizations(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **options):
-    """Sweep of several realizations, each a factor hotter than the first; `states` of each."""
+    """Sweep of several realizations, hotter by the factors `lifts`; `states` sets the statuses."""
     sweeps = []
     for seed, lift in enumerate(lifts):
         dataset = synthetic.sweep(
@@ -49,7 +49,7 @@ def realizations(lifts=LIFTS, states=None, sampling=0.0, growth=0.0, **options):
 
 
 def only(*points, state=PENDING):
-    """States of a realization that is done at these places alone."""
+    """Statuses of a realization that is done only at these points."""
     return {(F, V): state for F in LOADS for V in VELOCITIES if (F, V) not in points}
 
 
@@ -66,20 +66,20 @@ def mean(lifts):
 
 
 def sparse():
-    """Realizations of which the first alone has more than a point at each load."""
+    """Realizations of which only the first has several points at a load."""
     points = [(F, 2.0) for F in LOADS]
     return realizations(states={k: only(*points) for k in range(1, len(LIFTS))})
 
 
 def growing(*loads):
-    """Two realizations, the second of which grows with load and has a point at these loads."""
+    """Two realizations; the second rises faster with load, and has one point at these loads."""
     return realizations((1.0, 1.1), {1: only(*((F, 2.0) for F in loads))}, growth=0.2)
 
 
 NO_400 = {0: {(400.0, V): PENDING for V in VELOCITIES}}
 FAILED_THERE = {3: {(600.0, 4.0): FAILED}}
 GROWING = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2).tolist()
-SPECIMENS = {  # and the rise at each load over that of the closed form
+SPECIMENS = {  # sweep, and ratio of its rise at each load to the closed form
     "the mean of realizations": (realizations, mean(LIFTS)),
     "a point a load tells of all velocities": (sparse, mean(LIFTS)),
     "a load between loads of several": (lambda: growing(200.0, 600.0), GROWING),
@@ -120,7 +120,7 @@ def test_the_surface_is_a_bound_by_the_realizations_own_estimates_and_their_spre
     margin = asked(realizations(LIFTS[:count], sampling=0.03), 400.0, 2.0)
     levels = np.log(LIFTS[:count])
     spread = np.sum((levels - levels.mean()) ** 2)
-    scale = (7 + spread / 0.03**2) / (6 + count)  # all loads tell the same
+    scale = (7 + spread / 0.03**2) / (6 + count)  # equal at all loads
     deviation = math.sqrt((7 * scale * 0.03**2 + spread) / (6 + count))
     expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
     rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
@@ -130,7 +130,7 @@ def test_the_surface_is_a_bound_by_the_realizations_own_estimates_and_their_spre
 
 
 def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_state():
-    """Two realizations at 400 N are hotter than the five at 200 N: so is their mean."""
+    """The two realizations at 400 N are hotter than the mean of the five at 200 N."""
     levels = np.array([0.075, 0.025, -0.025, -0.075, 0.0])
     sparse = {k: only(*((200.0, V) for V in VELOCITIES)) for k in range(2, 5)}
     ds = realizations(np.exp(levels), sparse, sampling=0.03)
@@ -140,7 +140,7 @@ def test_loads_share_their_realizations_and_the_ratio_of_spread_to_what_these_st
     spread = np.array([np.square(levels).sum(), 0.05**2 / 2])
     stated, freedom = [0.03, 0.01], [4, 1]
     ratios = spread / np.square(stated)
-    scale = (7 + 4 * (ratios[0] + 2 * ratios[1]) / 6) / 11  # 400 and 600 N tell the same
+    scale = (7 + 4 * (ratios[0] + 2 * ratios[1]) / 6) / 11  # 400 and 600 N count as one load
 
     def bound(squares, load, share=1.0):
         known = 7 * scale * share * stated[load] ** 2 + squares
@@ -220,7 +220,7 @@ def test_the_specimen_of_realizations_that_differ_a_lot_is_decided_by_more_reali
 
 def test_points_at_far_velocities_leave_the_surface_part_of_an_error_as_it_is():
     ds = synthetic.sweep()
-    rough = 0.02 + 0.06 * (ds["velocity"] > 2.5)  # which points there state of their own deviation
+    rough = 0.02 + 0.06 * (ds["velocity"] > 2.5)  # stated by the points themselves
     ds = ds.assign(rise_realization_std=(ds["rise_realization_std"] + rough).drop_attrs())
     few = ds.isel(velocity=ds["velocity"].values <= 2.0)
     parts = [asked(dataset, 425.0, 1.2).temperature_error_surface for dataset in (few, ds)]

@@ -1,4 +1,4 @@
-"""What tests say of places, by the front door: runs, steps, waiting tests, dominance, inference."""
+"""How tests change verdicts: mild and severe results, steps, pending tests, and dominance."""
 
 import math
 
@@ -30,7 +30,7 @@ def swept(*tests, **options):
 
 
 def chances(ds, *ys):
-    """Probabilities at places of other loads, so that no test is beside them."""
+    """Probabilities at a load without tests, so that no test is near the points."""
     loads = np.full(len(ys), 500.0)
     limits = np.exp(ys) * LIMIT
     velocities = synthetic.critical_velocity(500.0, limits)
@@ -44,7 +44,7 @@ def rows(*ends):
 
 OUTSIDE = bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
 STEPPED = bare_test(LOAD, CRITICAL, velocity_step=CRITICAL / 5)
-SPECIMENS = {  # tests, and the result that they are
+SPECIMENS = {  # tests, and their combined result
     "mild rows count by the highest": (rows((-0.3, "mild"), (-0.1, "mild")), Outcome(mild=-0.1)),
     "severe by the lowest": (rows((0.2, "severe"), (0.1, "severe")), Outcome(severe=0.1)),
     "both are an interval": (rows((-0.2, "mild"), (0.1, "severe")), Outcome(0.1, -0.2)),
@@ -104,7 +104,7 @@ EASIER = {
 
 @pytest.mark.parametrize("quantity", EASIER)
 def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(quantity):
-    """Many mild tests make an easy place mild, but for one that a severe test dominates."""
+    """Many mild tests make easy points mild, except those that are harder than a severe test."""
     load, velocity, conditions = EASIER[quantity]
     mild = [at(-0.2, "mild", number=f"m{k}") for k in range(40)]
     severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **conditions)
@@ -116,7 +116,7 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(quantit
     held_test = bare_test(
         300.0 * load, 0.9 * velocity, outcome="severe", case=HELD_CASE, **conditions
     )
-    assert asked(swept(*mild, held_test), 300.0, 0.9).verdict == "mild"  # not alike
+    assert asked(swept(*mild, held_test), 300.0, 0.9).verdict == "mild"  # its loading differs
 
 
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():

@@ -33,7 +33,7 @@ def test_a_check_says_what_a_scene_means(check):
 
 
 def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):
-    """Places A and E of the gears, by hand: Hertz of cylinders, and velocities of the flanks."""
+    """Points A and E of the gears: Hertz contact of cylinders and flank velocities by hand."""
     document = check("--json", scene="gear_mesh")
     first, *_, last = document["cases"]
     assert (first["case"], last["case"]) == ("A", "E")

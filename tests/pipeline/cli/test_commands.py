@@ -81,7 +81,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg)
 
 
 def both(irg, folder, *words):
-    """Text and document of a command, which is run once."""
+    """Printed text and JSON document of one run of a command."""
     output = irg(*words, "-o", folder / "both.json")
     return output, json.loads((folder / "both.json").read_text())
 
@@ -149,7 +149,7 @@ TESTS = "".join(
 def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     scene, tmp_path, irg, monkeypatch
 ):
-    """Two severe tests where the model is mild make a place likelier severe."""
+    """Two severe tests where the model is mild raise the probability of severe wear."""
     monkeypatch.chdir(tmp_path)
     tested = tmp_path / "tested.toml"
     tested.write_text(scene.read_text() + TESTS)

@@ -1,4 +1,4 @@
-"""Tables of operating points in; tables of margins out."""
+"""`irg margin` reads tables of operating points and writes tables of margins."""
 
 import csv
 

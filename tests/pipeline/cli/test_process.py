@@ -90,7 +90,7 @@ for words in sys.argv[1:]:
 
 
 def loaded_by(*commands):
-    """Modules that are loaded after each of some commands, which one process runs."""
+    """Modules that are loaded after each command, all run in one process."""
     done = python("-c", _LOADED, *commands)
     assert done.returncode == 0, done.stderr
     lines = (line.split() for line in done.stdout.splitlines() if line.startswith("loaded "))
@@ -168,7 +168,7 @@ def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_no
 # Scenes, points and figures as a notebook shows them.
 
 
-# How a command ends: its exit code, its words on an error, and what it does not begin.
+# How a command ends: its exit code and its error message.
 
 
 def carry_out(result=None, command="status", **options):

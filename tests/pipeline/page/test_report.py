@@ -1,4 +1,4 @@
-"""The report: what stands in it is what the answers say, escaped, without scripts."""
+"""The report states the answers, escapes all texts, and has no scripts."""
 
 import re
 from base64 import b64decode, b64encode
@@ -55,7 +55,7 @@ class Page(HTMLParser):
 
 
 def checked(text):
-    """The parsed page: sound HTML that names all its parts to a screen reader, without scripts."""
+    """The parsed page, after checks of its HTML, labels for screen readers, and scripts."""
     page = Page(text)
     names = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
     assert len({*names}) == len(names)
@@ -95,7 +95,7 @@ def page(sweep):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Leave the pictures of a report empty, which take seconds; `page` has its own."""
+    """Replace the pictures of a report, which take seconds to draw, by empty ones."""
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
     monkeypatch.setattr(
         parts, "picture_of", lambda _, caption, alt: parts.Picture(empty, empty, alt, caption)

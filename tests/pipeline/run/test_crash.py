@@ -1,6 +1,6 @@
-"""A sweep may be killed at any time; `make crash` tries all that is tried here in part.
+"""A sweep survives kills at any time. `make crash` runs these campaigns in full.
 
-Each campaign is also made to fail, by breaking the rule that it tests.
+Each campaign also has to fail when the rule that it tests is broken.
 """
 
 import json
@@ -25,7 +25,7 @@ def reported(folder, campaign, *options, trials=1):
 
 
 def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
-    campaign = "power" if kinds() else "kills"  # a cut of power kills the driver, too
+    campaign = "power" if kinds() else "kills"  # a power cut also kills the driver
     report = reported(tmp_path, campaign)
     assert report["faults"] == []
     assert report["acknowledged"] > 0

@@ -1,4 +1,4 @@
-"""Estimates of `irg check`, against what then happens."""
+"""Estimates of `irg check`, compared with measured costs."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""A run with a goal: it computes until the whole error of the boundary is below an accuracy."""
+"""A run with an accuracy goal computes until the error of the boundary is small enough."""
 
 import json
 import re
@@ -11,7 +11,7 @@ import pipeline
 from pipeline.store.schema import DONE, NOT_NEEDED
 from tribo import InputError
 
-# first_try on few elements, of which enough touch for the same search in a quarter of the time
+# first_try on fewer elements: the same search in a quarter of the time
 SMALL = {
     "without": ["tests"],
     "window.pixels": [96, 48],
@@ -73,7 +73,7 @@ def test_further_realizations_have_one_point_a_load_and_no_fields(small):
 
 
 class KilledError(Exception):
-    """Stands for a kill, which leaves the store as it is."""
+    """Raised in place of a kill; it leaves the store as it is."""
 
 
 def test_a_run_that_was_stopped_ends_with_the_same_points(tmp_path, small):

@@ -1,4 +1,4 @@
-"""Points of tests beside the plane: computed first, resumed, grown, copied and checked."""
+"""Points of tests, stored besides the plane: computed, resumed, added, copied and verified."""
 
 import shutil
 

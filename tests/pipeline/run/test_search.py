@@ -1,4 +1,4 @@
-"""The search of a boundary on closed forms: few points, all crossings, an error below the goal."""
+"""The search of boundaries in closed form finds all crossings with few points."""
 
 import itertools
 
@@ -17,7 +17,7 @@ SCATTER = 0.02  # of ln(rise), from realization to realization
 
 
 def heat(load, x, generator):
-    """Return ln(rise/limit) at friction 1: rising, bent, and a little rough, as a contact's."""
+    """Return ln(rise/limit) at friction 1: increasing, curved, and slightly rough."""
     slope, bend, level = generator.uniform([0.4, -0.06, -0.6], [0.9, 0.06, 0.6])
     middle = np.log(1.5)
     waves = sum(0.001 * np.sin(k * 9.0 * x + generator.uniform(0, 7)) for k in (1, 2))
@@ -25,7 +25,7 @@ def heat(load, x, generator):
 
 
 def friction(generator, turns):
-    """Return factors of friction at some velocities, with `turns` bends; none without."""
+    """Return friction factors at some velocities with `turns` bends; none if it is 0."""
     if not turns:
         return ()
     nodes = np.sort(generator.uniform(X[0], X[-1], turns + 1))
@@ -39,7 +39,7 @@ def conditions(by_velocity=(), share=0.1):
 
 
 class Specimen:
-    """Rises of realizations in closed form, which a search asks for."""
+    """Rises of realizations in closed form, for a search."""
 
     def __init__(self, seed, turns=0, loads=10, scatter=SCATTER, velocities=VELOCITIES):
         generator = np.random.default_rng([turns, seed])
@@ -66,7 +66,7 @@ class Specimen:
         return LIMIT * np.exp(self.y(load, x, point.realization))
 
     def run(self, search, known=None):
-        """Return all that is asked, in order; or the first points that are not all `known`."""
+        """Return all requested points in order, or the first batch with a point not in `known`."""
         points = []
         while batch := search.ask():
             if known is not None and not known.issuperset(batch):
@@ -79,7 +79,7 @@ class Specimen:
         return points
 
     def crossings(self, load, realization=None):
-        """Velocities at which wear turns, of a whole line."""
+        """Critical velocities of a line of velocities."""
         fine = np.linspace(X[0], X[-1], 20001)
         y = self.y(load, fine, realization) + np.log(
             conditions(self.law).friction_factor(np.exp(fine))

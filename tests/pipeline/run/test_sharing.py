@@ -1,4 +1,4 @@
-"""Rows share contacts on a worker, and each has the bits that it has alone."""
+"""Rows that share contacts on a worker equal single simulations bit for bit."""
 
 import random
 from unittest import mock
@@ -46,7 +46,7 @@ def scene(tmp_path):
 
 
 def table(scene, **overrides):
-    """Sweep over all rows, in an order that is none."""
+    """Sweep over all rows, in random order."""
     rows = random.Random(1).sample(ROWS, len(ROWS))
     if "without" in overrides:
         rows = [{name: value for name, value in row.items() if name != RATE} for row in rows]

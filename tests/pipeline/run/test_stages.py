@@ -1,4 +1,4 @@
-"""Specimens in stages: what is stored of them, and what their tests say."""
+"""Specimens loaded in stages: their stored values and their tests."""
 
 import numpy as np
 import pytest

@@ -106,7 +106,7 @@ def test_other_conditions_of_the_scene_are_told(copy):
     warmer = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
         run_sweep(warmer, copy, progress=messages.hear)
-    assert len(messages) == 1  # told once: then the store has the new entries
+    assert len(messages) == 1  # only one: the store then has the new entries
     assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
 
 

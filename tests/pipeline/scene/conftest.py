@@ -1,4 +1,4 @@
-"""The first scene, written in full, with texts in it replaced: read, or refused with its faults."""
+"""Fixtures that read a scene after replacements in its text, or return its faults."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What follows from the format alone: the reference and new scenes."""
+"""The reference of the scene format, and new scenes."""
 
 import ast
 import re
@@ -23,7 +23,7 @@ def test_the_page_is_what_the_format_says():
 
 
 def paths_of(table, parent=""):
-    """Yield the paths of entries in nested tables, and in headings of the tables that they name."""
+    """Yield the paths of entries in nested tables, and in headings of their CSV files."""
     for key, value in table.items():
         path = "materials.NAME" if parent == "materials" else f"{parent}.{key}".lstrip(".")
         yield path
@@ -42,7 +42,7 @@ def paths_of(table, parent=""):
 
 
 def set_by_code(file):
-    """Yield texts that code gives as the path of an entry: keys, and what `changed` takes first."""
+    """Yield paths of entries in code: keys of dictionaries, and first arguments of `changed`."""
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         expressions = node.keys if isinstance(node, ast.Dict) else []
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "changed":

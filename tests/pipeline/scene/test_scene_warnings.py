@@ -1,4 +1,4 @@
-"""What is estimated of a scene in closed form, against its simulation, and what is warned of it."""
+"""Closed-form estimates of scenes, compared with simulations, and warnings about scenes."""
 
 from dataclasses import replace
 
@@ -87,7 +87,7 @@ def test_grooves_lie_across_the_direction_in_which_heights_change(along, lay):
     assert summarize_surface(rough(waves(along=along)).scene).lay == pytest.approx(lay, abs=1e-6)
 
 
-# What is warned of a scene, and at which values a doubt begins.
+# Warnings about a scene, and the values from which they are given.
 
 SOURCE = load_scene("first_try").source
 
@@ -185,7 +185,7 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, is_warned):
     assert any("the grooves run along the sliding direction" in text for text in texts) is is_warned
 
 
-# What a scene leaves out, and tests with another past
+# Missing entries, and tests with another loading history
 
 ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BALL_OF = {"without": ["pin.length"], "pin.shape": "ball"}

@@ -1,4 +1,4 @@
-"""Scene files: the sweep that they give, and every fault at once."""
+"""Scene files: their sweeps, and all their faults at once."""
 
 import math
 import pickle

@@ -21,7 +21,7 @@ def back(sweep):
 
 
 def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatch):
-    """A default of the format, a preset and a value of the library have another value later."""
+    """Change a default of the format, a preset, and a value of the library."""
     scene, path = tmp_path / "own.toml", tmp_path / "own.zarr"
     without = 'without = ["materials", "disk.roughness.seed", "fidelity"]\n'
     steel = 'pin.material = "AISI 52100"\ndisk.material = "AISI 52100"\nsweep.fields = false\n'

@@ -1,4 +1,4 @@
-"""Tables are read as they stand, or refused with row and column; nothing shifts or is lost."""
+"""Tables are read completely, or refused with the row and column of the fault."""
 
 import pandas as pd
 import pytest

@@ -1,4 +1,4 @@
-"""Tests and rows of a scene: entries of their own, places, stages of one specimen."""
+"""Tests and rows of a scene: their entries, loads and velocities, and load stages."""
 
 import math
 from dataclasses import replace
@@ -144,7 +144,7 @@ def test_a_test_without_stages_of_its_own_has_those_of_the_scene(staged):
     assert above.case.scene.loading.loads == (200.0, 400.0, 600.0, 800.0, 1000.0)
 
 
-# Pairs: rows of a file or of the scene, each with a place and entries of its own.
+# Rows of a file or of the scene, each with a load, a velocity and entries.
 
 TABLES = """along = [
   { "pin.radius" = "3 mm", "friction.coefficient" = 0.1, load = "300 N", velocity = "1 m/s" },

@@ -1,4 +1,4 @@
-"""Links and bombs in a store are noticed, and nothing is done by way of them."""
+"""Links and decompression bombs in a store are detected and not followed."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Creation and growth of stores, also of ones that were cut short, and refusals."""
+"""Creation and growth of stores, interrupted or not, and refusals."""
 
 import errno
 import functools
@@ -282,7 +282,7 @@ def test_nothing_is_written_over(path, make, complaint):
 
 
 class Unlisted(http.server.SimpleHTTPRequestHandler):
-    """Serves files without a word, and lists none."""
+    """Handler that serves files without logging, and lists no directories."""
 
     def log_message(self, *_):
         pass

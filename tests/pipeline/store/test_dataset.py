@@ -1,4 +1,4 @@
-"""The dataset: as the page of it says, in plain xarray, with what users add to its store."""
+"""The dataset: its page, plain xarray, and variables that users add to its store."""
 
 import ast
 import re
@@ -148,7 +148,7 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
         pipeline.plot(alone, "fields", step=-1)
 
 
-# The page of the dataset is what its variables say, and rows differ in what they have to.
+# The page of the dataset agrees with its variables.
 
 
 def test_the_page_of_the_dataset_is_what_the_variables_say():

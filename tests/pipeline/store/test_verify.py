@@ -1,4 +1,4 @@
-"""Damage of stores: `irg verify` names it, and one run has the same bits as before."""
+"""`irg verify` names damage of stores, and one run restores the same bits."""
 
 import itertools
 import shutil
@@ -39,7 +39,7 @@ LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.velocities, 2.0))
 
 
 def chunks(path, name):
-    """Files of the chunks of a variable; a store that took the place of another has no "c."."""
+    """Files of the chunks of a variable."""
     metadata = ("zarr.json",)
     return sorted(file for file in (path / path_of(name)).iterdir() if file.name not in metadata)
 
@@ -54,7 +54,7 @@ def cut(file):
     file.write_bytes(file.read_bytes()[:-3])
 
 
-# All columns are written in one way, and so are flags: one array of each kind is enough.
+# All columns are written in the same way, and so are flags: one array of each is enough.
 HARMED = [
     *((flipped, name) for name in ("status", "message", "rise")),
     *((Path.unlink, name) for name in ("load", "mean_rise")),
@@ -145,7 +145,7 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(long, tmp_pa
 
 
 def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
-    """Otherwise none of its points could be written."""
+    """If it were not, none of its points could be written."""
     commit(path, SWEEP, [POINT])
     with writing(path, SWEEP) as store:
         store.forget([POINT])

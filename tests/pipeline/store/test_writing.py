@@ -1,4 +1,4 @@
-"""Points are written data first and status last, by one run at a time, also beside readers."""
+"""Points are written with their status last, by one run at a time, while others may read."""
 
 import errno
 import fcntl
@@ -103,7 +103,7 @@ def test_opening_reads_no_field(copy):
 
 
 def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(copy):
-    """Its chunks would be those of other points."""
+    """Its chunks would hold other points."""
     with open_sweep(copy) as ds:
         commit(
             copy,
@@ -128,7 +128,7 @@ def test_a_lack_of_threads_is_no_damage(tiny_store, monkeypatch):
         store.read("mean_rise", ...)
 
 
-# One run at a time writes to a store, by whatever path it came, and none for the dead.
+# Locks: one run at a time writes to a store, whatever its path; killed runs hold no lock.
 
 HOST = os.uname().nodename
 THIS_PROCESS = f"process {os.getpid()} on {HOST}"
@@ -175,7 +175,7 @@ def test_what_a_killed_process_of_this_host_or_nobody_left_is_free(begun, left):
 
 
 def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes_it(begun, irg):
-    """A kernel lock may not reach this host, so nothing tells whether that process lives."""
+    """Kernel locks may not reach this host, so it is unknown whether that process lives."""
     lock_of(begun).write_text("process 7 on node7\n")
     os.utime(lock_of(begun), (0, 0))
     before = contents(begun)

@@ -1,4 +1,4 @@
-"""Roughness by ISO 25178: of measured heights alone, and above the form."""
+"""Roughness by ISO 25178, of measured heights only and after removal of the form."""
 
 import math
 

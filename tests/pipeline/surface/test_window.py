@@ -1,4 +1,4 @@
-"""What a scene takes of a scan: areas of the window's size, levelled, filled and mirrored."""
+"""Areas of a scan as surfaces of a scene: levelled, filled and mirrored."""
 
 import tomllib
 

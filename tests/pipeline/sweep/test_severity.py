@@ -73,7 +73,7 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
     assert relative_sampling(known, CONDITIONS) == pytest.approx(0.05, rel=1e-6)
 
 
-# What is said of points, inputs, surfaces and durations, in the words that users read.
+# Error bounds of presets
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
         ("fine", {}, 0.0055),
         ("standard", {"increments": 9}, None),
         ("standard", {"partition": "uniform"}, None),
-        # How heat acts is no numerical choice.
+        # The heat model is no numerical setting.
         ("standard", {"heat_model": "history"}, 0.011),
     ],
 )
