@@ -171,7 +171,7 @@ def bound_at(specimen, velocities):
 
 
 def test_a_point_within_or_beyond_the_bound_stated_there_changes_it_little_or_to_its_distance():
-    """A bound grows by over 10 % at fewer than 2 % of points; else it grows on both sides."""
+    """A point within the bound rarely raises it by over 10 %; one beyond it raises both sides."""
     ratios, beyond = [], 0
     for before, after, velocity in with_one_more(range(150)):
         at, point = np.array([velocity]), (before.field.loads, np.array([velocity]))

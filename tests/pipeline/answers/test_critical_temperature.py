@@ -122,9 +122,8 @@ def test_it_is_found_from_transitions_whatever_the_scene_says(celsius):
     weights = student.pdf(bias / 0.15, 4) * student.pdf(math.log(90 / 120) + bias, 4)
     of_bias = math.sqrt(np.average(np.square(bias), weights=weights))
     another = math.hypot(spread, 90.0 * of_bias)
-    assert inference["spread_another_rig"].item() == pytest.approx(
-        another, rel=0.01
-    )  # of 1 K in 90
+    # to about 1 K in 90 K
+    assert inference["spread_another_rig"].item() == pytest.approx(another, rel=0.01)
 
 
 @pytest.mark.parametrize("outcome", ["mild", "severe"])

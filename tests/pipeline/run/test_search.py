@@ -25,7 +25,7 @@ def heat(load, x, generator):
 
 
 def friction(generator, turns):
-    """Return friction factors at some velocities with `turns` bends; none if it is 0."""
+    """Return friction factors at some velocities with `turns` bends, or an empty tuple."""
     if not turns:
         return ()
     nodes = np.sort(generator.uniform(X[0], X[-1], turns + 1))

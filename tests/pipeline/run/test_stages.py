@@ -78,11 +78,10 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     steps = pipeline.temperatures(ds)["temperature_quantile"].sel(
         area_fraction_below=0.9, velocity=2
     )
-    stage_temperatures = steps.sel(load=140).values
-    assert (
-        stage_temperatures[2] < stage_temperatures[0]
-    )  # the unworn first stage is hotter than the second
-    assert governing == pytest.approx(np.maximum.accumulate(stage_temperatures)[1::2], rel=1e-9)
+    temperatures = steps.sel(load=140).values
+    # The unworn first stage is hotter than the second.
+    assert temperatures[2] < temperatures[0]
+    assert governing == pytest.approx(np.maximum.accumulate(temperatures)[1::2], rel=1e-9)
     point = pipeline.run_point(store[0]._single_case(), 120.0, 2.0)
     assert point.verdict(store[0].conditions).governing_temperature == pytest.approx(
         governing[1], rel=1e-12

@@ -159,7 +159,7 @@ def test_units_that_are_off_by_a_thousand_are_told(tmp_path, factor, side, word)
 
 
 def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
-    """They contain the given unit (here 2 nm), pixel size and missing share."""
+    """The tables contain the given unit (here 2 nm), pixel size and missing share."""
     grid = Grid((96, 64), (0.5e-6, 0.5e-6))
     heights = 5e8 * self_affine(grid, 3e-7, 0.8, (3e-6, 12e-6), seed=3)
     heights[3:20, 4:44] = np.nan
@@ -198,7 +198,7 @@ def test_a_figure_has_scan_and_random_surface_their_spectra_and_numbers(tmp_path
     assert {"scan", "random surface", "Sa", "Sdq", f"{statistics.roughness.sdq:.3g}"} <= written
 
 
-# Files of instruments, as written by tests.helpers: heights, holes, pixels and units.
+# Files of instruments, as tests.helpers.instruments writes them.
 
 METRES = 1e-6 * HEIGHTS
 HOLED = np.where(np.random.default_rng(6).random(METRES.shape) < 0.1, np.nan, METRES)
