@@ -124,12 +124,12 @@ def test_plain_xarray_selects_the_field_of_a_point_and_one_not_computed_has_no_f
     assert plane["time"].notnull().sum() == len(record(point).data["time"])
 
 
-def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
+def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, tiny_store):
     place = {"load": 600.0, "velocity": 1.5}
     with writing(path, tiny.full(fields="steps")) as store:
         run_serial(store, [Point(**place), Point(250.0, 1.5)])
     assert pipeline.verify_store(path).is_clean
-    with pipeline.open_sweep(path) as ds, pipeline.open_sweep(alone) as ends:
+    with pipeline.open_sweep(path) as ds, pipeline.open_sweep(tiny_store) as ends:
         steps, end = ds.sel(place), ends.sel(place)
         assert steps["pressure"].dims == ("step", "x", "y")
         touched = (steps["pressure"] > 0).mean(("x", "y"))
@@ -144,8 +144,8 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, alone):
     assert pipeline.plot(path, "fields", load="600 N", step=-2)
     with pytest.raises(InputError, match="the point has the steps -4 to 0"):
         pipeline.plot(path, "fields", step=1)
-    with pytest.raises(InputError, match="at the end of each point alone"):
-        pipeline.plot(alone, "fields", step=-1)
+    with pytest.raises(InputError, match="at the end of each point tiny_store"):
+        pipeline.plot(tiny_store, "fields", step=-1)
 
 
 # The page of the dataset agrees with its variables.
