@@ -61,9 +61,9 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     assert f"numpy {np.__version__}" in ds.attrs["history"]
 
 
-def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
+def test_a_new_store_opens_in_plain_xarray_without_a_warning(tiny_store):
     with warnings.catch_warnings(action="error"):
-        ds = xr.open_zarr(alone).load()
+        ds = xr.open_zarr(tiny_store).load()
     quantiles = ds["rise_quantile"].sel(load=600, velocity=1.5)
     assert quantiles.dims == ("step", "area_fraction_below")
     assert ds["status"].attrs["flag_meanings"] == "not_needed done failed pending"
@@ -218,17 +218,17 @@ def several(**changes):
 # Refusals
 
 
-def test_the_store_of_another_scene_is_refused_key_by_key(alone):
+def test_the_store_of_another_scene_is_refused_key_by_key(tiny_store):
     other = tiny.full(increments=7, pin=tribo.Cylinder(9e-3, 3.375e-3, STEEL), wear=None)
-    before = contents(alone)
+    before = contents(tiny_store)
     with pytest.raises(StoreMismatchError) as refused:
-        commit(alone, other, ())
+        commit(tiny_store, other, ())
     assert str(refused.value).splitlines()[1:] == [
         "  pin.radius: 0.008 in the store, 0.009 in the scene",
         "  wear: Wear in the store, none in the scene",
         "  fidelity.increments: 6 in the store, 7 in the scene",
     ]
-    assert contents(alone) == before
+    assert contents(tiny_store) == before
 
 
 MISFITS = {
