@@ -189,7 +189,7 @@ def _evaluate(
         rises = np.array([point.rise(conditions) for point in points])
     except InputError as error:
         return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
-    if len(specimen.apart) > 1:  # tests are simulated only on the first realization
+    if len(specimen.differences) > 1:  # tests are simulated only on the first realization
         rises = rises * np.exp([specimen.offset_at(*pair) for pair in test.points])
     with np.errstate(divide="ignore"):
         y = np.clip(np.log(rises / allowable_rise(conditions)), -_MAX_Y, _MAX_Y).tolist()

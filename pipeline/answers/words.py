@@ -54,7 +54,7 @@ def answer_attributes(model: VerdictModel) -> dict[str, str | int]:
     return {
         "conditions": verdict_conditions(model.conditions, tests, from_tests),
         "model_error": model_error(evidence),
-        "realizations": len(model.specimen.apart),
+        "realizations": len(model.specimen.differences),
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers),
         "tests_without_result": waiting_text(evidence),
