@@ -1,4 +1,4 @@
-"""Zarr arrays of a store: their metadata, which follow from the schema, and their chunks by key.
+"""Zarr arrays of a store: their metadata, derived from the schema, and their chunks by key.
 
 The metadata on the disk are for other programs; this program opens its arrays without them.
 """
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 Document = dict[str, Any]
 """Content of a JSON document."""
 
-_ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # a changed byte is noticed on reading
-_MAX_DOCUMENT_BYTES = 2**28  # bytes of a JSON document, which has the sweep
-_MAX_TEXT_BYTES = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
+_ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # reading detects a changed byte
+_MAX_DOCUMENT_BYTES = 2**28  # bytes of a JSON document with the data of a sweep
+_MAX_TEXT_BYTES = 2**16  # bytes of a text; messages have up to 2000 characters
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
@@ -45,7 +45,7 @@ def array_document(
     """Zarr metadata of a variable, as Zarr writes them.
 
     `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each,
-    and `growths` tells how often its chunks were written anew, with other points in them.
+    and `growths` is the number of times that its chunks were written anew, for other points.
     """
     is_text, dims = variable.dtype == "str", variable.dims
     if is_text:
@@ -63,8 +63,8 @@ def array_document(
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": _FILLS.get(variable.dtype, 0),
-        # A checksum more for each growth: a dataset that was opened before cannot decode the chunks
-        # of now, which have other points at the same keys.
+        # Each growth adds a checksum, so that a dataset opened before it cannot decode the new
+        # chunks, which have other points at the same keys.
         "codecs": [first, {"name": "zstd", "configuration": _ZSTD}, *checksums],
         "attributes": attributes_of(variable),
         "dimension_names": [*dims],
@@ -74,7 +74,7 @@ def array_document(
 
 
 class FolderStore(LocalStore):
-    """Zarr store of a folder: it reads regular files alone, and what it writes is on the disk.
+    """Zarr store of a folder: it reads only regular files, and waits until files are on the disk.
 
     `max_bytes` has the largest size [bytes] of a chunk of each array, by the path of the array;
     `touched` has the folders that got files, whose names are on the disk after `Folder.sync`.
@@ -105,13 +105,13 @@ class FolderStore(LocalStore):
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's Zstd codec, which unpacks no more bytes than a chunk of the array can have."""
+    """Zarr's Zstd codec, limited to the bytes that a chunk of the array can have."""
 
     async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
         return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
 
     def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
-        # Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
+        # Without this limit, a damaged chunk of kilobytes could unpack to gigabytes.
         values = np.zeros(_size(chunk_spec.dtype.to_native_dtype(), chunk_spec.shape), np.uint8)
         self._zstd_codec.decode(chunk_bytes.to_bytes(), values)
         return chunk_spec.prototype.buffer.from_array_like(values)
@@ -122,10 +122,10 @@ def open_arrays(
 ) -> dict[str, Any]:
     """Open the arrays of a Zarr store, by name; `documents` has their metadata.
 
-    `prefix` is the path of the group that has them, with a slash, or empty for the root.
+    `prefix` is the path of their group with a slash at the end, or empty for the root.
     """
-    # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
-    # belongs to all threads: a thread that ends would change it for the others.
+    # Chunks of fill values have to be written, or they would look lost. Zarr's global setting for
+    # this is shared by all threads, so that a thread could reset it for the others.
     settings: Any = {"write_empty_chunks": True}
     arrays = {}
     for name, document in documents.items():
@@ -134,13 +134,13 @@ def open_arrays(
         path = StorePath(store, prefix + path_of(name))
         array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
         if isinstance(store, FolderStore):
-            # What does not compress at all grows by less than this.
+            # Data that do not compress at all grow by less than this.
             store.max_bytes[path.path] = 2 * _size(array.dtype, array.chunks) + _MAX_TEXT_BYTES
     return arrays
 
 
 def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
-    """Most bytes of values of a type and shape."""
+    """Largest size in bytes of values of a type and shape."""
     return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
@@ -176,7 +176,7 @@ def list_keys(store: Store) -> set[str]:
 
 
 async def _all(tasks: Iterable[Any]) -> None:
-    """Wait for all tasks, side by side, and raise the first error only then."""
+    """Run all tasks concurrently; raise the first error once all have ended."""
     for result in await asyncio.gather(*tasks, return_exceptions=True):
         if isinstance(result, BaseException):
             raise result

@@ -1,4 +1,4 @@
-"""What is wrong with the points of a store, whose files are all read."""
+"""Faults of the points of a store, found by reading all of its files."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from tribo.types import Indices, Mask
 if TYPE_CHECKING:
     from pipeline.store.store import Store
 
-_OF_POINT = ("message", "warning_flags")  # of a record, beside its data
-_MAX_FIELD_BYTES = 2**25  # bytes of fields that are read at once
-_THREADS = 8  # an object store answers them side by side
+_OF_POINT = ("message", "warning_flags")  # also stored for failed points
+_MAX_FIELD_BYTES = 2**25  # bytes of fields read at once
+_THREADS = 8  # concurrent requests to an object store
 
 Index = tuple[int, ...]
 
 
 @dataclass
 class Damage:
-    """Points with damaged values, with the fault of each, and damaged files by key.
+    """Damaged points with the fault of each, and damaged files by key.
 
-    A file comes as a part for `write_arrays`, with values that replace it.
+    The entry of a file is a part for `write_arrays`, with values that replace it.
     """
 
     points: dict[Index, str] = field(default_factory=dict)
@@ -39,17 +39,17 @@ class Damage:
 
 
 class Checked(NamedTuple):
-    """Some points of a store, with their values by variable, and what is wrong with each."""
+    """A batch of points with their values by variable and the fault of each."""
 
     where: Indices  # index along each dimension, shape (n, n_dim)
     values: dict[str, Any]  # None if a chunk is damaged
-    faults: list[str]  # empty texts for sound points
+    faults: list[str]  # empty for sound points
 
 
 def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]:
-    """Yield the done and failed points, some at a time, with what is wrong with them.
+    """Yield the done and failed points in batches, with the fault of each.
 
-    All chunks are read, one after the other; those that cannot be read are added to `damage`.
+    All chunks are read in turn; those that cannot be read are added to `store.damage`.
     """
     names = [name for name in store.arrays if not (name == "status" or is_coordinate(name))]
     fields = [name for name in names if name in FIELDS]
@@ -74,7 +74,7 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
 
 
 def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
-    """A field of each done point; None where it is lost, and of points without fields."""
+    """A field of each point; None if it is lost, or the point is not done or has no fields."""
     fields: list[Any] = [None] * len(where)
     rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(where.T)])
     chunk_indices = store.group.point_indices(name, where)[rows].tolist()
@@ -87,7 +87,7 @@ def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
 
 
 def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
-    """What is wrong with each point, from its stored values; empty if it is sound."""
+    """Fault of each point, from its stored values; empty for sound points."""
     group, done = store.group, store.flags[tuple(where.T)] == DONE
     has_fields = group.with_fields[tuple(where.T)]
     lost = [name for name, array in values.items() if array is None]
@@ -114,9 +114,9 @@ def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str
 def checksums(
     group: Group, where: Indices, values: Mapping[str, Any], done: Mask
 ) -> NDArray[np.uint32]:
-    """CRC-32 of each point: its case, load and velocity, and what is stored of it.
+    """CRC-32 of each point: of its scene, load, velocity and stored values.
 
-    So a file in the place of another is noticed. Points that failed have no results.
+    It detects files that were exchanged. Points that failed have no results.
     """
     sums = np.zeros(len(where), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
@@ -161,6 +161,6 @@ def mend(store: Store) -> int:
     damage, flags = find_damage(store), store.flags.copy()
     for index in damage.points:
         flags[index] = PENDING
-    store.set_flags(flags)  # before the files, so that a done point is whole even after a kill
+    store.set_flags(flags)  # before the files: after a kill, points marked as done are sound
     store.put(damage.files.values())
     return len(damage.points) + len(damage.files)

@@ -1,10 +1,10 @@
-"""Making a store, whose plane is fixed, and taking the points of another one.
+"""Create a store, enlarge it, and copy points of another store.
 
-A folder is made under another name and renamed when it is whole. If a run asks for more than the
-store has room for, a larger one takes over its points and then its place::
+A folder is written under another name and renamed when it is complete. The plane of a store is
+fixed: if a run needs further points, a larger store is written and replaces it::
 
     NAME.zarr.irg-lock  is the lock of all of these
-    NAME.zarr.irg-new   is made, or takes over points
+    NAME.zarr.irg-new   is written, with the points of NAME.zarr
     NAME.zarr       →   NAME.zarr.irg-old       ┐ two renames; if the process dies in between,
     NAME.zarr.irg-new → NAME.zarr               ┘ the next run does the second one
     NAME.zarr.irg-old   is deleted
@@ -61,11 +61,11 @@ _CHUNK = re.compile(r"c(\.\d+)*")
 def writing(
     path: PathLike | None, sweep: Sweep, progress: Report = silent, accuracy: float | None = None
 ) -> Iterator[Store]:
-    """Context manager: make the store of a sweep, or open it with room for the sweep's points.
+    """Context manager: create the store of a sweep, or open it and add the sweep's points.
 
-    The points are marked as asked for; damaged ones are to be computed again. An `accuracy` that is
-    asked for is noted in the store's history. Without a path the store is in memory, and goes with
-    the last reference to it.
+    The points are marked as needed, and damaged ones as pending. The `accuracy` goal of a run is
+    noted in the store's history. Without a path the store is in memory, and is deleted with the
+    last reference to it.
 
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
@@ -73,7 +73,7 @@ def writing(
     """
     location, note = place_of(path), "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
     if isinstance(location, Folder):
-        find_root(location)  # raises if this is no store, before a lock is put beside it
+        find_root(location)  # raises before a lock is created next to another program's files
         with locked(location, progress) as lock:
             _end_what_was_begun(location)
             yield _opened(location, sweep, lock, progress, note)
@@ -85,12 +85,12 @@ def writing(
 
 
 def enlarged(store: Store, sweep: Sweep) -> Store:
-    """The store that this process writes, with room for the points of a larger sweep."""
+    """The store, enlarged for the points of a larger sweep; this process must hold its lock."""
     return _opened(store.location, sweep, store.lock, silent)
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
-    """Read the sweep of a store; None for an empty place, `StoreError` for other content."""
+    """Read the sweep of a store; None if there is nothing, `StoreError` for other content."""
     root = find_root(place_of(path))
     return root.sweep if root else None
 
@@ -102,7 +102,7 @@ def _opened(
     progress: Report,
     note: str = "",
 ) -> Store:
-    """The store of a sweep, made, enlarged or as it was."""
+    """Create, enlarge or open the store of a sweep."""
     before = find_root(location)
     if before and (differing := [*mismatches(before.sweep, sweep)]):
         advice = "use the values of the store, or write to another store"
@@ -126,7 +126,7 @@ def _opened(
         with io_errors(location, "written"):
             _update(location, root)
     elif isinstance(location, Folder):
-        if before:  # a dataset that is open must not read the numbers of other points
+        if before:  # open datasets must not read values of other points
             root = Root.from_sweep(root.sweep, lines, growths + 1)
         store = _moved_in(location, before, root, lock, progress)
     elif before:
@@ -145,7 +145,7 @@ def _opened(
 
 
 def _have_the_same_points(root: Root, other: Root) -> bool:
-    """True if both have the same points, variables and room for steps."""
+    """True if both have the same points, variables and number of steps."""
     return [(group.axes, {*group.arrays}) for group in root.groups] == [
         (group.axes, {*group.arrays}) for group in other.groups
     ]
@@ -172,7 +172,7 @@ def _fill(location: StorePlace, root: Root, before: StorePlace | None = None) ->
 
 
 def _update(location: StorePlace, root: Root) -> None:
-    """Write the documents of a store that are not those of its root, what makes it one last."""
+    """Write the documents of a store that differ from those of its root, `FACTS` last."""
     new = stale_documents(location, root)
     last = {key: new.pop(key) for key in [FACTS] if key in new}
     write_documents(location, new)
@@ -183,7 +183,7 @@ def _update(location: StorePlace, root: Root) -> None:
 
 
 def _end_what_was_begun(location: Folder) -> None:
-    """End what a killed run had begun in a folder or beside it."""
+    """Complete or undo the changes of a killed run in a folder or next to it."""
     new, old = location.sibling(NEW).path, location.sibling(OLD).path
     with io_errors(location, "written"):
         if old.exists() and not location.path.exists():
@@ -197,7 +197,7 @@ def _end_what_was_begun(location: Folder) -> None:
 def _moved_in(
     location: Folder, before: Root | None, root: Root, lock: Lock | None, progress: Report
 ) -> Store:
-    """Make the store of `root`, with the points of the one at `location`, and put it there."""
+    """Write the store of `root` with the points of the old one, and replace that at `location`."""
     new, old = location.sibling(NEW), location.sibling(OLD)
     if location.path.exists() and (foreign_files := sorted(_not_of(before, location))):
         raise _no_room(location, f"{foreign_files[0]}, which is not of this program, would be lost")
@@ -224,7 +224,7 @@ def _moved_in(
 
 
 def _not_of(root: Root | None, location: Folder) -> Iterator[str]:
-    """Names of the files and links below a folder that are not those of its store."""
+    """Names of the files and links below a folder that do not belong to its store."""
     keys = {*(root.documents() if root else ())}
     folders = [""]
     while folders:
@@ -252,7 +252,7 @@ def copy_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
     Points of the two stores are the same if scene, load and velocity are the same, whatever their
-    cases are called. Damaged points are not copied. Nothing is copied if the stores keep results
+    cases are called. Damaged points are not copied. Nothing is copied if the stores have results
     at different times, or `other` lacks a variable of `store`.
     """
     pairs = zip(store.groups, other.groups, strict=False)
@@ -260,9 +260,9 @@ def copy_points(store: Store, other: Store) -> int:
 
 
 def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int, int]:
-    """Copy the pending points that `other` has in one of these states.
+    """Copy pending points that have one of the `states` in `other`.
 
-    Return the numbers of those copied, of those damaged, and of those that have no place.
+    Return the numbers of points copied, damaged in `other`, and not pending in `store`.
     """
     if (
         choose_stored_steps(store.sweep) != choose_stored_steps(other.sweep)
@@ -282,7 +282,7 @@ def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int
             unsound += bool(checked.faults[row] and same)
             lost += not (checked.faults[row] or same)
             for index in map(store.index, same if flags[row] in states else ()):
-                # Points whose fields `other` lacks have to be simulated.
+                # A point is simulated again if `other` lacks its fields.
                 needs = store.group.with_fields[index] and flags[row] == DONE
                 if not checked.faults[row] and not (needs and _lacks_fields(checked, row)):
                     rows.append(row)
@@ -311,6 +311,6 @@ def versions() -> str:
     names = ("irg-transition", "numpy", "scipy", "zarr")
     texts = []
     for name in names:
-        with suppress(metadata.PackageNotFoundError):  # run from its source
+        with suppress(metadata.PackageNotFoundError):  # not installed
             texts.append(f"{name} {metadata.version(name)}")
     return ", ".join(texts)

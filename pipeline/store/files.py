@@ -1,4 +1,4 @@
-"""Files of a folder: each is replaced as a whole, is on the disk then, and lies behind no link."""
+"""Files of a folder: each is replaced as a whole, synced to the disk, and not behind a link."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import os
 from pathlib import Path
 
 PARTIAL = ".irg-partial"
-"""Ending of files that are being written."""
+"""Ending of files being written."""
 _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
 
 
 def path_below(folder: Path, key: str) -> Path:
-    """Path of the file `key` below a folder; `OSError` if a folder on the way is a link."""
+    """Path of the file `key` below a folder; `OSError` if a folder between them is a link."""
     path = folder / key
     for above in reversed(path.parents[: key.count("/")]):
         require_no_link(above)
@@ -20,7 +20,7 @@ def path_below(folder: Path, key: str) -> Path:
 
 
 def store_file(folder: Path, key: str, content: bytes) -> Path:
-    """Create or replace the file `key` below a folder; return the folder that has to be synced."""
+    """Create or replace the file `key` below a folder; return the folder to sync."""
     path = path_below(folder, key)
     make_folder(path.parent)
     write_file(path, content)
@@ -28,10 +28,10 @@ def store_file(folder: Path, key: str, content: bytes) -> Path:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name, wait until it is on the disk, and rename it."""
+    """Write a file under a temporary name, sync it to the disk, and rename it."""
     begun = path.with_name(path.name + PARTIAL)
     require_no_link(begun)
-    begun.unlink(missing_ok=True)  # left by a kill, or a hard link to somebody's file
+    begun.unlink(missing_ok=True)  # left by a kill, or a hard link to another file
     try:
         with begun.open("xb") as stream:
             stream.write(content)

@@ -1,4 +1,4 @@
-"""Layout of a group of points, which follows from its sweep: axes, variables and chunks."""
+"""Layout of a group of points, derived from its sweep: axes, variables and chunks."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ from tribo import QUANTILES
 from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
-"""Values along each dimension, and values of coordinates that lie along another dimension."""
+"""Values along each dimension, and of coordinates along another dimension."""
 Slices = tuple[slice, ...]
 
-_MAX_BYTES, _MAX_POINTS = 2**22, 1024  # bytes of a chunk, and points in it, at most
+_MAX_BYTES, _MAX_POINTS = 2**22, 1024  # limits of a chunk
 
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """A group of points, of a plane or of tests: all else follows from the sweep.
+    """The points of a plane or of tests; all properties are derived from the sweep.
 
-    `prefix` is the path of the group in the store, with a slash; empty for the plane. `inputs` has
-    the arrays that were read from the scene's files, by SHA-256.
+    `prefix` is the path of the group in the store with a slash at the end, empty for the plane.
+    `inputs` has the arrays read from the scene's files, by SHA-256.
     """
 
     sweep: Sweep
-    inputs: Mapping[str, Array] = field(default_factory=dict)  # read from the scene's files
+    inputs: Mapping[str, Array] = field(default_factory=dict)
     prefix: str = ""
-    growths: int = 0  # how often the store took the place of a smaller one
+    growths: int = 0  # how often the store replaced a smaller one
 
     @property
     def step(self) -> str:
@@ -61,10 +61,10 @@ class Group:
 
     @cached_property
     def axes(self) -> Axes:
-        """Values along each dimension, and of the columns of the table of cases."""
+        """Values along each dimension, and of columns of the case table."""
         sweep, stored_steps = self.sweep, choose_stored_steps(self.sweep)
         rows = {name: in_order(values) for name, values in sweep.case_table.axes.items()}
-        # A column that a dimension determines has a value for each label, in the same order.
+        # A column along a dimension has a value for each label of it, in the same order.
         rows |= {
             column.name: [values[label] for label in rows[column.along]]
             for column, values in sweep.case_table.coordinates.items()
@@ -93,7 +93,7 @@ class Group:
 
     @cached_property
     def _points(self) -> list[Point]:
-        """Points of a group of tests: each row has its own load and velocity."""
+        """Points of a group of tests: each row of the case table has a load and a velocity."""
         return [
             Point(float(row["load"]), float(row["velocity"]), name)
             for name, row in self.sweep.case_table.by_name.items()
@@ -145,7 +145,7 @@ class Group:
         return documents
 
     def _block(self) -> dict[str, int]:
-        """Number of points in a chunk along each dimension; a field is a chunk of its own."""
+        """Number of points in a chunk along each dimension, except of fields."""
         max_bytes = max(
             8 * math.prod(self.sizes[dim] for dim in variable.dims if not is_of_points(dim))
             for name, variable in self.variables.items()
@@ -166,7 +166,7 @@ class Group:
         return values
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at some indices; `where` has an array for each of `dims`, as from `nonzero`."""
+        """Points at indices; `where` has an array for each of `dims`, as from `numpy.nonzero`."""
         names, columns = [*PLANE, *self.sweep.case_table.axes], []
         for name in names:
             numbers = where[self.dims.index(self.variables[name].dims[0])]
@@ -185,7 +185,7 @@ class Group:
         return self.step in self.variables[name].dims
 
     def to_text(self, point: Point) -> str:
-        """Write a point as text, such as "400 N, 2 m/s, pin.radius 2 mm", or "…, test 1"."""
+        """Text of a point, such as "400 N, 2 m/s, pin.radius 2 mm" or "…, test 1"."""
         if self.prefix:
             number = int(self.sweep.case_table.by_name[point.case][TEST])
             test = "an earlier test" if number == NO_TEST else f"test {number + 1}"
@@ -211,7 +211,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Yield index and slices of each chunk with at least one point where `mask` is True.
+    """Yield index and slices of each chunk with a point where `mask` is True.
 
     `sizes` are the numbers of points in a chunk along each dimension.
     """

@@ -1,8 +1,8 @@
-"""The lock of a store: one process writes at a time, whatever path it used for the store.
+"""The lock of a store: one process writes at a time, by whatever path it opened the store.
 
-It is a `flock` of a file beside the store, which the kernel releases when the process dies. The
-file names process and host, for machines that share a disk and do not see each other's locks. An
-object store has none.
+The lock is a `flock` of a file next to the store, which the kernel releases when the process dies.
+The file names process and host, for machines that share a disk but not locks. An object store has
+no lock.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pipeline.store.place import LOCK, Folder, StoreError, StorePlace, io_errors
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-_TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` takes the lock for a moment
+_TRIES, _PAUSE = 10, 0.05  # retries and pause [s], since `holder_of` takes the lock briefly
 
 
 class Lock:
@@ -35,10 +35,10 @@ class Lock:
         self.descriptor = open_regular(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
 
     def is_in_place(self) -> bool:
-        """True if the lock file is still beside the store, neither deleted nor replaced."""
+        """True if the lock file has not been deleted or replaced."""
         try:
             return os.path.samestat(os.fstat(self.descriptor), self.path.lstat())
-        except OSError:  # also on a file server that no longer knows the folder
+        except OSError:  # also from a file server that has lost the folder
             return False
 
 
@@ -46,7 +46,7 @@ class Lock:
 def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
     """Context manager: hold the lock of a store in a folder; `StoreError` if another process does.
 
-    If the disk has no locks, this is reported, and the block runs without one.
+    If the disk has no locks, this is reported and the block runs without a lock.
     """
     with io_errors(folder, "written"):
         lock = Lock(folder)
@@ -92,9 +92,9 @@ def _flock(folder: Folder, descriptor: int) -> bool:
 
 
 def holder_of(location: StorePlace) -> str | None:
-    """Process and host that write to a store, or make it, in words; None if no process does.
+    """Process and host that write to a store, in words; None if there is none.
 
-    It is also None if that is not known, as on an object store.
+    It is also None if it is not known, as on an object store.
     """
     if not isinstance(location, Folder):
         return None

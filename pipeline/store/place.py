@@ -1,18 +1,18 @@
-"""Places of stores: folders of a disk, and addresses of an object store or of memory.
+"""Locations of stores: folders of a disk, and addresses of an object store or of memory.
 
-Files of a folder are on the disk, names included, once they are written. The folder may be named
-through a link. Below it, nothing is read, written or locked that is no regular file, or that lies
-behind a link.
+A write to a folder returns once the files and their names are on the disk. The path of the folder
+may contain links. Below the folder, only regular files are read, written or locked, and links are
+not followed.
 
 ::
 
     TriboError
     └── StoreError               no store, not readable, not writable or in use
         ├── StoreMismatchError   the store of another scene
-        └── DamagedError         data that were read, and are proved wrong
+        └── DamagedError         data that were read and are wrong
 
-Data that cannot be read now may be sound, and raise a plain `StoreError`. Only what is proved wrong
-is ever replaced.
+Data that cannot be read now may be sound, and raise a plain `StoreError`. Only data that are known
+to be wrong are replaced.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ if TYPE_CHECKING:
 
 PathLike = str | os.PathLike[str]
 ROOT = "zarr.json"
-"""Key of the metadata of a group; that of an array lies below its name."""
+"""Key of the metadata of a group; for an array, below its name."""
 NEW, OLD, LOCK = ".irg-new", ".irg-old", ".irg-lock"
-"""Endings of what lies beside a store: folders that replace it, or are replaced, and its lock."""
+"""Endings of paths next to a store: its successor, its predecessor, and its lock."""
 REMEDY = "irg run repairs it with the same scene; on an object store, write to another store"
-"""What to do about a store that is damaged."""
+"""How to repair a damaged store."""
 
 
 class StoreError(TriboError):
@@ -80,7 +80,7 @@ class DamagedError(StoreError):
 
 @dataclass(frozen=True)
 class Folder:
-    """Place of a store: a folder of a disk, by its absolute path."""
+    """Location of a store: a folder of a disk, by its absolute path."""
 
     path: Path
 
@@ -95,11 +95,11 @@ class Folder:
         return FolderStore(self.path)
 
     def sibling(self, ending: str) -> Folder:
-        """What lies beside this folder, by its `ending`: `NEW`, `OLD` or `LOCK`."""
+        """Path next to this folder with an `ending`: `NEW`, `OLD` or `LOCK`."""
         return Folder(self.path.with_name(self.path.name + ending))
 
     def stamp(self) -> tuple[int, int] | None:
-        """What changes once another folder stands at this path; files written there do not."""
+        """A value that changes if the folder is replaced, but not if files in it are written."""
         with suppress(FileNotFoundError, NotADirectoryError):
             status = (self.path / "status" / ROOT).stat()
             return status.st_ino, status.st_mtime_ns
@@ -112,20 +112,20 @@ class Folder:
         return {path[start:].replace(os.sep, "/") for path in paths}
 
     def sync(self) -> None:
-        """Return once the names of the files that were written are on the disk, too."""
+        """Wait until the names of the files that were written are on the disk."""
         while self.zarr.touched:
             sync(self.zarr.touched.pop())
 
 
-# Errors of fsspec for a missing object; older versions of it raise the last for a zip file.
+# Errors of fsspec for a missing object; older versions raise the last one for a zip file.
 _MISSING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
 
 
 @dataclass(frozen=True)
 class Bucket:
-    """Place of a store: an address, such as ``s3://bucket/sweep.zarr``, or memory.
+    """Location of a store: an address, such as ``s3://bucket/sweep.zarr``, or memory.
 
-    In memory a store stays until the process ends.
+    A store in memory lasts until the process ends.
     """
 
     address: str
@@ -138,7 +138,7 @@ class Bucket:
         """Zarr store of the objects."""
         from zarr.storage import FsspecStore
 
-        # With more requests at a time, each read of an object would begin with one for its size.
+        # With more concurrent requests, each read of an object would first ask for its size.
         only_s3 = {"max_concurrency": 1} if self.address.startswith("s3://") else {}
         return FsspecStore.from_url(
             self.address,
@@ -149,31 +149,31 @@ class Bucket:
 
     @property
     def is_written(self) -> bool:
-        """True if stores are written there; at addresses of other kinds they are only read."""
+        """True if stores can be written there; at other kinds of addresses they are only read."""
         return self.address.startswith(("s3://", "memory://"))
 
     def stamp(self) -> None:
-        """Nothing: a store at an address is not replaced by another."""
+        """None: a store at an address is not replaced."""
 
     def keys(self) -> set[str]:
         """Names of all objects of the store."""
         from pipeline.store.arrays import list_keys, read_document
 
-        if not (names := list_keys(self.zarr)) and read_document(self, ROOT):  # most sites
+        if not (names := list_keys(self.zarr)) and read_document(self, ROOT):  # most web servers
             problem = f"the files in {self} cannot be listed; copy the store to a local folder"
             raise StoreError(problem)
         return names
 
     def sync(self) -> None:
-        """Nothing: objects are there once they are sent."""
+        """Nothing to do: objects are stored once they are sent."""
 
 
 StorePlace = Folder | Bucket
-"""Where the files of a store are."""
+"""Location of the files of a store."""
 
 
 def place_of(path: PathLike | None) -> StorePlace:
-    """`Folder` or `Bucket` of a store, from its path or address; memory without one.
+    """`Folder` or `Bucket` of a store from its path or address; memory if it is None.
 
     An address ``file://PATH`` is a folder.
 
@@ -194,12 +194,12 @@ def place_of(path: PathLike | None) -> StorePlace:
 def io_errors(location: StorePlace, verb: str = "read") -> Iterator[None]:
     """Context manager: turn an error of disk or network into a `StoreError`.
 
-    Its message says that the file or `location` cannot be read, or "written" if this is the `verb`.
+    Its message says that the file or `location` cannot be read, or "written" if that is `verb`.
     """
     try:
         yield
     except Exception as error:
-        # A bucket's library may raise errors of any class.
+        # The library of a bucket may raise any error.
         is_expected = isinstance(error, OSError) or isinstance(location, Bucket)
         if not is_expected or isinstance(error, TriboError) or is_lack_of_memory(error):
             raise
@@ -220,7 +220,7 @@ def read_errors(location: StorePlace, name: str) -> Iterator[None]:
         try:
             yield
         except (RuntimeError, ValueError, DamagedError) as error:
-            if is_lack_of_memory(error):  # which is no damage
+            if is_lack_of_memory(error):  # not damage
                 raise
             raise damaged(location, name) from error
 

@@ -1,4 +1,4 @@
-"""A store as a dataset of xarray, with points that are not done as NaN."""
+"""A store as an xarray dataset; points that are not done are NaN."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def open_store(path: PathLike) -> xr.Dataset:
 
 
 class _Backend(BackendEntrypoint):
-    """Backend by which xarray opens a store, with axes and metadata that follow from its sweep."""
+    """Backend of xarray for stores, with axes and metadata derived from the sweep."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
@@ -84,13 +84,13 @@ def _dataset_of(store: Store) -> xr.Dataset:
         attributes.pop("coordinates", None)
         variables[name] = xr.Variable(variable.dims, values, attributes)
     variables["status"].encoding["store"] = str(store.location)
-    # Answers are made by the sweep, which a dataset takes with it wherever it goes.
+    # Answers need the sweep, which stays in the attributes of datasets made from this one.
     dataset_attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
     return xr.Dataset(variables, attrs=dataset_attributes).set_coords(coords & {*variables})
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
-    """Results at points of the scene's tests, as coordinates: xarray keeps these in all it does."""
+    """Results at points of the scene's tests, as coordinates, which xarray operations keep."""
     if not (store.tests and store.sweep.tests):
         return {}
     ds = _dataset_of(store.tests).drop_vars(TEST_STEP)
@@ -135,16 +135,16 @@ class _Masked(BackendArray):
         return values.reshape([*(n for index in at for n in index.shape), *inner])
 
     def _require_written(self, values: Any, done: Any, at: Sequence[Any], key: Any) -> None:
-        """Raise a `DamagedError` if a done point lacks values: they are not what was written.
+        """Raise a `DamagedError` if a value of a done point is missing.
 
-        In a copy that was made while a run wrote, statuses may be newer than data.
+        In a copy made while a run wrote, statuses may be newer than data.
         """
         if values.dtype.kind != "f":
             return
         if self._store.group.is_stepped(self._name):
             steps = np.arange(self.shape[done.ndim])[key[0]]
             (last,) = np.nonzero(np.atleast_1d(steps) == self.shape[done.ndim] - 1)
-            if not last.size:  # the end, which every point has, is not read
+            if not last.size:  # the last step, which every point has, is not read
                 return
             values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
         lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done

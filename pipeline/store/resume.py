@@ -1,4 +1,4 @@
-"""Continuing the store of another run with a sweep, or why that cannot be: objects are compared."""
+"""Continue the store of another run with a sweep, or say why it cannot be continued."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ENTRIES = {
     "roughness": "disk.roughness", "pin.material": "material of the pin",
     "disk": "material of the disk", **PATHS,
 }  # fmt: skip
-"""Entries of the scene file, by the beginning of an object's path where the two differ."""
+"""Entries of the scene file by the beginning of an object's path, if they differ."""
 
 _MORE_FIELDS: tuple[Any, ...] = False, True, "steps"
 
@@ -53,20 +53,20 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
 
 
 def _field_surface(before: Sweep, sweep: Sweep) -> int | None:
-    """The surface realization that has fields: that of the store, also if smaller seeds come."""
+    """Surface realization with fields: that of the store, even if smaller seeds are added."""
     dims = [column.name for column in sweep.case_table.columns if column.is_seed]
     if not (before.fields and dims):
         return None
     if dims[0] in before.case_table.axes:
         first: int = in_order(before.case_table.axes[dims[0]])[0]
         return first if before.field_surface is None else before.field_surface
-    stored = {*before._scene_hashes.values()}  # on a single surface, which had no number yet
+    stored = {*before._scene_hashes.values()}  # of a single surface without a seed
     hashes = sweep._scene_hashes.items()
     return next((dict(name)[dims[0]] for name, scene_hash in hashes if scene_hash in stored), None)  # type: ignore[return-value]
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:
-    """Values of both in ascending order; `InputError` for two that are equal within rounding."""
+    """Union in ascending order; `InputError` for two values that are equal within rounding."""
     values = in_order([*old, *new])
     for low, high in itertools.pairwise(values):
         if math.isclose(low, high, rel_tol=1e-9):
@@ -79,7 +79,7 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
 
 
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
-    """Tests of a store with points that those of a scene lack: what is done stays."""
+    """Tests of a store with points that the tests of a scene lack: results are kept."""
     known, former = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former):
         test_points = {(sweep._hash_scene(test.case.scene), *point) for point in test.points}
@@ -105,7 +105,7 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         if different:
             row = f"scene with {', '.join(case_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
-            break  # one case that differs is enough
+            break  # one differing case is enough
     if (steps := sweep.steps) not in (None, choose_stored_steps(stored).steps):
         yield _differs("sweep.steps", choose_stored_steps(stored).steps, steps)
     if _MORE_FIELDS.index(sweep.fields) > _MORE_FIELDS.index(stored.fields):
@@ -117,7 +117,7 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def changes_in_words(old: Any, new: Any) -> Iterator[str]:
-    """Yield, in words, what differs between two objects: scenes, or conditions; numbers in SI."""
+    """Yield differences between two scenes or conditions, in words, with numbers in SI."""
     for path, before, after in differences(encode(old), encode(new)):
         first = next(
             (entry for entry in _ENTRIES if path == entry or path.startswith(f"{entry}.")), ""

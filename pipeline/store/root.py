@@ -1,6 +1,6 @@
-"""What a store holds, as documents: the group ``about`` has the sweep as data, with a digest.
+"""Documents of a store; the group ``about`` has the data of the sweep, with a digest.
 
-It alone is read; the other documents are for other programs.
+Only this group is read; the other documents are for other programs.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from tribo import TriboError
 from tribo.types import Array
 
 GOAL = "run with --accuracy "
-"""Begin of a line in the history of a store."""
+"""Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
-"""Key of the document that says what a store is; it is written last."""
+"""Key of the document with the data of the sweep; it is written last."""
 _COPY = "consolidated_metadata"
 _SOURCE = "simulated by irg-transition"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
@@ -53,12 +53,12 @@ _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """What a store holds: the points of its plane, and of its tests."""
+    """Content of a store: the points of its plane and of its tests."""
 
     plane: Group
     tests: Group | None  # None without tests
-    history: tuple[str, ...]  # versions of the programs that computed, and accuracies asked for
-    plain: Any  # data of the sweep, for JSON
+    history: tuple[str, ...]  # versions of programs, and accuracy goals
+    plain: Any  # data of the sweep as plain types
 
     @classmethod
     def from_sweep(
@@ -68,9 +68,9 @@ class Root:
         growths: int = 0,
         stored: Any = None,
     ) -> Root:
-        """The root of the store of a sweep; `growths` is that of its groups.
+        """Root of the store of a sweep; `growths` is that of its groups.
 
-        `stored` has the sweep's plain data and arrays, if these were read from a store.
+        `stored` has the sweep's plain data and arrays if they were read from a store.
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former:
@@ -81,7 +81,7 @@ class Root:
 
     @property
     def sweep(self) -> Sweep:
-        """The sweep that the store is of."""
+        """The sweep of the store."""
         return self.plane.sweep
 
     @property
@@ -91,7 +91,7 @@ class Root:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: texts for people, of which nothing is read."""
+        """Attributes of the dataset: texts for people, which the program does not read."""
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.title,
@@ -103,7 +103,7 @@ class Root:
         }
 
     def documents(self) -> dict[str, Document]:
-        """Documents of all arrays and groups, by key; that of the group ``about`` is the last."""
+        """Documents of all arrays and groups, by key; the last is that of the group ``about``."""
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
@@ -119,7 +119,7 @@ class Root:
         if self.tests:
             documents[OF_TESTS] = _group({})
         documents[ABOUT] = _group(facts)
-        # Zarr finds the members of a group only where they stand side by side.
+        # Zarr finds the members of a group only if they are consecutive.
         members = {
             path: documents[path] for path in sorted(documents, key=lambda p: p.rpartition("/")[0])
         }
@@ -133,7 +133,7 @@ def _group(attributes: Document) -> Document:
 
 
 def _digest(facts: Mapping[str, Any]) -> str:
-    """SHA-256 of the facts without their own digest."""
+    """SHA-256 of the facts without their digest."""
     contents = [facts[name] for name in ("format", "history", "inputs", "growths", "sweep")]
     return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
@@ -142,7 +142,7 @@ def _digest(facts: Mapping[str, Any]) -> str:
 
 
 def read_root(location: StorePlace) -> Root:
-    """Read what a store holds; `StoreError` if it is missing, damaged or of another version."""
+    """Read the root of a store; `StoreError` if it is missing, damaged or of another version."""
     if root := find_root(location):
         return root
     if holder := holder_of(location):
@@ -158,7 +158,7 @@ def read_root(location: StorePlace) -> Root:
 
 
 def find_root(location: StorePlace) -> Root | None:
-    """Read what a store holds; None for an empty place, `StoreError` for other content."""
+    """Read the root of a store; None if there is nothing, `StoreError` for other content."""
     with io_errors(location):
         content = read_document(location, FACTS)
         keys = location.keys() if content is None else set()
@@ -171,7 +171,7 @@ def find_root(location: StorePlace) -> Root | None:
 
 
 def _is_begun(location: StorePlace, keys: set[str]) -> bool:
-    """True for what a creation that was cut short may leave on an object store: no results."""
+    """True if `keys` may be left by an interrupted creation on an object store: no results."""
     try:
         source = json.loads(read_document(location, ROOT) or b"")["attributes"]["source"]
     except (ValueError, KeyError, TypeError):
@@ -185,7 +185,7 @@ def _is_begun(location: StorePlace, keys: set[str]) -> bool:
 
 
 def _parsed(location: StorePlace, content: bytes) -> Root:
-    """The root from its document. Whatever is wrong with it, a `StoreError` says so in a line."""
+    """Root from its document; a `StoreError` of one line if the document is damaged."""
 
     def is_damaged(why: object) -> StoreError:
         return StoreError(f"{location}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
@@ -215,7 +215,7 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
 
 
 def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:
-    """Contents of the scene's files by SHA-256; `sizes` has the number of values of each."""
+    """Arrays from the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
     (variable,) = inputs_variable(sizes).values()
@@ -226,7 +226,7 @@ def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> d
 
 
 def _what_it_is(keys: set[str]) -> str:
-    """What a path leads to that is no store, and what to do."""
+    """Say what is at a path that is no store, and what to do."""
     if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
         return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
     if ROOT in keys:
@@ -236,10 +236,10 @@ def _what_it_is(keys: set[str]) -> str:
 
 
 def stale_documents(location: StorePlace, root: Root) -> dict[str, Document]:
-    """Documents that are not as the root has them, by key, as they ought to be.
+    """Corrected documents, by key, of those that differ from the root's.
 
-    Attributes and arrays that users added stay. On an object store only those of the whole are
-    compared, since each is a request.
+    Attributes and arrays that users added are kept. On an object store, only the documents of the
+    dataset and of ``about`` are compared, since each costs a request.
     """
     stale = dict[str, Document]()
     for key, right in root.documents().items():
@@ -257,9 +257,9 @@ def stale_documents(location: StorePlace, root: Root) -> dict[str, Document]:
 
 
 def _with_additions(stored: Document, right: Document) -> Document:
-    """A document as it ought to be, with what users added to it, as it was `stored`."""
+    """The document `right` with what users added to the `stored` one."""
     complete = stored | right | {"attributes": stored.get("attributes", {}) | right["attributes"]}
-    if stored and _COPY in right:  # Zarr drops its copy of all metadata if a user adds an array
+    if stored and _COPY in right:  # Zarr drops the copy of all metadata if an array is added
         complete[_COPY], old = stored.get(_COPY), (stored.get(_COPY) or {}).get("metadata", {})
         if old:
             members = right[_COPY]["metadata"].items()

@@ -42,7 +42,7 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    return Variable(_FIELD, units, long_name, "float32")  # half the space of a field
+    return Variable(_FIELD, units, long_name, "float32")  # half the size
 
 
 COORDINATES = {
@@ -90,12 +90,12 @@ SAMPLING = {
         "standard deviation of ln(rise) between surface realizations",
     ),
 }
-"""Variables of the contact at the end, estimated from this contact alone."""
+"""Variables estimated from the contact at the last step."""
 FILM = {
     "film_inlet": Variable(PLANE, "1/m", "integral of the inlet, by which a film is judged"),
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth, worn contact"),
 }
-"""Variables of the contact at the end, by which answers judge the film of an oil."""
+"""Variables of the contact at the last step, from which answers compute the oil film."""
 _STATES = {
     "flag_values": [NOT_NEEDED, DONE, FAILED, PENDING],
     "flag_meanings": "not_needed done failed pending",
@@ -124,7 +124,7 @@ DATA = COLUMNS | SAMPLING | FILM | FIELDS
 
 
 TEST_STEP = "test_step"
-"""Dimension of the steps at points of tests, of which a point may have others than the plane."""
+"""Dimension of steps at points of tests, whose number may differ from that of the plane."""
 AT_TESTS = (
     "status", "message", "warning_flags", "load", "velocity", SCENE_HASH, *FILM,
     *dict.fromkeys((*NEEDED, "max_rise", "rise_quantile")),
@@ -192,7 +192,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         for column in sweep.case_table.columns
     }
     front = tuple(sweep.case_table.axes)
-    absent = {*ROWS}  # the table of cases adds its own
+    absent = {*ROWS}  # the case table has these columns
     placed = frozenset(table)
     if not sweep.fields:
         absent |= {"x", "y", *FIELDS}
@@ -213,7 +213,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
             )
     columns = [name for name in placed if table[name].dims != (name,)]
     along = [*sorted(columns), *PROGRESS]
-    status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
+    status, names = table["status"], {"coordinates": " ".join(along)}  # by the CF conventions
     table["status"] = status._replace(attributes={**status.attributes, **names})
     if TEST_POINT not in sweep.case_table.axes:
         return table
@@ -226,10 +226,9 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable that holds the arrays read from a scene's files, one after the other.
+    """Variable of the arrays read from a scene's files, concatenated, as {name: variable}.
 
-    It is returned as {name: variable}, or {} without arrays. `sizes` has the number of values of
-    each array, by SHA-256.
+    It is {} without arrays. `sizes` has the number of values of each array, by SHA-256.
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the sweep names by their digests, one after the other"

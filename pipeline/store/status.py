@@ -1,4 +1,4 @@
-"""What users ask of a store: how far it is, and whether it is whole."""
+"""Progress and verification of a store."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def summary_of(store: Store) -> Summary:
 
 
 def _failed_points(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoint, ...]:
-    """Points by index, each with what is wrong with it."""
+    """Points by index, each with its fault."""
     points = store.group.points_at([*np.array([*faults], int).reshape(-1, len(store.dims)).T])
     return tuple(
         FailedPoint(*point[:2], fault, point.case, store.group.to_text(point))

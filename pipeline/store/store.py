@@ -1,6 +1,6 @@
-"""An open store: one process writes it, and commits the results of many points together.
+"""An open store, which one process writes, many points at a time.
 
-Data are written first, the status last: done means that all of a point is on the disk.
+Data are written before the status: all data of a point that is done are on the disk.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
 from tribo.types import Indices, Mask
 
-_LONGEST = 2000  # characters of a message, so that somebody can read it
-_THREADS = 8  # an object store answers them side by side
+_LONGEST = 2000  # characters of a message, which stays readable
+_THREADS = 8  # concurrent requests to an object store
 
 
 class Store:
-    """An open store, or its group of tests; it may be written if this process holds its lock.
+    """An open store, or its group of tests; this process may write it if it holds the lock.
 
     `tests` is the group of tests, if there is one. `flags` has the status of each point. `damage`
-    has what is damaged; without it, damage raises a `DamagedError`.
+    collects damaged points and files; if it is None, damage raises a `DamagedError`.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Store:
             self.tests = Store(location, root, lock, damage and Damage(), root.tests)
 
     def _read_flags(self) -> Any:
-        """Statuses in the store. No store has none: where they are lost, all points are pending."""
+        """Read the statuses; if they are lost and `damage` is collected, all points are pending."""
         shape = tuple(self.group.sizes[dim] for dim in self.dims)
         flags = self.try_read("status", tuple(slice(0, n) for n in shape))
         if flags is not None and (flags >= 0).all():
@@ -112,7 +112,7 @@ class Store:
         return self.group.points_at(np.nonzero(mask))
 
     def pending(self) -> list[Point]:
-        """Points that were asked for, and are neither done nor failed."""
+        """Points that are needed, and neither done nor failed."""
         return self.points_where(self.flags == PENDING)
 
     def block_of(self, name: str) -> Index:
@@ -123,7 +123,8 @@ class Store:
     def key(self, name: str, chunk: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `chunk` has the chunk's indices along dimensions of points. It has all values of a point.
+        `chunk` has the chunk's indices along the dimensions of points; other dimensions are not
+        split.
         """
         within = [0] * (self.arrays[name].ndim - len(chunk))
         path = f"{self.group.prefix}{path_of(name)}"
@@ -141,9 +142,9 @@ class Store:
                 raise StoreError(f"{self.location} was enlarged since it was opened; open it again")
 
     def try_read(self, name: str, block: Slices) -> Any:
-        """Values of a variable at `block`, which is a chunk.
+        """Read a variable at `block`, the slices of a chunk; None if the chunk is damaged.
 
-        If it is damaged, None; `damage` then notes the chunk, with values that replace it.
+        A damaged chunk is added to `damage`, with values that replace it.
         """
         try:
             return self.read(name, block)
@@ -155,22 +156,22 @@ class Store:
             self.damage.files[self.key(name, chunk)] = name, block, fill
             return None
 
-    # Writing: every method raises a `StoreError` if it fails, or the lock was lost
+    # Writing: every method raises a `StoreError` if it fails or the lock is lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
-        """Write the records of points: data first, then statuses, so that done points have data."""
+        """Write the data of points, then their statuses, so that points that are done have data."""
         if records := [*records]:
             where = np.array([self.index(record.point) for record in records])
             states = [FAILED if record.data is None else DONE for record in records]
             self.write(where, self._stacked(records), np.array(states, np.int8))
 
     def _stacked(self, records: Sequence[PointRecord]) -> dict[str, Any]:
-        """Values of records by variable: those of a field for each point that has it."""
+        """Values of records by variable; a field is None at points without it."""
         values: dict[str, Any] = {
             name: np.array([getattr(record, name) for record in records], self.arrays[name].dtype)
             for name in ("warning_flags", "wall_time")
         }
-        # Names of files in a message may not be valid UTF-8.
+        # File names in a message may be invalid UTF-8.
         values["message"] = [
             record.message[:_LONGEST].encode(errors="backslashreplace").decode()
             for record in records
@@ -192,10 +193,10 @@ class Store:
         return values | {"steps": steps}
 
     def write(self, where: Indices, values: Mapping[str, Any], states: NDArray[np.int8]) -> None:
-        """Write the values of points by variable, and once these are on the disk, their statuses.
+        """Write the values of points by variable, then their statuses once the values are on disk.
 
-        `where` has the index of each point, shape (n, n_dim). A field is None at points that have
-        none.
+        `where` has the index of each point, shape (n, n_dim). A field is None at points without
+        it.
         """
         values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
         has_fields, chunks = self.group.with_fields[tuple(where.T)], []
@@ -222,7 +223,7 @@ class Store:
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
         if name not in FIELDS and np.isin(self.flags[block], (DONE, FAILED)).any():
             chunk_values = self.read(name, block)
-        else:  # what is there may be damaged
+        else:  # the chunk has no results yet, and may be damaged
             ends = [min(part.stop, n) for part, n in zip(block, array.shape, strict=False)]
             shape = [end - part.start for end, part in zip(ends, block, strict=True)]
             chunk_values = np.full(
@@ -246,22 +247,22 @@ class Store:
         self.set_flags(np.where(self._mask(points), np.int8(PENDING), self.flags))
 
     def ask(self, points: Iterable[Point]) -> None:
-        """Mark `points` as asked for, and others that are not done as not asked for."""
+        """Mark `points` as needed, and all others that are not done as not needed."""
         self.ask_for(points := [*points])
         is_left = self._mask(points) | (self.flags == DONE)
         self.set_flags(np.where(is_left, self.flags, np.int8(NOT_NEEDED)))
 
     def ask_for(self, points: Iterable[Point]) -> None:
-        """Mark points as asked for, too."""
+        """Mark further points as needed."""
         is_new = self._mask(points) & (self.flags == NOT_NEEDED)
         self.set_flags(np.where(is_new, np.int8(PENDING), self.flags))
 
     def leave_out_pending(self) -> None:
-        """Mark pending points as not asked for, until `ask_for` asks for them."""
+        """Mark pending points as not needed, until `ask_for` is called with them."""
         self.set_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
 
     def _mask(self, points: Iterable[Point]) -> Mask:
-        """True at points, in the shape of `flags`."""
+        """Mask of `points`, in the shape of `flags`."""
         mask = np.zeros(self.flags.shape, bool)
         for point in points:
             mask[self.index(point)] = True
@@ -274,7 +275,7 @@ class Store:
         self.flags = flags
 
     def put(self, parts: Iterable[tuple[str, Any, Any]]) -> None:
-        """Write parts of arrays; the lock must be in its place before and after."""
+        """Write parts of arrays; raise a `StoreError` if the lock is lost before or after."""
         self._require_lock()
         with io_errors(self.location, "written"):
             write_arrays(self.location, self.arrays, parts)
@@ -294,42 +295,42 @@ def opened(path: PathLike) -> Store:
     return Store(location := place_of(path), read_root(location))
 
 
-_PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits: as much work as a kill may cost
-_SHARE = 10.0  # durations of a commit, as pause after it: commits take a tenth of the driver
-_LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the machine
-_MOST_AT_ONCE = 2**26  # bytes of results that wait, so that memory is bounded
+_PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits; a kill loses the results of this time
+_SHARE = 10.0  # pause over duration of a commit: commits take a tenth of the time
+_LONGEST_PAUSE = 10.0  # [s] between commits, even if the disk is slow
+_MOST_AT_ONCE = 2**26  # bytes of waiting results, which bound the memory
 
 
 class Writer:
-    """Collects records, and writes them about once a second, to an object store every 10 s."""
+    """Collects records and writes them about once a second; to an object store, every 10 s."""
 
     def __init__(self, store: Store) -> None:
         self.store = store
         self._min_pause = _PAUSE_OF_BUCKET if isinstance(store.location, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
-        self._bytes = 0  # of the results that wait
+        self._bytes = 0  # of the waiting results
         self._next = 0.0  # time of the next commit
 
     def __enter__(self) -> Writer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with suppress(StoreError):  # which `flush` has raised before
+        with suppress(StoreError):  # `flush` has raised it before
             self.flush()
 
     def add(self, records: Iterable[PointRecord]) -> None:
-        """Add records to those that wait."""
+        """Add records to the waiting ones."""
         for record in records:
             self._waiting.append(record)
             self._bytes += sum(np.asarray(values).nbytes for values in (record.data or {}).values())
 
     def written(self) -> list[PointRecord]:
-        """Write the waiting records if it is time to, or they are large; and return them."""
+        """Write and return the waiting records if a commit is due or they are large."""
         is_due = time.monotonic() >= self._next or self._bytes >= _MOST_AT_ONCE
         return self.flush() if is_due else []
 
     def flush(self) -> list[PointRecord]:
-        """Write the waiting records, and return them."""
+        """Write and return the waiting records."""
         records, self._waiting, self._bytes, began = self._waiting, [], 0, time.monotonic()
         if records:
             self.store.commit(records)
