@@ -1,4 +1,4 @@
-"""Clusters here and elsewhere, which change, stop or die, and what the user is told."""
+"""Local and remote clusters that lose workers, stop or die, and the messages of a run."""
 
 import itertools
 import json
@@ -41,7 +41,7 @@ MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 
 @contextmanager
 def local_cluster(count, threads=1, **settings):
-    """A cluster of workers that a user has started, by default in this process; and its client."""
+    """Cluster of workers, by default in this process, and its client, as a user starts them."""
     settings = {"processes": False, "dashboard_address": "127.0.0.1:0"} | settings
     with (
         LocalCluster(n_workers=count, threads_per_worker=threads, **settings) as cluster,
@@ -62,7 +62,7 @@ def when_done(act):
 
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory):
-    """Scheduler and a worker, started by Dask's commands; and the Dask configuration to connect."""
+    """Scheduler and worker started by Dask's commands, and the configuration to reach them."""
     security, tls = Security.temporary(), "distributed.comm.tls"
     folder = tmp_path_factory.mktemp("elsewhere")
     for file in ("ca_file", "client_cert", "client_key"):
@@ -167,7 +167,7 @@ def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
 
 
 class Stop(SchedulerPlugin):
-    """Scheduler plugin that stops a worker when it has a result that nobody has fetched."""
+    """Scheduler plugin that suspends a worker that has a result not fetched yet."""
 
     name = "stop"
 
@@ -300,7 +300,7 @@ def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
 
 
 def test_results_whose_fetch_is_cancelled_are_computed_again(path, tiny_store, monkeypatch):
-    """As by a restart of all workers at that moment."""
+    """A restart of all workers cancels fetches in the same way."""
 
     with local_cluster(2) as (_, client):
         gather, first = client._gather, iter([True])

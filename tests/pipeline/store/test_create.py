@@ -131,30 +131,30 @@ def test_points_with_fields_are_taken_over_by_a_larger_store_and_by_a_new_one(pa
     commit(path, tiny.full(loads=(200.0,)), ())  # between two loads: all indices above it change
     with writing(tmp_path / "new.zarr", SWEEP) as store:
         assert copy_points(store, opened(path)) == 9
-    for one in (path, tmp_path / "new.zarr"):
-        assert_is_as_computed(one, points(SWEEP))
-        assert verify_store(one).is_clean
+    for store_path in (path, tmp_path / "new.zarr"):
+        assert_is_as_computed(store_path, points(SWEEP))
+        assert verify_store(store_path).is_clean
 
 
 def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_store_grows(path):
     def opened_plainly():
-        groups = [xr.open_zarr(path, group=group) for group in (None, "about")]
-        return [one.drop_vars("wall_time", errors="ignore") for one in groups]
+        datasets = [xr.open_zarr(path, group=group) for group in (None, "about")]
+        return [ds.drop_vars("wall_time", errors="ignore") for ds in datasets]
 
     first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
     commit(path, first)
-    kept = [opened_plainly()]
+    opened_before = [opened_plainly()]
     for load in (200.0, 100.0):  # indices of points change, and change back
         commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
-        now = [one.load() for one in opened_plainly()]
-        for plane, about in kept:
+        reopened = [ds.load() for ds in opened_plainly()]
+        for plane, about in opened_before:
             for old in (*plane.data_vars.values(), *about.data_vars.values()):
                 with pytest.raises((RuntimeError, ValueError), match=r"checksum|decompression"):
                     old.compute()
         for point in points(first):
-            rise = now[0]["rise"].sel(load=point.load, velocity=point.velocity)
+            rise = reopened[0]["rise"].sel(load=point.load, velocity=point.velocity)
             np.testing.assert_array_equal(rise, record(point).data["rise"])
-        kept.append(opened_plainly())
+        opened_before.append(opened_plainly())
     assert verify_store(path).is_clean
 
 
@@ -162,20 +162,22 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
 def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fields(
     path, monkeypatch, seeds
 ):
-    place = {"loads": (150.0,), "velocities": (0.5,)}
-    sweep = tiny.full(**place, **{"case_table": surfaces(seeds)} if seeds else {})
+    axes = {"loads": (150.0,), "velocities": (0.5,)}
+    sweep = tiny.full(**axes, **{"case_table": surfaces(seeds)} if seeds else {})
     with writing(path, sweep) as store:
-        fields = [(one, store.fields_of(one.case) is True) for one in points(sweep)]
-        store.commit(run_point(sweep, one).record(with_fields=has) for one, has in fields)
+        fields = [(point, store.fields_of(point.case) is True) for point in points(sweep)]
+        store.commit(
+            run_point(sweep, point).record(with_fields=has_fields) for point, has_fields in fields
+        )
     before = open_sweep(path).load()
-    more = tiny.full(**place, case_table=surfaces((0, 1, 7)))
+    more = tiny.full(**axes, case_table=surfaces((0, 1, 7)))
     with killed_after(monkeypatch, 8), writing(path, more):
         pass
     assert open_sweep(path).load().drop_attrs().equals(before.drop_attrs())
     with writing(path, more) as store:
         assert len(store.pending()) == 3 - len(fields)
-        assert not any(store.fields_of(one.case) for one in store.pending())
-        rest = [run_point(more, one).record(with_fields=False) for one in store.pending()]
+        assert not any(store.fields_of(point.case) for point in store.pending())
+        rest = [run_point(more, point).record(with_fields=False) for point in store.pending()]
         store.commit(rest)
     ds = open_sweep(path)
     expected = run_point(more, Point(150.0, 0.5, (("realization", 1),))).fields["rise"]
@@ -246,11 +248,11 @@ MISFITS = {
 
 @pytest.mark.parametrize("kind", MISFITS)
 def test_a_sweep_that_does_not_fit_the_store_is_refused(path, kind):
-    made, asked, complaint = MISFITS[kind]
-    make(path, several(**made))
+    stored, requested, complaint = MISFITS[kind]
+    make(path, several(**stored))
     before = contents(path)
     with pytest.raises(StoreMismatchError, match=complaint):
-        make(path, several(**asked))
+        make(path, several(**requested))
     assert contents(path) == before
 
 
@@ -295,7 +297,7 @@ def test_a_web_address_is_read_as_the_store_is_though_it_lists_no_files(copy):
     handler = functools.partial(Unlisted, directory=copy.parent)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        place = f"http://127.0.0.1:{server.server_port}/{copy.name}"
-        xr.testing.assert_identical(pipeline.boundary(place), pipeline.boundary(copy))
-        assert verify_store(place) == verify_store(copy)
+        url = f"http://127.0.0.1:{server.server_port}/{copy.name}"
+        xr.testing.assert_identical(pipeline.boundary(url), pipeline.boundary(copy))
+        assert verify_store(url) == verify_store(copy)
         server.shutdown()

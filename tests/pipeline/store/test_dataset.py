@@ -72,7 +72,7 @@ PLAIN = {
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def rows_store(tmp_path_factory):
     """A store of two rows with every second point done."""
     path = tmp_path_factory.mktemp("made") / "store.zarr"
     ramps = {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}}
@@ -86,22 +86,22 @@ def made(tmp_path_factory):
 
 def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(path):
     commit_all(path, tiny.full(tests=(bare_test(250.0, 1.0), bare_test(600.0, 0.5))))
-    plain, own = (
+    plain, opened = (
         read(path).sel(load=[150.0, 250.0]) for read in (xr.open_zarr, pipeline.open_sweep)
     )
-    xr.testing.assert_identical(pipeline.boundary(plain), pipeline.boundary(own))
+    xr.testing.assert_identical(pipeline.boundary(plain), pipeline.boundary(opened))
     at = {"load": [200.0, 240.0], "velocity": 1.2}
-    xr.testing.assert_identical(pipeline.margin(plain, **at), pipeline.margin(own, **at))
+    xr.testing.assert_identical(pipeline.margin(plain, **at), pipeline.margin(opened, **at))
     assert "test_rise_quantile" not in plain.variables
 
 
-def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(made):
+def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(rows_store):
     with pytest.raises(InputError, match=r"no attribute sweep.*pipeline\.open_sweep"):
-        cases_of(xr.open_zarr(made).drop_encoding())
+        cases_of(xr.open_zarr(rows_store).drop_encoding())
 
 
-def test_plain_xarray_works_on_a_half_done_sweep_of_rows(made):
-    for ds in (xr.open_zarr(made), pipeline.open_sweep(made)):
+def test_plain_xarray_works_on_a_half_done_sweep_of_rows(rows_store):
+    for ds in (xr.open_zarr(rows_store), pipeline.open_sweep(rows_store)):
         # Fails if chunks along an axis differ in length: a field has a chunk for each point.
         assert ds.drop_vars(FIELDS).chunks is not None
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
@@ -113,24 +113,26 @@ def test_plain_xarray_selects_the_field_of_a_point_and_one_not_computed_has_no_f
     point = Point(600.0, 1.5)
     commit(path, SWEEP, [point])
     plane = xr.open_zarr(path, chunks=None)
-    here = plane.sel(load=590.0, velocity=1.6, method="nearest")
+    nearest = plane.sel(load=590.0, velocity=1.6, method="nearest")
     for name in FIELDS:
-        assert here[name].dims == ("x", "y")
-        np.testing.assert_array_equal(here[name], record(point).data[name])
+        assert nearest[name].dims == ("x", "y")
+        np.testing.assert_array_equal(nearest[name], record(point).data[name])
         assert plane[name].notnull().any(("x", "y")).sum() == 1
         assert [file.name for file in (path / name).glob("c.*")] == ["c.2.2.0.0"]
     assert {"time", "normal_load", "sliding_distance"} < {*plane.coords}
-    assert here["sliding_distance"].values.tolist() == [1.5 * time for time in here["time"].values]
+    assert nearest["sliding_distance"].values.tolist() == [
+        1.5 * time for time in nearest["time"].values
+    ]
     assert plane["time"].notnull().sum() == len(record(point).data["time"])
 
 
 def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, tiny_store):
-    place = {"load": 600.0, "velocity": 1.5}
+    point = {"load": 600.0, "velocity": 1.5}
     with writing(path, tiny.full(fields="steps")) as store:
-        run_serial(store, [Point(**place), Point(250.0, 1.5)])
+        run_serial(store, [Point(**point), Point(250.0, 1.5)])
     assert pipeline.verify_store(path).is_clean
     with pipeline.open_sweep(path) as ds, pipeline.open_sweep(tiny_store) as ends:
-        steps, end = ds.sel(place), ends.sel(place)
+        steps, end = ds.sel(point), ends.sel(point)
         assert steps["pressure"].dims == ("step", "x", "y")
         touched = (steps["pressure"] > 0).mean(("x", "y"))
         np.testing.assert_allclose(touched, steps["contact_fraction"])
@@ -164,6 +166,6 @@ def test_the_lines_of_the_page_run_and_find_numbers(folder_with_results, monkeyp
         if not isinstance(line, ast.Expr):
             exec(ast.unparse(line), names)
             continue
-        found = eval(ast.unparse(line), names)
-        values = found[0].get_ydata() if "plot" in ast.unparse(line) else found
+        result = eval(ast.unparse(line), names)
+        values = result[0].get_ydata() if "plot" in ast.unparse(line) else result
         assert np.isfinite(values).any(), ast.unparse(line)
