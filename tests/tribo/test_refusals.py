@@ -199,9 +199,7 @@ REFUSALS = {
     "flux nan": (lambda: divided(flux=np.where(np.eye(6, 5), math.nan, 1.0)),
                  "a NaN or an infinity"),
     "outside": (lambda: divided(on=~ON), "not 0 everywhere outside the contact"),
-    "method": (lambda: divided(method="blok"), "method is 'blok'"),
     "tolerance": (lambda: divided(tolerance=0.0), "tolerance is 0.0; it must be from 1e-14"),
-    "no friction": (lambda: divided(ZERO, method="uniform", bulk_difference=1.0), "there is none"),
     "no time": (lambda: divided(time=0.0, bulk_difference=1.0), "no time to conduct"),
     # scenes and their points
     "choice": (lambda: Fidelity(heat_model="none"), "heat_model is 'none'; allowed are"),

@@ -41,9 +41,6 @@ class Fidelity:
         steps. Every step then needs its temperature, on the scene's grid. With ``"elapsed"`` the
         rise of a growing contact is too high: in the system of Bosman & de Rooij at 600 N by 0.2,
         0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and 0.001 m/s.
-    partition : {"local", "uniform"}
-        Division of friction heat between the bodies: each element for itself, or one share for the
-        whole contact. See `tribo.thermal.partition_heat`.
     as_published : bool
         True for the scheme of Bosman & de Rooij: only the nearest periodic image of each element
         deforms and heats the window, contacts are solved until the pressure changes by less than
@@ -77,7 +74,6 @@ class Fidelity:
     fewest_elements: int = 0
     contact_tolerance: float = 1e-3
     heat_model: Literal["elapsed", "history"] = "elapsed"
-    partition: Literal["local", "uniform"] = "local"
     as_published: bool = False
     history_coarsening: int = 1
     imprint: float = 0.0

@@ -114,9 +114,8 @@ def check_heat(
     """Check heat balance and common temperature of a contact.
 
     `heat_flux` is the frictional heat [W/m²], and `split` its partition. `tolerance` is the largest
-    `HeatPartition.residual` allowed, the relative difference of both surfaces' temperatures. Use
-    infinity for a partition that does not make these temperatures equal. Raises an `InvariantError`
-    if a check fails.
+    `HeatPartition.residual` allowed, the relative difference of both surfaces' temperatures. Raises
+    an `InvariantError` if a check fails.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
     total_heat = float(heat_flux.sum())

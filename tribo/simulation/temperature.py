@@ -106,11 +106,10 @@ def add_temperature(scene: Scene, before: State, state: State, velocity: float) 
         state.time,
         friction,
         contact,
-        method=scene.fidelity.partition,
         tolerance=scene.fidelity.heat_tolerance,
         spectrum_of=heat_spectrum,
     )
-    _check_split(scene, friction, contact, split)
+    check_heat(friction, contact, split, scene.fidelity.heat_tolerance)
     summary = _heat_summary(scene, split, contact, is_sampled=True) if contact.any() else None
     return replace(state, heat=summary, heat_history=history)
 
@@ -141,10 +140,9 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
         *bodies_at(scene, state, velocity),
         friction,
         contact,
-        method=scene.fidelity.partition,
         tolerance=scene.fidelity.heat_tolerance,
     )
-    _check_split(scene, friction, contact, split)
+    check_heat(friction, contact, split, scene.fidelity.heat_tolerance)
     return split
 
 
@@ -154,12 +152,6 @@ def friction_heat(scene: Scene, state: State, velocity: float) -> Array:
     It is |velocity| times pressure, or 0 in a scene without friction heat.
     """
     return abs(velocity) * state.pressure * scene.friction_heat
-
-
-def _check_split(scene: Scene, friction: Array, contact: Mask, split: HeatPartition) -> None:
-    local = scene.fidelity.partition == "local"
-    tolerance = scene.fidelity.heat_tolerance if local else np.inf
-    check_heat(friction, contact, split, tolerance)
 
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:

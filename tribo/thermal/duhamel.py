@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -115,7 +115,6 @@ def partition_with_history(
     time: float,
     heat_flux: Array,
     contact: Mask,
-    method: Literal["local", "uniform"] = "local",
     tolerance: float = 1e-8,
     spectrum_of: SpectrumOf = conducted_spectrum,
 ) -> tuple[HeatPartition, HeatHistory]:
@@ -131,8 +130,8 @@ def partition_with_history(
         Heat that has flowed up to an earlier time.
     time : float
         Present time, counted from when the heat began [s].
-    heat_flux, contact, method, tolerance
-        Present friction heat [W/m²], elements that touch, and how to divide the heat; as in
+    heat_flux, contact, tolerance
+        Present friction heat [W/m²], elements that touch, and the accuracy of the division; as in
         `tribo.thermal.partition_heat`.
     spectrum_of : callable, optional
         Function that returns the spectrum of the map from a past flux to the present rise [K m²/W].
@@ -174,7 +173,6 @@ def partition_with_history(
         present_disk,
         heat_flux,
         contact,
-        method=method,
         tolerance=tolerance,
         bulk_difference=disk_past - pin_past,
     )

@@ -16,7 +16,6 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,7 +46,7 @@ class HeatPartition:
     pin_share : float
         Share of the heat that enters the pin, Σq₁/Σq; NaN if there is no frictional heat at all.
     iterations : int
-        Iterations of the local method, each one convolution; 0 for the uniform method.
+        Iterations of the solver, each one convolution.
     residual : float
         Difference between the two surface temperatures, relative to T₂q + ΔT_b: the disk's rise if
         all heat entered the disk, plus ``bulk_difference``. Both are root mean squares over the
@@ -78,7 +77,6 @@ def partition_heat(
     disk: Convolution,
     heat_flux: Array,
     contact: Mask,
-    method: Literal["local", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,
     max_iterations: int = 500,
@@ -93,16 +91,12 @@ def partition_heat(
         Frictional heat q = µVp [W/m²], 0 outside the contact.
     contact : ndarray of bool, shape ``grid.shape``
         True at elements that touch.
-    method : {"local", "uniform"}, optional
-        "local" makes the temperatures of both surfaces equal at every element in contact. "uniform"
-        is Blok's method: one fraction q₁/q for the whole contact, so that the mean temperatures of
-        both surfaces over the contact are equal.
     tolerance : float, optional
-        Largest `HeatPartition.residual` that the local method accepts, from 1e-14 to below 1.
+        Largest `HeatPartition.residual` that is accepted, from 1e-14 to below 1.
     bulk_difference : float or ndarray, shape ``grid.shape``, optional
         Disk's temperature minus the pin's before this heat acts, ΔT_b [K].
     max_iterations : int, optional
-        Iterations after which the local method gives up.
+        Iterations after which the solver gives up.
 
     Returns
     -------
@@ -114,9 +108,9 @@ def partition_heat(
     ------
     InputError
         If a value or field is not allowed, such as heat outside the contact, shapes or grids
-        differ, "uniform" has no heat to divide, or the bodies have had no time to conduct.
+        differ, or the bodies have had no time to conduct.
     ConvergenceError
-        If the local method does not reach `tolerance`; it carries the `HeatPartition` found.
+        If the solver does not reach `tolerance`; it carries the `HeatPartition` found.
 
     Examples
     --------
@@ -135,16 +129,14 @@ def partition_heat(
     """
     grid = pin.grid
     difference = np.broadcast_to(np.asarray(bulk_difference, dtype=float), grid.shape)
-    _check_choices(method, tolerance)
+    if not 1e-14 <= tolerance < 1:
+        raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
     _check_fields(pin, disk, heat_flux, contact, difference)
     nodes = np.flatnonzero(contact)
     q, delta = heat_flux.take(nodes), difference.take(nodes)
     target = disk(heat_flux).take(nodes) + delta if q.any() else delta
     if not target.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), math.nan, 0, 0.0)
-    if method == "uniform":
-        return _divide_uniformly(pin(heat_flux), target, delta, heat_flux, contact)
-
     total_map, neighbourhood = _join_maps(pin, disk)
     if not neighbourhood.influence[1, 0] > 0:
         raise InputError(
@@ -187,14 +179,6 @@ def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighb
 @functools.lru_cache(maxsize=2)
 def _faster_map(total_map: Convolution, influence: float) -> Convolution:
     return total_map.faster_precision(influence)
-
-
-def _check_choices(method: str, tolerance: float) -> None:
-    """Raise `InputError` for a method or tolerance that is not allowed."""
-    if method not in ("local", "uniform"):
-        raise InputError(f'method is {method!r}; it must be "local" or "uniform"')
-    if not 1e-14 <= tolerance < 1:
-        raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
 
 
 def _check_fields(
@@ -255,18 +239,6 @@ def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
 
 def _norm(vector: Array) -> float:
     return math.sqrt(float(vector @ vector))
-
-
-def _divide_uniformly(
-    rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
-) -> HeatPartition:
-    """Divide heat by one share φ for the pin: ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩ over the contact."""
-    total_rise = rise[contact] + target - delta
-    if not np.mean(total_rise) > 0:
-        raise InputError('method "uniform" divides frictional heat, and there is none')
-    share = float(np.mean(target) / np.mean(total_rise))
-    residual = _norm(share * total_rise - target) / _norm(target)
-    return HeatPartition(share * rise, share * heat_flux, share, 0, residual)
 
 
 def _conjugate_residuals(

@@ -42,7 +42,7 @@ def ball(preset="standard", pattern="swept", side=4e-6, pixels=160, **fidelity):
         loading=Ramp(150.0, 200.0),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (8e-6, 8e-6), 3),
         wear=Wear(1.2e-15, pattern),
-        fidelity=replace(PRESETS[preset], partition="local", **fidelity),
+        fidelity=replace(PRESETS[preset], **fidelity),
     )
 
 

@@ -86,7 +86,7 @@ def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
 
 @pytest.mark.parametrize(("preset", "pattern"), [("standard", "local"), ("standard", "swept")])
 def test_the_worn_volume_is_that_of_the_work_on_the_whole_track(preset, pattern):
-    fidelity = replace(PRESETS[preset], increments=4, partition="local")
+    fidelity = replace(PRESETS[preset], increments=4)
     scene = replace(small_scene(pattern), motion=RATIO, fidelity=fidelity)
     scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)))
     values = measures(scene, state := end(scene, 1.25))

@@ -27,7 +27,7 @@ PLANE = Grid((3, 4), ELEMENT, (True, True))
 def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
     pin, disk, past = Conductor(STEEL, pin_velocity), Conductor(STEEL, disk_velocity), HeatHistory()
     for time, flux in zip(times, fluxes, strict=True):
-        split, past = partition_with_history(grid, pin, disk, past, time, flux, flux != 0, "local")
+        split, past = partition_with_history(grid, pin, disk, past, time, flux, flux != 0)
     return split, past
 
 

@@ -37,13 +37,12 @@ def grid_of(periodic=LINE, n=48):
     return Grid((n, n), (1.632e-6, 1.9e-6), periodic)
 
 
-@pytest.mark.parametrize("method", ["local", "uniform"])
-def test_at_rest_the_shares_are_as_the_conductivities(method):
+def test_at_rest_the_shares_are_as_the_conductivities():
     # Equal diffusivities: both kernels have one shape, and heat divides as K.
     quick = Material(1e11, 0.3, 4 * 45.0, 4 * 7800.0, 470.0)
     grid = grid_of(n=24)
     flux = rough_contact(grid)
-    split = partition_heat(*bodies(grid, 0.0, disk=quick), flux, flux > 0, method)
+    split = partition_heat(*bodies(grid, 0.0, disk=quick), flux, flux > 0)
     assert split.pin_share == pytest.approx(0.2, rel=1e-7)
 
 
@@ -61,7 +60,7 @@ def test_the_iteration_finds_what_elimination_does(periodic):
     contact = flux > 0
     assert np.count_nonzero(contact) == 960
     pin, disk = bodies(grid)
-    local = partition_heat(pin, disk, flux, contact, "local", 1e-12, bulk_difference=-20.0)
+    local = partition_heat(pin, disk, flux, contact, 1e-12, bulk_difference=-20.0)
     exact = np.zeros(grid.shape)
     exact[contact] = eliminated(pin + disk, contact, disk(flux)[contact] - 20.0)
     # 1e-12 in temperature; the flux is less certain by the kernel's condition number, below 1e3.
@@ -99,22 +98,6 @@ def test_friction_and_bulk_difference_superpose():
     )
     assert exchange.rise.min() > 0  # the hotter disk warms the pin
     assert math.isnan(exchange.pin_share)
-
-
-def test_uniform_makes_mean_temperatures_equal_and_brackets_the_local_maximum():
-    grid = grid_of()
-    flux = rough_contact(grid)
-    pin, disk = bodies(grid)
-    on = flux > 0
-    uniform = partition_heat(pin, disk, flux, on, "uniform", bulk_difference=5.0)
-    disk_rise = disk(flux - uniform.pin_flux)
-    assert uniform.rise[on].mean() == pytest.approx(disk_rise[on].mean() + 5.0, rel=1e-12)
-    np.testing.assert_allclose(uniform.pin_flux, uniform.pin_share * flux, rtol=1e-14)
-    assert uniform.residual > 0.05  # it does not solve the problem at each point
-    # One share leaves the surfaces at two temperatures; the true one lies between their maxima.
-    local = partition_heat(pin, disk, flux, on, "local", bulk_difference=5.0)
-    extremes = sorted([uniform.rise[on].max(), disk_rise[on].max() + 5.0])
-    assert extremes[0] < local.rise[on].max() < extremes[1]
 
 
 def test_a_failure_carries_the_partial_solution_and_advice():
