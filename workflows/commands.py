@@ -24,9 +24,7 @@ def add_paper(add: AddCommand) -> None:
         type=user_path,
         help="figure to draw, or the folder for it; all results need a folder",
     )
-    paper.add_argument(
-        "--preset", metavar="NAME", help="preset of the numerical choices, or as-published"
-    )
+    paper.add_argument("--preset", metavar="NAME", help="preset of the numerical choices")
     paper.add_argument(
         "--surfaces", metavar="N", type=values.count, help="number of random surfaces"
     )

@@ -30,17 +30,10 @@ def assert_sound(scene, before, state, normal_load):
 
 def assert_complementary(scene, before, state):
     """Assert the contact conditions on gap and pressure, from worn shape and elastic map."""
-    explicit = scene.fidelity.as_published
-    worn = state.wear_depth
-    if explicit and scene.wear:
-        same_grid = before is not None and before.wear_depth.shape == worn.shape
-        worn = before.wear_depth if same_grid else 0 * worn
     p = state.pressure
-    modulus = contact_modulus(scene.pin.material, scene.disk)
-    kernel = "nearest-image" if explicit else "periodic"
-    solid = ElasticHalfSpace(scene.grid, modulus, kernel)
+    solid = ElasticHalfSpace(scene.grid, contact_modulus(scene.pin.material, scene.disk))
     separation = scene.separation(scene.heights())
-    z = separation + worn
+    z = separation + state.wear_depth
     heights = np.abs(separation[p > 0]).max() + np.abs(z[p > 0]).max()
     z = z - z[p > 0].mean()
     gap = solid(p) + z
@@ -51,7 +44,7 @@ def assert_complementary(scene, before, state):
         top = gap[p > 0].max()
         gap -= (top + max(top, gap[p == 0].min())) / 2 if (p == 0).any() else top
     unit = solid.self_influence
-    if scene.wear and not explicit and (scene.wear.pattern == "local" or scene.grid.shape[1] == 1):
+    if scene.wear and (scene.wear.pattern == "local" or scene.grid.shape[1] == 1):
         step = state.sliding_distance - (before.sliding_distance if before else 0.0)
         unit += scene.wear.specific_wear_rate * step
     violation = max(

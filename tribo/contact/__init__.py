@@ -2,6 +2,5 @@
 
 from tribo.contact.elasticity import ElasticHalfSpace as ElasticHalfSpace
 from tribo.contact.elasticity import ElasticKernel as ElasticKernel
-from tribo.contact.solver import ContactCriterion as ContactCriterion
 from tribo.contact.solver import ContactSolution as ContactSolution
 from tribo.contact.solver import solve_contact as solve_contact

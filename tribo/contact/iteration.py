@@ -14,8 +14,6 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from tribo.contact.active_set import ActiveSet, active_set_step
 from tribo.contact.correction import correct_guess
 from tribo.contact.gradient import Gradient, first_length, gradient_step
@@ -32,14 +30,10 @@ _GOAL_SHARE = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """When an iteration ends: at which error (`tolerance`), or after how many convolutions.
+    """When an iteration ends: at which residual, or after how many convolutions."""
 
-    The error is the residual of the contact, or the last change of the pressure if `by_change`.
-    """
-
-    tolerance: float  # largest error
+    tolerance: float  # largest residual
     convolutions: float  # after which to give up, including the convolutions for the guess
-    by_change: bool = False  # the error is the last change of the pressure, not the residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +45,6 @@ class IterationResult:
     gap: Array  # [m]
     approach: float  # distance of the bodies from the datum of the solid [m]
     residual: float  # in units of D_self·max(p), with the error of rounding
-    error: float  # the residual, or the change of the pressure if the limits are by change
     load_error: float  # relative
     convolutions: float  # including the convolutions for the guess
     converged: bool
@@ -90,15 +83,15 @@ def iterate(
     displacement: Array | None = None,
     guess_cost: float = 0.0,
 ) -> IterationResult:
-    """Iterate from a guess of the pressure [Pa] until the error is small, or no longer falls.
+    """Iterate from a guess of the pressure [Pa] until the residual is small, or no longer falls.
 
-    `limits` has the tolerance of the error and the maximal number of convolutions. The last iterate
+    `limits` has the largest residual and the maximal number of convolutions. The last iterate
     is returned, whether it has converged or not. `displacement` is caused by the guess [m]. If it
     is given, the guess has to carry the load, but may exceed the bounds. `guess_cost` is the number
     of convolutions that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, guess_cost)
-    counters, progress, pressure_change = StepCounters(), LowestResidual(), math.inf
+    counters, progress = StepCounters(), LowestResidual()
     active_set, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
         judgement = judge(problem, state)
@@ -110,10 +103,8 @@ def iterate(
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(
             judgement.residual
         )
-        error, slack = judgement.residual, limits.tolerance - judgement.residual
-        if limits.by_change:
-            error, slack = pressure_change if judgement.residual else 0.0, math.inf
-        if error <= limits.tolerance or stalled or exhausted:
+        slack = limits.tolerance - judgement.residual
+        if slack >= 0 or stalled or exhausted:
             restored = restore_digits(problem, state, judgement, slack, exhausted)
             if restored is not None:
                 if restored.shifts > state.shifts:  # residuals for another datum are not comparable
@@ -121,14 +112,12 @@ def iterate(
                 state = restored
                 continue
             judgement = _add_rounding(problem, state, judgement)
-            error = error if limits.by_change else judgement.residual
-            converged = error <= limits.tolerance
+            converged = judgement.residual <= limits.tolerance
             if converged or stalled or exhausted:
-                return _iteration_result(problem, state, judgement, error, converged, stalled)
+                return _iteration_result(problem, state, judgement, converged, stalled)
         counters = counters.updated(
             judgement.residual, judgement.at_wrong_bound <= _SETTLED_SHARE * judgement.in_contact
         )
-        old_pressure = state.pressure
         if counters.gradient_steps > 0:
             state, gradient = gradient_step(problem, state, judgement, gradient)
             counters = counters._replace(gradient_steps=counters.gradient_steps - 1)
@@ -138,8 +127,6 @@ def iterate(
             state, active_set = active_set_step(
                 problem, state, judgement, active_set, gap_goal, remaining
             )
-        if limits.by_change:
-            pressure_change = float(np.abs(state.pressure - old_pressure).sum()) / problem.total
 
 
 def _first_iterate(
@@ -165,7 +152,6 @@ def _iteration_result(
     problem: Problem,
     state: Iterate,
     judgement: Judgement,
-    error: float,
     converged: bool,
     stalled: bool,
 ) -> IterationResult:
@@ -175,7 +161,6 @@ def _iteration_result(
         gap=judgement.gap,
         approach=state.datum + judgement.level,
         residual=judgement.residual,
-        error=error,
         load_error=state.load_error(problem.total),
         convolutions=state.convolutions,
         converged=converged,

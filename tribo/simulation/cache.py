@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from tribo.contact import ElasticHalfSpace, ElasticKernel
+from tribo.contact import ElasticHalfSpace
 from tribo.material import contact_modulus
 from tribo.numerics import Convolution, Grid, forget_buffers
 from tribo.simulation.scene import Scene
@@ -168,8 +168,7 @@ def forget_kernels() -> None:
 
 def _elastic_bodies(scene: Scene) -> ElasticBodies:
     modulus = contact_modulus(scene.pin.material, scene.disk)
-    kernel: ElasticKernel = "nearest-image" if scene.fidelity.as_published else "periodic"
-    key = scene.grid, modulus, kernel
+    key = scene.grid, modulus
     solid = _solids.get(key, lambda: ElasticHalfSpace(*key))
     pixel_heights = cached_heights(scene)
     separation = scene.separation(pixel_heights)

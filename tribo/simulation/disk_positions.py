@@ -91,17 +91,17 @@ def passes(
     wear: Wear | None,
     distance: float,
     observed: bool,
-    scheme: WearScheme | None = None,
+    scheme: WearScheme,
 ) -> Iterator[Pass]:
     """Yield the contacts to solve in the step from `state` to `load_step`, in order.
 
-    The pin wears by `wear` over the `distance` slid in the step [m]. `scheme` integrates the wear;
-    by default it is the fidelity's. If `observed`, the disk is unshifted in the last contact.
+    The pin wears by `wear` over the `distance` slid in the step [m]. `scheme` integrates the
+    wear. If `observed`, the disk is unshifted in the last contact.
     """
     if not wear or not distance:
         yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
         return
-    runge_kutta = WEAR_SCHEMES[scheme or scene.fidelity.wear_scheme]
+    runge_kutta = WEAR_SCHEMES[scheme]
     loads = state.normal_load, load_step.normal_load
     mean_load = max(0.0, (load_step.impulse - state.impulse) / (load_step.time - state.time))
     if not scene.sweeps_over:

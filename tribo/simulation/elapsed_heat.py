@@ -85,10 +85,7 @@ def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float
     if scene.pin.length is None:
         touching_share = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]
         return touching_share * scene.grid.size[1], touching_share * scene.grid.size[1]
-    heated = scene.heated_length
-    if heated == "nearest-image":
-        heated = 2 * scene.grid.size[1]
-    return scene.pin.length, heated
+    return scene.pin.length, scene.heated_length
 
 
 def _excess_warming(

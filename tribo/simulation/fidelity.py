@@ -8,7 +8,6 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 from tribo.constants import CONTACT_OVER_HEAT, HOLD_STEPS, TIGHTEST_HEAT
 from tribo.errors import InputError, require_integer
-from tribo.wear import WearScheme
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,12 +40,6 @@ class Fidelity:
         steps. Every step then needs its temperature, on the scene's grid. With ``"elapsed"`` the
         rise of a growing contact is too high: in the system of Bosman & de Rooij at 600 N by 0.2,
         0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and 0.001 m/s.
-    as_published : bool
-        True for the scheme of Bosman & de Rooij: only the nearest periodic image of each element
-        deforms and heats the window, contacts are solved until the pressure changes by less than
-        their tolerance, and the wear is explicit. If not, all images deform it, the heated contact
-        is as long as the pin, the tolerance bounds the residual of the gaps, and the wear is
-        integrated by an implicit Runge-Kutta scheme of second order.
     history_coarsening : int
         Largest factor by which the sides of elements are lengthened in the steps of a point.
         Requested steps are then repeated on the scene's grid. Earlier steps affect them only by the
@@ -74,7 +67,6 @@ class Fidelity:
     fewest_elements: int = 0
     contact_tolerance: float = 1e-3
     heat_model: Literal["elapsed", "history"] = "elapsed"
-    as_published: bool = False
     history_coarsening: int = 1
     imprint: float = 0.0
     parts: int = 1
@@ -118,14 +110,7 @@ class Fidelity:
     @property
     def heat_tolerance(self) -> float:
         """Relative residual of the heat partition at which its solver stops."""
-        if self.as_published:  # there the system is solved by elimination
-            return TIGHTEST_HEAT
         return max(self.contact_tolerance / CONTACT_OVER_HEAT, TIGHTEST_HEAT)
-
-    @property
-    def wear_scheme(self) -> WearScheme:
-        """Time integration of the wear, one of `tribo.wear.WEAR_SCHEMES`."""
-        return "explicit" if self.as_published else "sdirk2"
 
 
 _CHOICES = {

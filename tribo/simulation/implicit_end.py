@@ -17,7 +17,6 @@ from tribo.simulation.parts_of_steps import interpolate_step
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Mask
-from tribo.wear import WEAR_SCHEMES
 
 
 def end_implicitly(
@@ -46,10 +45,9 @@ def end_implicitly(
 
 def _gains_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
     """True if elements that were unloaded before a step carry much of the load after it."""
-    stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # A rolling pin wears evenly around its track, so that its shape does not follow the pressure.
     is_unworn = not scene.wears or not after.normal_load
-    if is_unworn or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
+    if is_unworn or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
     worn = _is_worn(scene, after)
     newly_worn = worn & ~_is_worn(scene, before)

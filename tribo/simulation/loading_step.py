@@ -54,7 +54,7 @@ def advance(
     velocity: float,
     guess: Array | None = None,
     observed: bool = True,
-    scheme: WearScheme | None = None,
+    scheme: WearScheme = "sdirk2",
 ) -> State:
     """Advance load and sliding to `load_step`; the pin wears meanwhile.
 
@@ -74,8 +74,8 @@ def advance(
     observed : bool, optional
         In some scenes the pin wears against the disk at shifted positions. True to solve the
         contact with the unshifted disk afterwards, which gives the pressure of the state.
-    scheme : {"implicit", "explicit", "sdirk2"}, optional
-        Time integration of the wear; by default the fidelity's.
+    scheme : {"sdirk2", "implicit"}, optional
+        Time integration of the wear, one of `tribo.wear.WEAR_SCHEMES`.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def solve_pass(
     from the pressure `guess` [Pa], or from an extrapolation of the pressures of `state` and the
     state before if `guess` is None.
     """
-    solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
+    solid, stage = elastic_bodies(scene).solid, contact_pass.stage
     initial, displacement = (
         _extrapolate(state, stage.normal_load) if guess is None else (guess, None)
     )
@@ -179,7 +179,6 @@ def solve_pass(
         stage.normal_load / scene.pin.windows(scene.grid),
         hardness=scene.hardness,
         tolerance=scene.contact_tolerance,
-        criterion="pressure-change" if fidelity.as_published else "gap",
         initial_pressure=initial,
         initial_displacement=displacement,
     )
@@ -189,7 +188,7 @@ def solve_pass(
         _element_area(scene),
         scene.hardness,
         contact.residual,
-        np.inf if fidelity.as_published else scene.contact_tolerance,
+        scene.contact_tolerance,
     )
     displacement = contact.gap + contact.approach - shape
     if wear:

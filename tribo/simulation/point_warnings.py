@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from enum import IntFlag
 from typing import NamedTuple
 
@@ -24,27 +23,21 @@ from tribo.constants import (
     SLOWEST,
     WIDEST,
 )
-from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
-from tribo.simulation.disk_positions import part_count
-from tribo.simulation.elapsed_heat import elapsed_heat_excess, load_steps_so_far
+from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
-from tribo.simulation.step_wear import step_wear
 from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
-from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 SLOW = (
     "the rise grows more slowly than velocity^0.3, so the critical velocity errs two to three "
     "times as much as the preset states; use --accuracy"
 )
-# Fewest stages of a ramp for which the rise under heavy wear is right to about 10 %.
-_FEWEST_STEPS = 3
 
 
 class WarningKind(IntFlag):
@@ -52,8 +45,6 @@ class WarningKind(IntFlag):
 
     Attributes
     ----------
-    UNSTABLE_WEAR
-        Steps are too long for the explicit wear scheme.
     CONTACT_AT_EDGE
         The contact reaches an edge of the window.
     FEW_NODES
@@ -77,11 +68,10 @@ class WarningKind(IntFlag):
 
     Examples
     --------
-    >>> [kind.label for kind in WarningKind(3)]
-    ['unstable wear', 'contact at edge']
+    >>> [kind.label for kind in WarningKind(6)]
+    ['contact at edge', 'few nodes']
     """
 
-    UNSTABLE_WEAR = 1
     CONTACT_AT_EDGE = 2
     FEW_NODES = 4
     FEW_STEPS = 8
@@ -137,7 +127,6 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     []
     """
     rules = (
-        _warn_unstable_wear,
         _warn_few_steps,
         _warn_edge,
         _warn_few_elements,
@@ -310,15 +299,13 @@ def _extent(pressure: Array, axis: int) -> int:
 
 
 def _warn_few_steps(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if there are too few steps up to this state to resolve the shape of a wearing pin."""
-    stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
-    if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
+    """Warn if a single step leads to this state; from two on the rise is right to about 10 %."""
+    if not scene.wears or state.index != 1:
         return
-    count = f"{state.index} steps" if state.index > 1 else "a single step"
     yield (
         WarningKind.FEW_STEPS,
-        f"{state.normal_load:g} N is reached in {count}, too few to resolve the worn shape; "
-        f"increase increments so that at least {_FEWEST_STEPS} steps lead to this load",
+        f"{state.normal_load:g} N is reached in a single step, too few to resolve the worn shape; "
+        "increase increments so that at least 2 steps lead to this load",
     )
 
 
@@ -335,35 +322,3 @@ def _warn_present_heat(scene: Scene, state: State) -> Iterator[Reason]:
         f"the rise by about {100 * excess:.1f} %; the critical velocity is then too low, mostly "
         "by one to two times as much. Use heat_model = 'history', or --accuracy",
     )
-
-
-def _longest_step(scene: Scene, state: State) -> float:
-    """Duration of the longest step so far [s]."""
-    if state.on_trunk and isinstance(scene.loading, Ramp):
-        return state.time / state.index
-    times = [0.0, *(load_step.time for load_step in load_steps_so_far(scene, state))]
-    return float(np.diff(times).max(initial=0.0))
-
-
-def _warn_unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if steps were too long for explicit wear, and say how many steps would suffice."""
-    fidelity = scene.fidelity
-    if not fidelity.as_published or not state.normal_load:
-        return
-    solid = elastic_bodies(scene).solid
-    velocity = state.sliding_distance / state.time
-    from_start = replace(state, sliding_distance=0.0)  # the mean rate since the start
-    wear = step_wear(scene, from_start, state.sliding_distance, velocity)
-    if not wear:
-        return
-    distance = velocity * _longest_step(scene, state)
-    parts = part_count(scene, wear, distance) if scene.sweeps_over else 1
-    stiffness = wear.stiffness(solid, distance / parts)
-    if stiffness >= EXPLICIT_LIMIT:
-        yield (
-            WarningKind.UNSTABLE_WEAR,
-            f"the explicit wear scheme is unstable: k·dS is {stiffness:.1f} times the smallest "
-            f"compliance of the grid (limit {EXPLICIT_LIMIT:g}); use at least "
-            f"{int(fidelity.increments * stiffness / EXPLICIT_LIMIT) + 1} increments, or "
-            "another wear scheme",
-        )

@@ -24,7 +24,6 @@ from tribo.surface import (
     block_sample,
     surface_heights,
 )
-from tribo.thermal import HeatedLength
 from tribo.types import Array
 from tribo.wear import Wear, WearLaw, WearPattern, require_wear
 
@@ -92,8 +91,6 @@ class Scene:
             raise InputError(
                 f"the window is periodic along y; under a {shape} pin both axes must be free"
             )
-        if self.fidelity.as_published and not self.pixels.periodic[1]:
-            raise InputError("as_published needs a window that is periodic along y")
         if not isinstance(self.roughness, SelfAffineRoughness | UnknownHeights):
             self.heights()
         if self.motion and self.wears_by_law:
@@ -182,12 +179,9 @@ class Scene:
 
     @property
     def is_plane(self) -> bool:
-        """True if nothing depends on y: smooth bodies, a line contact and a periodic y.
-
-        False with `Fidelity.as_published`.
-        """
-        smooth = self.roughness is None and self.pin.length is not None
-        return smooth and self.pixels.periodic[1] and not self.fidelity.as_published
+        """True if nothing depends on y: smooth bodies, a line contact and a periodic y."""
+        is_smooth = self.roughness is None and self.pin.length is not None
+        return is_smooth and self.pixels.periodic[1]
 
     @property
     def rows_per_element(self) -> int:
@@ -231,13 +225,8 @@ class Scene:
         return self.friction_heat and self.fidelity.heat_model == "history"
 
     @property
-    def heated_length(self) -> HeatedLength:
-        """Length along y that is heated [m]; infinite without ends, or "nearest-image".
-
-        With "nearest-image", the window and for each element its nearer periodic image are heated.
-        """
-        if self.fidelity.as_published:
-            return "nearest-image"
+    def heated_length(self) -> float:
+        """Length along y that is heated [m]; infinite without ends."""
         return math.inf if self.pin.length is None else self.pin.length
 
     @property

@@ -1,6 +1,5 @@
 """Wear of the pin: Archard's law in steps, and user-defined laws with a rate for each step."""
 
-from tribo.wear.archard import EXPLICIT_LIMIT as EXPLICIT_LIMIT
 from tribo.wear.archard import WEAR_PATTERNS as WEAR_PATTERNS
 from tribo.wear.archard import WEAR_SCHEMES as WEAR_SCHEMES
 from tribo.wear.archard import RollingWear as RollingWear

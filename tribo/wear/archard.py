@@ -24,10 +24,7 @@ from tribo.types import Array
 
 WearPattern = Literal["local", "swept"]
 WEAR_PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
-WearScheme = Literal["implicit", "explicit", "sdirk2"]
-
-EXPLICIT_LIMIT = 2.0
-"""Value of `Wear.stiffness` from which on the explicit scheme is unstable."""
+WearScheme = Literal["implicit", "sdirk2"]
 
 
 class Stage(NamedTuple):
@@ -58,7 +55,7 @@ class RungeKutta:
 
     fractions: tuple[float, ...]  # c
     weights: tuple[float, ...]  # b
-    implicitness: float  # γ; 0 if the pressure is that before the wear
+    implicitness: float  # γ
 
     def stages(
         self, loads: tuple[float, float], mean_load: float, distance: float
@@ -83,7 +80,7 @@ class RungeKutta:
         # wears. Instead, one stage wears the pin at the mean load, and a stage without wear ends
         # the step.
         if mean_load > MAX_DISTANCE_FACTOR * weighted_load:
-            yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
+            yield Stage(mean_load, distance, distance)
             yield Stage(end, 0.0, 0.0)
             return
         stage_distance = distance * mean_load / weighted_load if weighted_load else 0.0
@@ -95,16 +92,14 @@ _GAMMA = 1 - 1 / math.sqrt(2)
 
 WEAR_SCHEMES: dict[WearScheme, RungeKutta] = {
     "implicit": RungeKutta((1.0,), (1.0,), implicitness=1.0),
-    "explicit": RungeKutta((1.0,), (1.0,), implicitness=0.0),
     "sdirk2": RungeKutta((_GAMMA, 1.0), (1 - _GAMMA, _GAMMA), implicitness=_GAMMA),
 }
 """Schemes by name.
 
-``"implicit"``, backward Euler: of first order, stable for any step. ``"explicit"``, the loop of
-Bosman & de Rooij (Fig. 2): of first order, stable while k·dS is below `EXPLICIT_LIMIT` times the
-smallest compliance. ``"sdirk2"`` (Alexander, SIAM J. Numer. Anal. 14, 1977): of second order,
-stable for any step, at twice the cost of the others. Where much area comes into contact within a
-step, this scheme needs a short implicit step at its end; see `tribo.simulation.implicit_end`.
+``"implicit"``, backward Euler: of first order, stable for any step. ``"sdirk2"`` (Alexander, SIAM
+J. Numer. Anal. 14, 1977): of second order, stable for any step, at twice the cost. Where much area
+comes into contact within a step, this scheme needs a short implicit step at its end; see
+`tribo.simulation.implicit_end`.
 """
 
 
@@ -169,26 +164,6 @@ class Wear:
         spectrum[:, 0] += compliance
         return solid.replace_spectrum(spectrum)
 
-    def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Stiffness (dimensionless) of the wear equation over a sliding distance dS: k·dS/λ_min.
-
-        Over the step, wear lets the shortest wave of the shape decay by exp(−k·dS/λ_min). λ_min is
-        the smallest eigenvalue of the map from pressure to displacement, `solid` [m/Pa]: of all
-        shapes, or for the pattern "swept" of shapes that are uniform along y.
-
-        Examples
-        --------
-        On the grid of Bosman & de Rooij at 1.25 m/s, increments of 0.05 s are far beyond
-        `EXPLICIT_LIMIT`:
-
-        >>> from tribo.numerics import Grid
-        >>> solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
-        >>> f"{Wear(1.2e-15, 'local').stiffness(solid, 1.25 * 0.05):.2f}"
-        '8.52'
-        """
-        compliances = solid.spectrum[:, 0] if self.pattern == "swept" else solid.spectrum
-        return self.specific_wear_rate * distance / float(compliances[compliances > 0].min())
-
 
 @dataclass(frozen=True, slots=True)
 class RollingWear(Wear):
@@ -231,23 +206,7 @@ class RollingWear(Wear):
         """
         spectrum = solid.spectrum.copy()
         waves = slice(1) if self.pattern == "swept" else slice(None)
-        spectrum[0, waves] += self._wear_compliance(solid, distance)
-        return solid.replace_spectrum(spectrum)
-
-    def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Stiffness (dimensionless) of the wear equation over a sliding distance [m].
-
-        It is the depth worn per mean pressure along x, divided by the smallest compliance of
-        `solid` [m/Pa]. Only compliances for shapes that vary along y but not along x matter, since
-        a rolling pin wears evenly along x. The stiffness is 0 for the pattern "swept", since the
-        pin then wears evenly along y, too. It is also 0 if the grid has a single element along y.
-        """
-        waves = solid.spectrum[0, 1:]
-        if self.pattern == "swept" or not (waves > 0).any():
-            return 0.0
-        return self._wear_compliance(solid, distance) / float(waves[waves > 0].min())
-
-    def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Depth worn over a sliding distance [m] per mean pressure over the padded x [m/Pa]."""
+        # The spectrum's first mode along x is a sum over the padded axis.
         padding = len(solid.spectrum) / solid.grid.shape[0]
-        return self.specific_wear_rate * distance * self.window_share * padding
+        spectrum[0, waves] += self.specific_wear_rate * distance * self.window_share * padding
+        return solid.replace_spectrum(spectrum)

@@ -19,9 +19,9 @@ from pipeline.frames import FIGURES, writable_path
 from pipeline.words import did_you_mean
 from tribo import InputError
 
+from .checkerboard import fig2
 from .contra import contra
 from .errata import errata
-from .explicit_loop import fig2
 from .gallery import pages
 from .held_load import fig5
 from .heldout import heldout

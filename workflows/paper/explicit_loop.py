@@ -1,94 +1,77 @@
-"""Fig. 2: the loop of explicit wear, whose steps are too long to be stable."""
+"""The explicit wear loop of Bosman & de Rooij (Fig. 2), in public functions of `tribo`.
+
+Each increment of the load wears the pin by the pressure that its shape had before this wear. Only
+the nearest periodic image of each element deforms and heats the window (Fig. 3).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
-from matplotlib.figure import Figure
 
-from pipeline import Sweep
-from pipeline.figures.style import house_style
-from tribo import Fidelity, Grid, InputError, Ramp, Scene, contact_modulus, simulate
-from tribo.contact import ElasticHalfSpace
+from tribo import Grid, InputError, Scene, Wear, contact_modulus
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.thermal import ConductingHalfSpace, partition_heat
 from tribo.types import Array
-from tribo.wear import EXPLICIT_LIMIT, Wear
 
-from .publication import TABLE_4
-from .report import Report, line, texts
-from .resolution import draw_fields, neighbours_of
-from .study import Study
-from .transitions import label_of, worn
-
-_INCREMENTS = 100  # up to the load of each test, as the paper states
-_BLOCK = 2  # pixels along each side of an element of the paper
-_DRAWN = Fidelity(pixels_per_element=_BLOCK, increments=_INCREMENTS)
-"""Grid and increments of the pressure that is drawn."""
-_POINT = TABLE_4[0]
-_SCHEMES = {"explicit (as published)": True, "implicit": False}
+EXPLICIT_LIMIT = 2.0
+"""Value of `stiffness` from which on the loop is unstable."""
 
 
-def fig2(study: Study) -> Report:
-    """Report on the steps of the explicit loop of Fig. 2, and on the checkerboard they leave."""
-    sweep = worn(study.scene("table4"), "local")
-    stiffness = np.array([_stiffness(sweep.scene, row) for row in TABLE_4])
-    fields = {name: _pressure(sweep, _SCHEMES[name]) for name in study.stages(_SCHEMES)}
-    neighbours = {name: neighbours_of(field) for name, field in fields.items()}
-    explicit, stable = neighbours.values()
-    needed = np.ceil(_INCREMENTS * stiffness / EXPLICIT_LIMIT)
-    values = {
-        "increments": _INCREMENTS,
-        "limit": EXPLICIT_LIMIT,
-        "stiffness": stiffness,
-        "needed": needed,
-        "explicit": explicit,
-        "stable": stable,
-        "load": _POINT.normal_load,
-        "velocity": _POINT.velocity,
-    }
-    return Report.of(
-        "fig2",
-        values,
-        verdicts={
-            "stable": bool((stiffness < EXPLICIT_LIMIT).all()),
-            "checkerboard": abs(explicit - stable) < abs(stable) / 2,
-        },
-        table=texts(
-            ("", *map(label_of, TABLE_4)),
-            (
-                line(f"k dS/λ_min with {_INCREMENTS} increments", stiffness, ".1f"),
-                line("limit of stability", [EXPLICIT_LIMIT] * len(TABLE_4), "g"),
-                line("increments needed", needed, ".0f"),
-            ),
-        ),
-        data={"stiffness": stiffness, "increments_needed": needed, "neighbours": neighbours},
-        figure=_draw(sweep, fields),
+def explicit_loop(scene: Scene, normal_load: float, velocity: float) -> Array:
+    """Pressure [Pa] that the loop computes at a load [N], shape ``scene.grid.shape``.
+
+    The `velocity` is that of sliding [m/s].
+    """
+    grid, wear = scene.grid, _archard_wear(scene)
+    solid = _solid(scene, grid)
+    shape, impulse, pressure = scene.separation(scene.heights()), 0.0, None
+    for step in scene.all_load_steps(normal_load):
+        pressure = solve_contact(
+            solid,
+            shape,
+            step.normal_load / scene.pin.windows(grid),
+            scene.hardness,
+            initial_pressure=pressure,
+        ).pressure
+        # Shorter than the increment's distance, since the load was lower before: the worn volume of
+        # an increment is k∫F dS.
+        distance = velocity * (step.impulse - impulse) / step.normal_load
+        shape, impulse = shape + wear.depth(pressure, distance), step.impulse
+    return np.zeros(grid.shape) if pressure is None else pressure
+
+
+def highest_rise(scene: Scene, pressure: Array, velocity: float, time: float) -> float:
+    """Highest temperature rise for friction 1 [K], after a pressure [Pa] has acted for a time [s].
+
+    The pin is at rest, and the disk slides at `velocity` [m/s].
+    """
+    pin, disk = (
+        ConductingHalfSpace(scene.grid, material, body_velocity, time, length="nearest-image")
+        for material, body_velocity in ((scene.pin.material, 0.0), (scene.disk, velocity))
+    )
+    return float(partition_heat(pin, disk, velocity * pressure, pressure > 0).rise.max())
+
+
+def stiffness(scene: Scene, grid: Grid, distance: float) -> float:
+    """Stiffness of the wear equation on a grid: k·dS/λ_min for an increment's sliding distance dS.
+
+    k is the specific wear rate. λ_min is the smallest compliance of the half-space to a wave of
+    pressure [m/Pa]; for the pattern "swept", to a wave that is uniform along y. Exact wear lets the
+    shape of this wave decay by exp(−k·dS/λ_min); the loop multiplies it by 1 − k·dS/λ_min.
+    """
+    wear, spectrum = _archard_wear(scene), _solid(scene, grid).spectrum
+    compliances = spectrum[:, 0] if wear.pattern == "swept" else spectrum
+    return wear.specific_wear_rate * distance / float(compliances[compliances > 0].min())
+
+
+def _solid(scene: Scene, grid: Grid) -> ElasticHalfSpace:
+    return ElasticHalfSpace(
+        grid, contact_modulus(scene.pin.material, scene.disk), kernel="nearest-image"
     )
 
 
-def _stiffness(scene: Scene, row: Any) -> float:
-    """Sliding distance of an increment times k, over the smallest compliance of the grid."""
-    if not isinstance(scene.loading, Ramp) or not isinstance(scene.wear, Wear):
-        raise InputError("the scene table4 must have a ramp, and a wear of a constant rate")
-    (nx, ny), (dx, dy) = scene.pixels.shape, scene.pixels.spacing
-    elements = (nx // _BLOCK, ny // _BLOCK), (_BLOCK * dx, _BLOCK * dy)
-    grid = Grid(*elements, periodic=scene.pixels.periodic)
-    solid = ElasticHalfSpace(grid, contact_modulus(scene.pin.material, scene.disk))
-    duration = row.normal_load / scene.loading.rate
-    return scene.wear.stiffness(solid, row.velocity * duration / _INCREMENTS)
-
-
-def _pressure(sweep: Sweep, as_published: bool) -> Array:
-    """Pressure at the end of the first test [Pa], by explicit or by implicit steps."""
-    scene = sweep.with_fidelity(replace(_DRAWN, as_published=as_published)).scene
-    *_, state = simulate(scene, _POINT.normal_load, _POINT.velocity)
-    return state.pressure
-
-
-@house_style
-def _draw(sweep: Sweep, fields: Mapping[str, Array]) -> Figure:
-    figure = Figure(figsize=(10.4, 4.4))
-    draw_fields(figure, sweep.with_fidelity(_DRAWN), fields, _INCREMENTS, "ab")
-    return figure
+def _archard_wear(scene: Scene) -> Wear:
+    """Wear of a scene; `InputError` unless it has a constant specific wear rate."""
+    if not isinstance(scene.wear, Wear):
+        raise InputError("the explicit loop needs a scene with [wear] of a constant rate")
+    return scene.wear

@@ -15,29 +15,10 @@ from pipeline.cli.output import run_line
 from pipeline.progress import Progress, Report, duration, silent
 from pipeline.run.sweep import Outcome
 from pipeline.shipped import WORKFLOWS
-from tribo import Fidelity
 
 T = TypeVar("T")
 
 _SOON = 2.0  # [s] before which no time is predicted
-
-PUBLISHED = "as-published"
-AS_PUBLISHED = Fidelity(
-    pixels_per_element=2,
-    increments=100,
-    contact_tolerance=1e-3,
-    heat_model="elapsed",
-    as_published=True,
-)
-"""Numerical choices of the paper, to be looked at.
-
-The explicit wear is unstable at these increments on the paper's own grid, which shows as a
-checkerboard of the pressure, and every point says so. Contacts are solved to a change of pressure
-of 1e-3 where the paper has 1e-14: that moves rises by less than 0.002 % (at 200 and 600 N of
-``workflows/first_try.toml``), and takes a quarter of the iterations. The heat partition is solved
-by iteration to 1e-12, where the paper eliminates: rises agree to twelve digits, in a hundredth of
-the time.
-"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,8 +32,7 @@ class Study:
     results : path
         Folder of stores, as `irg run` fills it.
     preset : str or None
-        Preset in place of the fidelity that the scene, or else the result, chooses; or
-        ``"as-published"`` for `AS_PUBLISHED`, in all results but ``steel``.
+        Preset in place of the fidelity that the scene, or else the result, chooses.
     surfaces : int or None
         Number of random surfaces in place of each result's own.
     workers : int or None
@@ -75,8 +55,6 @@ class Study:
     def scene(self, name: str, overrides: Mapping[str, Any] | None = None) -> Sweep:
         """Load the scene of this name, with its own fidelity or with the preset asked for."""
         path = Path(self.scenes, f"{name}.toml")
-        if self.preset == PUBLISHED:
-            return load_scene(path, overrides=overrides).with_fidelity(AS_PUBLISHED)
         return load_scene(path, preset=self.preset, overrides=overrides)
 
     def stages(

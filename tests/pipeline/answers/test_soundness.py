@@ -44,10 +44,10 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
 
 def test_an_error_that_one_realization_does_not_know_decides_nothing():
     ds = synthetic.sweep(tests=(), preset="standard")
-    unstable = ds.copy(deep=True)
-    unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)
+    too_wide = ds.copy(deep=True)
+    too_wide["warning_flags"][:] = int(WarningKind.BEYOND_SHAPE)
     assert asked(ds, 400.0, 0.75).verdict == "mild"
-    for surfaces in ([ds, unstable], [unstable, ds]):
+    for surfaces in ([ds, too_wide], [too_wide, ds]):
         both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
         margin = asked(both, 400.0, 0.75)
         assert np.isnan(margin.temperature_error)

@@ -43,7 +43,6 @@ PHYSICS = {
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
-    "as published": {"fidelity": {"as_published": True}},
     "ball": {
         "pin": tribo.Ball(8e-3, STEEL),
         "pixels": tribo.Grid((20, 20), (38e-6, 38e-6), (False, False)),

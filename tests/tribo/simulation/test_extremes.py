@@ -122,12 +122,6 @@ def wear():
     for pattern, rate in itertools.product(("local", "swept"), (0.0, 1e-30, 1e-15, 1e-13, 1e-6)):
         name = f"{pattern} {rate:g} m²/N"
         yield Extreme("wear rate", name, changed(wear=Wear(rate, pattern)))
-    for scheme, rate in itertools.product((False, True), (1e-30, 1e-10)):
-        fidelity = Fidelity(
-            pixels_per_element=1, increments=10, contact_tolerance=1e-6, as_published=scheme
-        )
-        name = f"as published {scheme}, {rate:g} m²/N"
-        yield Extreme("wear rate", name, changed(wear=Wear(rate), fidelity=fidelity))
 
 
 def times():

@@ -98,7 +98,7 @@ def small(folder, scenes):
             "_VELOCITIES": (1.5, 4.0),
             "_CHANGES": {name: CONTRA._CHANGES[name] for name in ("as predicted", "Ra 0.05 µm")},
         },
-        "explicit_loop": {
+        "checkerboard": {
             "_BLOCK": 1,
             "_DRAWN": tribo.Fidelity(pixels_per_element=2, increments=20),
         },
@@ -217,13 +217,11 @@ def test_wear_cools_the_contact_and_goes_on_doing_so_in_the_hold(small):
         assert curves[name]["max_celsius"][-1] < at_full[name] - 5
 
 
-def test_explicit_wear_warns_in_fig6_and_needs_more_increments(small):
+def test_explicit_wear_is_unstable_in_fig6_and_needs_more_increments(small):
     report = small("fig6")
-    assert (
-        "the explicit wear scheme is unstable"
-        in report.data["warnings"]["explicit, local (as published)"][20]
-    )
-    assert report.data["warnings"]["implicit, local"] == {}
+    unstable = report.data["unstable_increments"]
+    assert unstable["explicit, local (as published)"] == [20, 30]
+    assert unstable["implicit, local"] == []
     (published,) = (f for f in report.findings if "as published" in f.computed)
     assert not published.agrees
 
@@ -351,15 +349,6 @@ def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
 def test_wrong_use_is_named(name, options, message):
     with pytest.raises(tribo.TriboError, match=re.escape(message)):
         paper.reproduce(name, **options)
-
-
-def test_the_paper_s_own_choices_are_a_preset_of_its_results_alone():
-    sweep = Study(preset="as-published").scene("table4")
-    fidelity = sweep.scene.fidelity
-    assert fidelity.as_published
-    assert sweep.preset is None
-    with pytest.raises(tribo.TriboError, match='give "standard", "fine" or "reference"'):
-        load_scene("table4", preset="as-published")
 
 
 def test_the_command_lists_recomputes_and_names_mistakes(small, monkeypatch, capsys):
