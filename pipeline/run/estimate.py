@@ -110,8 +110,8 @@ def _task_seconds(
         points = [task.point for task in ramp_tasks]  # their loads ascend
         load, velocity, case = points[-1]
         scene = sweep.case(case).scene
-        steps = len([*scene.load_steps(load, stored.heat_steps(scene, load), velocity)])
-        stored_counts = [len(stored.select(scene, point.load, velocity)) for point in points]
+        steps = len([*scene.load_steps(load, stored.heat_steps(scene, load))])
+        stored_counts = [len(stored.select(scene, point.load)) for point in points]
         if stored.steps == "course":  # on the grid of the history, and on that of the point
             solved, heated = 2 * steps + len(points), stored_counts[-1] + len(points)
         else:

@@ -16,7 +16,6 @@ from pipeline.scene.kinds import (
     DURATION,
     FRICTION,
     HOLD,
-    LEVEL,
     LOAD,
     SIZE,
     SPEED,
@@ -70,32 +69,32 @@ class TableFile(Declared):
     ignore: A[tuple[str, ...], List(Text(), distinct=True),
         'Headings of columns without a meaning here, such as ["date", "remark"].'] = ()
 
-class EvenLevels(Declared):
-    form_name = "even stages"
-    first: A[Any, LEVEL, "Load or velocity of the first stage."]
-    step: A[Any, LEVEL, "Difference between one stage and the next."]
+class EvenStages(Declared):
+    first: A[float, LOAD, "Load of the first stage."]
+    step: A[float, LOAD, "Difference between one stage and the next."]
     hold: A[float, HOLD, "Time for which each stage is held."]
+
+STAGES = Either(List(MixedList((LOAD, HOLD))), table_of(EvenStages))
 
 class Test(Declared):
     form_name = "entries"
+    velocity: A[float, VELOCITY, "Sliding velocity of the test."]
     load: A[float | None, LOAD,
-        "Normal load on the pin; left out where stages of load end the test."] = None
-    velocity: A[float | None, VELOCITY,
-        "Sliding velocity of the test; left out where stages of velocity end it."] = None
+        "Normal load on the pin; left out with `mild_up_to` or `severe_at`."] = None
     outcome: A[str | None, OneOf(OUTCOMES),
         'Outcome at the end of the hold; "transition" if load or velocity was raised until wear '
         "became severe. Needed without `mild_up_to` and `severe_at`."] = None
     step: A[Any, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
         "Step of velocity or of load by which a transition was reached: wear was still mild one "
         "step before."] = None
-    stages: A[Any, Either(List(MixedList((LEVEL, HOLD))), table_of(EvenLevels)),
-        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
-        "default those of `[loading]`, whose rate leads from stage to stage."] = None
-    mild_up_to: A[Any, Scalar(),
-        "Highest mild stage, instead of the outcome: a load if `velocity` is given, a velocity if "
-        "`load` is; give it alone if no stage was severe."] = None
-    severe_at: A[Any, Scalar(),
-        "Severe stage; use it alone if the very first stage was severe."] = None
+    stages: A[Any, STAGES,
+        "Load stages that the specimen passed, written as in `[loading]`; by default those of "
+        "`[loading]`, whose rate leads from stage to stage."] = None
+    mild_up_to: A[float | None, LOAD,
+        "Load of the highest mild stage, instead of load and outcome; use it alone if no stage was "
+        "severe."] = None
+    severe_at: A[float | None, LOAD,
+        "Load of the severe stage; use it alone if the very first stage was severe."] = None
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
     bulk_temperature: A[float | None, BULK,
@@ -214,11 +213,6 @@ _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; by default the peak of a load record."
 )
 
-class EvenStages(Declared):
-    first: A[float, LOAD, "Load of the first stage."]
-    step: A[float, LOAD, "Difference between one stage and the next."]
-    hold: A[float, HOLD, "Time for which each stage is held."]
-
 class RampTable(Declared):
     rate: A[float, Quantity("150 N/s"),
         "Rate at which the load grows from 0; needed for stages, too."]
@@ -232,7 +226,7 @@ class StagesTable(Declared):
         "hold": "each of the stages has its own; leave this one out",
         "file": "a record is no stages; give stages, or the record alone",
     }
-    stages: A[Any, Either(List(MixedList((LOAD, HOLD))), table_of(EvenStages)),
+    stages: A[Any, STAGES,
         "Load stages of one specimen, each held for a time: equal steps up to the highest load "
         'of the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of '
         "the sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]

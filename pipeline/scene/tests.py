@@ -13,7 +13,7 @@ from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile
 from pipeline.scene.format import Test as TestEntry
-from pipeline.scene.stages import levels_of, stages_of, test_faults
+from pipeline.scene.stages import stages_of, test_faults
 from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest
 from pipeline.sweep.conditions import with_test_conditions
@@ -49,7 +49,7 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
                 files.path("tests", listing.file), MOST_ROWS, listing.decimal, listing.ignore
             )
             is_staged = {"mild_up_to", "severe_at"} & {column.name for column in sheet.columns}
-            needed = () if is_staged else ("load", "velocity", "outcome")
+            needed = ("velocity",) if is_staged else ("load", "velocity", "outcome")
             rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed)
     remaining = {key: value for key, value in entries.items() if key != "tests"}
     return remaining | ({"tests": rows} if rows else {})
@@ -111,13 +111,6 @@ def test_case(case: Case, number: int, entry: Any) -> Case:
     if entry.bulk_temperature is not None:
         conditions = replace(conditions, bulk_temperature=entry.bulk_temperature)
     conditions = conditions.replace_friction(entry.friction)
-    loading, parts = case.scene.loading, conditions.corrections
-    rises = isinstance(loading, Stages) and loading.velocities
-    if rises and parts and (parts.keeps_heat or conditions.has_friction_curve):
-        raise InputError(
-            "stages of velocity take one friction, and no body with a track_length or a diameter; "
-            "give the test its friction, and leave out the others"
-        )
     scene = case.scene
     if conditions.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)
@@ -150,11 +143,8 @@ def _with_stages(scene: Scene, entry: Any, tables: Any) -> Scene:
         if isinstance(scene.loading, MeasuredLoad):
             problem = "stages need a rate of the load; give [loading] a rate, not a record"
             raise InputError(problem)
-        name, _, _ = levels_of(stages, 0.0)
-        _, levels, holds = levels_of(stages, entry.load if name == "load" else entry.velocity)
-        loads, velocities = (levels, ()) if name == "load" else ((entry.load,), levels)
-        specimen_loading = Stages(loads, holds, scene.loading.rate, velocities)
-        specimen_loading.count(entry.load, entry.velocity)  # raises an error if it is no stage
+        specimen_loading = Stages(*stages_of(stages, entry.load), scene.loading.rate)
+        specimen_loading.count(entry.load)  # raises an error if it is no stage
         return widen_window(replace(scene, loading=specimen_loading), entry.velocity)
     if not isinstance(scene.loading, Stages):
         return scene

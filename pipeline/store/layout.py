@@ -72,8 +72,7 @@ class Group:
         scenes = [case.scene for case in sweep._on_first_surface]
         if self.prefix:
             steps_of_points = (
-                stored_steps.select(sweep.case(name).scene, load, velocity)
-                for load, velocity, name in self._points
+                stored_steps.select(sweep.case(name).scene, load) for load, _, name in self._points
             )
         else:
             ramps = {ramp_of(scene): scene for scene in scenes}.values()

@@ -1,4 +1,4 @@
-"""Locations of stores: folders of a disk, and addresses of an object store or of memory.
+"""Locations of stores: folders of a disk, and addresses of an object store.
 
 A write to a folder returns once the files and their names are on the disk. The path of the folder
 may contain links. Below the folder, only regular files are read, written or locked, and links are
@@ -123,12 +123,11 @@ _MISSING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
 
 @dataclass(frozen=True)
 class Bucket:
-    """Location of a store: an address, such as ``s3://bucket/sweep.zarr``, or memory.
-
-    A store in memory lasts until the process ends.
-    """
+    """Location of a store: an address, such as ``s3://bucket/sweep.zarr``."""
 
     address: str
+    is_written: bool
+    """True if stores can be written there; at other kinds of addresses they are only read."""
 
     def __str__(self) -> str:
         return self.address
@@ -146,11 +145,6 @@ class Bucket:
             allowed_exceptions=_MISSING,
             storage_options={"use_listings_cache": False, **only_s3},
         )
-
-    @property
-    def is_written(self) -> bool:
-        """True if stores can be written there; at other kinds of addresses they are only read."""
-        return self.address.startswith(("s3://", "memory://"))
 
     def stamp(self) -> None:
         """None: a store at an address is not replaced."""
@@ -173,17 +167,18 @@ StorePlace = Folder | Bucket
 
 
 def place_of(path: PathLike | None) -> StorePlace:
-    """`Folder` or `Bucket` of a store from its path or address; memory if it is None.
+    """`Folder` or `Bucket` of a store from its path or address.
 
-    An address ``file://PATH`` is a folder.
+    An address ``file://PATH`` is a folder. None is the memory of this process, where the answer to
+    a single point is computed.
 
     Raises a `StoreError` for the root of a file system.
     """
     if path is None:
-        return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr")
+        return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr", is_written=True)
     address = os.fspath(path).removeprefix("file://")
     if "://" in address:
-        return Bucket(address.rstrip("/"))
+        return Bucket(address.rstrip("/"), is_written=address.startswith("s3://"))
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; choose a folder below it")

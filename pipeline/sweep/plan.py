@@ -32,7 +32,6 @@ from tribo.simulation import (
     fit_elements,
     heat,
     mechanics,
-    ramp_key,
     stages_of,
 )
 from tribo.simulation.film import film_inlet
@@ -151,7 +150,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     def ramp(name: CaseName, velocity: float, load: float) -> tuple[Any, ...]:
         scene = sweep.case(name).scene
         number = numbers.setdefault(mechanics(scene), len(numbers))
-        return number, *ramp_key(scene, load, velocity)
+        return number, velocity, scene.ramp_increment(load)
 
     order = sorted(todo, key=lambda point: point.case)
     unsorted = [Task(point, ramp(point.case, point.velocity, point.load)) for point in order]
@@ -179,7 +178,7 @@ def run_point(
     ramp_cache = ramp_cache or RampCache()
     fitted = fit_elements(scene, load)
     heat_steps = stored_steps.heat_steps(scene, load)
-    stored = stored_steps.select(scene, load, velocity)
+    stored = stored_steps.select(scene, load)
     record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
     note, indices = None, {step.index for step in stored}
     if stored_steps.steps == "course":

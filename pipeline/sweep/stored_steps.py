@@ -39,14 +39,13 @@ class StoredSteps:
             return frozenset(step.index for step in (load_steps if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
-    def select(self, scene: Scene, load: float, velocity: float | None = None) -> list[LoadStep]:
+    def select(self, scene: Scene, load: float) -> list[LoadStep]:
         """Load steps of a point at a load [N] that are stored; the last is the point's end.
 
-        With load stages they are the onset and end of each stage. `velocity` [m/s] is that of the
-        last stage, if the velocity rises in stages.
+        With load stages they are the onset and end of each stage.
         """
         if isinstance(scene.loading, Stages):
-            return [step for step in scene.load_steps(load, (), velocity) if step.is_shown]
+            return [step for step in scene.load_steps(load) if step.is_shown]
         heated = self.heat_steps(scene, load)
         steps = list(scene.load_steps(load, heated))
         return [

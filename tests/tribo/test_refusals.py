@@ -150,12 +150,11 @@ REFUSALS = {
     "no increments": (lambda: list(Ramp(1.0, 1.0).load_steps(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "stages that fall": (lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0), "do not rise from 2 to 1"),
-    "stages without hold": (lambda: Stages((1.0, 2.0), (1.0,), 1.0), "2 loads, 0 velocities and 1"),
-    "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).load_steps(2.0, 4)), "give one of 1 N"),
+    "stages without hold": (
+        lambda: Stages((1.0, 2.0), (1.0,), 1.0), "2 loads and 1 holds are not load stages"),
+    "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).load_steps(2.0, 4)),
+                 "load is 2 N, which is not a load stage; choose from 1 N"),
     "many stages": (lambda: [*Stages((1.0,), (1.0,), 1.0).load_steps(1.0, 100_000)], "over 1000"),
-    "history of velocities": (lambda: scene(
-        loading=Stages((1.0,), (1.0,), 1.0, (1.0,)), fidelity=Fidelity(heat_model="history"),
-    ), "the velocity rises in stages"),
     "stages on a measured surface": (lambda: widen_window(scene(
         loading=Stages((400.0,), (60.0,), 150.0), roughness=MeasuredRoughness(np.ones((48, 16))),
     ), 4.0), "mirror the measured surface"),

@@ -45,11 +45,6 @@ class LoadStep:
         True if the load has been the same since the load step before.
     is_shown : bool
         True at the onset and at the end of a stage, whose temperatures are always computed.
-    velocity : float or None
-        Sliding velocity since the load step before [m/s]; None for that of the point.
-    slid, worn : float or None
-        Distance slid [m], and ∫F V dt [N m], since the loading began; None if they follow from the
-        point's velocity.
 
     Examples
     --------
@@ -67,13 +62,6 @@ class LoadStep:
     impulse: float
     holding: bool = False
     is_shown: bool = False
-    velocity: float | None = None
-    slid: float | None = None
-    worn: float | None = None
-
-    def distance(self, velocity: float) -> float:
-        """Distance slid since the loading began [m], at the sliding velocity of a point [m/s]."""
-        return abs(velocity) * self.time if self.slid is None else self.slid
 
 
 @dataclass(frozen=True, slots=True)

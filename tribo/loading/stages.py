@@ -1,4 +1,4 @@
-"""Stages of one specimen, between which the load or the velocity rises.
+"""Load stages of one specimen, each held before the load rises to the next.
 
 Wear accumulates over the stages. After three stages of 100 N and 60 s the worn contact is so wide
 that the fourth stage is 41 K cooler than with a fresh pin (PHYSICS.md, 21).
@@ -20,20 +20,16 @@ _LEVEL_ROUNDING = 1e-9  # relative difference up to which levels are equal
 
 @dataclass(frozen=True, slots=True)
 class Stages:
-    """Stages of one specimen, each held; the load grows at a constant rate between them.
-
-    Either the load rises from stage to stage, or the velocity does at one load.
+    """Load stages of one specimen, each held; the load grows at a constant rate between them.
 
     Parameters
     ----------
     loads : tuple of float
-        Load of each stage on the whole pin [N], ascending. One load for stages of velocity.
+        Load of each stage on the whole pin [N], ascending.
     holds : tuple of float
         Time for which each stage is held [s].
     rate : float
         Growth of the load from 0 to the first stage, and from stage to stage [N/s].
-    velocities : tuple of float, optional
-        Sliding velocity of each stage [m/s], ascending, if the stages are of velocity.
 
     Examples
     --------
@@ -54,30 +50,26 @@ class Stages:
     loads: tuple[float, ...]
     holds: tuple[float, ...]
     rate: float
-    velocities: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate)
-        for name in ("loads", "holds", "velocities"):
-            for value in getattr(self, name):
-                require_positive(**{name.removesuffix("s"): value})
-        levels = self.velocities or self.loads
-        load_count = 1 if self.velocities else len(levels)
-        if not levels or len(self.holds) != len(levels) or len(self.loads) != load_count:
+        for load in self.loads:
+            require_positive(load=load)
+        for hold in self.holds:
+            require_positive(hold=hold)
+        if not self.loads or len(self.holds) != len(self.loads):
             raise InputError(
-                f"{len(self.loads)} loads, {len(self.velocities)} velocities and "
-                f"{len(self.holds)} holds are no stages; give each a load and a hold, or one load "
-                "and to each a velocity and a hold"
+                f"{len(self.loads)} loads and {len(self.holds)} holds are not load stages; each "
+                "stage has one load and one hold"
             )
-        for lower, higher in pairwise(levels):
+        for lower, higher in pairwise(self.loads):
             if not lower < higher:
                 raise InputError(f"stages do not rise from {lower:g} to {higher:g}; let them rise")
 
     @property
     def text(self) -> str:
-        """The levels of the stages in words, such as "100, 200 N"."""
-        levels, unit = (self.velocities, "m/s") if self.velocities else (self.loads, "N")
-        return f"{', '.join(f'{level:g}' for level in levels)} {unit}"
+        """The loads of the stages in words, such as "100, 200 N"."""
+        return f"{', '.join(f'{load:g}' for load in self.loads)} N"
 
     def shares_stages(self, other: Stages) -> bool:
         """True if one of both sequences of stages is the beginning of the other.
@@ -89,33 +81,23 @@ class Stages:
         True
         """
         count = min(len(self.holds), len(other.holds))
-        histories = [(stages.rate, stages._levels(count)) for stages in (self, other)]
+        histories = [
+            (stages.rate, stages.loads[:count], stages.holds[:count]) for stages in (self, other)
+        ]
         return histories[0] == histories[1]
 
-    def count(self, normal_load: float, velocity: float | None = None) -> int:
-        """Number of stages up to the one at a load [N]; of stages of velocity at a velocity [m/s].
+    def count(self, normal_load: float) -> int:
+        """Number of stages up to the one at a load [N].
 
         Raises an `InputError` with the list of stages if there is no such stage.
         """
         require_positive(normal_load=normal_load)
-        pairs = [("load", "N", normal_load, self.loads)]
-        if self.velocities:
-            target = self.velocities[-1] if velocity is None else velocity
-            pairs.append(("velocity", "m/s", target, self.velocities))
-        number = 0
-        for name, unit, target, levels in pairs:
-            matches = (
-                n
-                for n, x in enumerate(levels, 1)
-                if math.isclose(x, target, rel_tol=_LEVEL_ROUNDING)
-            )
-            number = next(matches, 0)
-            if not number:
-                choices = ", ".join(f"{level:g}" for level in levels)
-                raise InputError(
-                    f"{name} is {target:g} {unit}, which is no stage; give one of {choices} {unit}"
-                )
-        return number
+        for number, load in enumerate(self.loads, 1):
+            if math.isclose(load, normal_load, rel_tol=_LEVEL_ROUNDING):
+                return number
+        raise InputError(
+            f"load is {normal_load:g} N, which is not a load stage; choose from {self.text}"
+        )
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
@@ -135,65 +117,47 @@ class Stages:
         return ((0.0, 0.0), *dict.fromkeys(corners))
 
     def worn_impulse(self, velocity: float) -> float:
-        """Velocity times impulse, Σ V ∫F dt [N m], summed over all stages; it determines the wear.
+        """Velocity times impulse, V ∫F dt [N m], of all stages at a velocity [m/s].
 
-        `velocity` [m/s] applies if the stages are of load, and so have no velocity.
+        It determines the wear.
         """
         total = last_load = 0.0
-        for load, hold, stage_velocity in self._levels(len(self.holds)):
+        for load, hold in zip(self.loads, self.holds, strict=True):
             ramp_impulse = (load**2 - last_load**2) / 2 / self.rate
-            total += (abs(velocity) if stage_velocity is None else stage_velocity) * (
-                ramp_impulse + load * hold
-            )
+            total += abs(velocity) * (ramp_impulse + load * hold)
             last_load = load
         return total
 
-    def _levels(self, count: int) -> list[tuple[float, float, float | None]]:
-        """Load [N], hold [s] and velocity [m/s], or None, of the first `count` stages."""
-        total = len(self.holds)
-        loads = self.loads * total if self.velocities else self.loads
-        velocities = self.velocities or (None,) * total
-        return [*zip(loads, self.holds, velocities, strict=True)][:count]
-
-    def load_steps(
-        self, normal_load: float, increments: int, velocity: float | None = None
-    ) -> Iterator[LoadStep]:
+    def load_steps(self, normal_load: float, increments: int) -> Iterator[LoadStep]:
         """Times at which the contact is solved, up to the end of the stage at `normal_load` [N].
 
-        With stages of velocity it is the end of the stage at `velocity` [m/s]. The first ramp has
-        `increments` steps, each later one 3, each hold 2, in which ln ∫F V dt grows equally. A
-        stage of velocity has a step of no duration in place of its ramp.
+        The first ramp has `increments` steps, each later one 3, each hold 2, in which ln ∫F dt
+        grows equally.
         """
         require_integer(1, increments=increments)
-        count = self.count(normal_load, velocity)
+        count = self.count(normal_load)
         if increments + count * (STEPS_OF_LATER_RAMP + STEPS_OF_HOLD) > MOST_STEPS:
             raise InputError(f"{count} stages take over {MOST_STEPS} steps; give fewer")
         load_step = LoadStep(0.0, 0.0, True, 0, 0.0)
-        for number, (load, hold, stage_velocity) in enumerate(self._levels(count)):
+        for number, (load, hold) in enumerate(
+            zip(self.loads[:count], self.holds[:count], strict=True)
+        ):
             steps = STEPS_OF_LATER_RAMP if number else increments
-            shares = [1.0] if load == load_step.normal_load else _shares(steps)
-            for ramp_step in self._ramp_steps(load_step, load, shares, stage_velocity):
+            for ramp_step in self._ramp_steps(load_step, load, steps):
                 load_step = ramp_step
                 yield load_step
             for hold_step in _hold_steps(load_step, hold):
                 load_step = hold_step
                 yield load_step
 
-    def _ramp_steps(
-        self, begin: LoadStep, load: float, shares: list[float], velocity: float | None
-    ) -> Iterator[LoadStep]:
+    def _ramp_steps(self, begin: LoadStep, load: float, steps: int) -> Iterator[LoadStep]:
         """Load steps of the ramp from `begin` to the onset of the next stage, at `load` [N]."""
         change = load - begin.normal_load
-        for number, share in enumerate(shares, 1):
+        for number, share in enumerate(_shares(steps), 1):
             partial_load, duration = begin.normal_load + share * change, share * change / self.rate
+            is_onset = share == 1
             yield _step_after(
-                begin,
-                number,
-                load if share == 1 else partial_load,
-                duration,
-                velocity,
-                share == 1,
-                False,
+                begin, number, load if is_onset else partial_load, duration, is_onset, False
             )
 
 
@@ -203,40 +167,23 @@ def _shares(steps: int) -> list[float]:
 
 def _hold_steps(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
     """Load steps of a hold of `hold` [s] that starts at the load step `begin`."""
-    speed = begin.velocity or 1.0
-    equivalent_time = begin.impulse if begin.worn is None else begin.worn / speed
-    equivalent_time /= begin.normal_load  # time at this load for the same wear [s]
+    equivalent_time = begin.impulse / begin.normal_load  # time at this load for the same wear [s]
     log_growth = math.log1p(hold / equivalent_time)
     for number, share in enumerate(_shares(STEPS_OF_HOLD), 1):
         duration = hold if share == 1 else equivalent_time * math.expm1(log_growth * share)
-        yield _step_after(
-            begin, number, begin.normal_load, duration, begin.velocity, share == 1, True
-        )
+        yield _step_after(begin, number, begin.normal_load, duration, share == 1, True)
 
 
 def _step_after(
-    begin: LoadStep,
-    number: int,
-    load: float,
-    duration: float,
-    velocity: float | None,
-    is_shown: bool,
-    holding: bool,
+    begin: LoadStep, number: int, load: float, duration: float, is_shown: bool, holding: bool
 ) -> LoadStep:
     """Load step `number` steps and `duration` [s] after `begin`, at `load` [N]."""
-    impulse = (begin.normal_load + load) / 2 * duration
-    velocity_fields: dict[str, float] = {}
-    if velocity is not None:
-        velocity_fields["velocity"] = velocity
-        velocity_fields["slid"] = (begin.slid or 0.0) + velocity * duration
-        velocity_fields["worn"] = (begin.worn or 0.0) + velocity * impulse
     return LoadStep(
         load,
         begin.time + duration,
         True,
         begin.index + number,
-        begin.impulse + impulse,
+        begin.impulse + (begin.normal_load + load) / 2 * duration,
         holding,
         is_shown,
-        **velocity_fields,
     )

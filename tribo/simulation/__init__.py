@@ -6,7 +6,6 @@ from tribo.simulation.conditions import Conditions as Conditions
 from tribo.simulation.contact_ramp import contact_key as contact_key
 from tribo.simulation.contact_ramp import contacts as contacts
 from tribo.simulation.contact_ramp import mechanics as mechanics
-from tribo.simulation.contact_ramp import ramp_key as ramp_key
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import state_rises as state_rises

@@ -58,22 +58,9 @@ def mechanics(scene: Scene) -> Scene:
 def contact_key(scene: Scene, load: float, velocity: float, requested: Container[int]) -> Hashable:
     """Key of the contacts of a point: mechanics, velocity, load and requested load steps."""
     indices = [
-        load_step.index
-        for load_step in scene.all_load_steps(load, velocity)
-        if load_step.index in requested
+        load_step.index for load_step in scene.all_load_steps(load) if load_step.index in requested
     ]
     return mechanics(scene), velocity, load, *indices
-
-
-def ramp_key(scene: Scene, load: float, velocity: float) -> tuple[float, float]:
-    """Velocity and increment, on which the ramp depends in addition to its scene's mechanics.
-
-    Stages of velocity share one ramp.
-    """
-    loading = scene.loading
-    if isinstance(loading, Stages) and loading.velocities:
-        velocity = loading.velocities[0]
-    return velocity, scene.ramp_increment(load)
 
 
 def contacts(
@@ -119,7 +106,7 @@ def contacts(
     ramp_cache = RampCache() if ramp_cache is None else ramp_cache
     scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
-    load_steps = list(scene.load_steps(normal_load, requested, velocity))
+    load_steps = list(scene.load_steps(normal_load, requested))
     if not scene.remembers_steps:
         for load_step in load_steps:
             yield _independent_state(levels, normal_load, velocity, load_step)
@@ -127,7 +114,7 @@ def contacts(
     has_stages = isinstance(scene.loading, Stages)
     on_finest = range(MOST_STEPS + 1) if note and not has_stages else requested
     advance_step = partial(_advance_shared, levels, velocity, on_finest)
-    key = mechanics(scene), *ramp_key(scene, normal_load, velocity), on_finest is requested
+    key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
     if has_stages or (note and load_steps[-1].on_trunk):
         last = yield from _reach_shared_end(
             ramp_cache, key, start(scene), load_steps, advance_step, note
@@ -194,7 +181,6 @@ def _advance_shared(
     load_step: LoadStep,
 ) -> State:
     """Compute a shared step on the coarsest grid and, if it is requested, on the finest."""
-    velocity = velocity if load_step.velocity is None else load_step.velocity
     begin, after = _last_part(levels, velocity, before.history or before, load_step)
     if not (load_step.is_shown or load_step.index in requested):
         return after
@@ -304,6 +290,5 @@ def _later_state(contact: State, load_step: LoadStep, velocity: float) -> State:
         impulse=load_step.impulse,
         index=load_step.index,
         on_trunk=load_step.on_trunk,
-        velocity=load_step.velocity,
-        sliding_distance=load_step.distance(velocity),
+        sliding_distance=abs(velocity) * load_step.time,
     )

@@ -68,7 +68,7 @@ def load_steps_so_far(scene: Scene, state: State) -> list[LoadStep]:
 
     A `state` from a loading to a higher load may have been computed with other steps.
     """
-    load_steps = scene.all_load_steps(state.normal_load, state.velocity)
+    load_steps = scene.all_load_steps(state.normal_load)
     return [load_step for load_step in load_steps if load_step.time <= state.time * (1 + 1e-12)]
 
 

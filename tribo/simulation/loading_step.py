@@ -91,7 +91,6 @@ def advance(
     10.0
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
-    velocity = velocity if load_step.velocity is None else load_step.velocity
     distance = abs(velocity) * (load_step.time - state.time)
     wear = step_wear(scene, state, distance, velocity)
     last_pressure = state.pressure if guess is None else guess
@@ -115,8 +114,7 @@ def advance(
         normal_load=load_step.normal_load,
         time=load_step.time,
         # Not summed over the steps, so that the last bits do not depend on the steps.
-        sliding_distance=load_step.distance(velocity),
-        velocity=load_step.velocity,
+        sliding_distance=abs(velocity) * load_step.time,
         impulse=load_step.impulse,
         on_trunk=load_step.on_trunk,
         index=load_step.index,
@@ -142,7 +140,7 @@ def _worn_volume(
 ) -> float:
     """Volume that the whole pin has lost from the start to `load_step`, the end of a step [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law or load_step.velocity is not None:  # the rate is that of this step only
+    if scene.wears_by_law:  # the rate is that of this step only
         volume_before = float(state.wear_depth.sum()) * element_area
         return volume_before + rate * (load_step.impulse - state.impulse)
     return rate * load_step.impulse

@@ -71,7 +71,7 @@ def simulate(
     """
     for state in contacts(scene, normal_load, velocity, ramp_cache, requested):
         if state.is_requested and state.heat is None:
-            yield replace(state, heat=heat(scene, state, _present_velocity(state, velocity)))
+            yield replace(state, heat=heat(scene, state, velocity))
         else:
             yield state
 
@@ -81,8 +81,7 @@ def stages_of(
 ) -> list[State]:
     """States with a temperature at onset and end of each stage up to the requested one.
 
-    The stage is that at a load [N], or at a `velocity` [m/s] of stages of velocity. The
-    temperatures have `Heat.sampling`.
+    The stage is that at `normal_load` [N]. The temperatures have `Heat.sampling`.
 
     Raises
     ------
@@ -106,8 +105,7 @@ def stages_of(
             return None
         if contact.heat is not None:
             return contact
-        temperature = heat(scene, contact, _present_velocity(contact, velocity), is_sampled=True)
-        return replace(contact, heat=temperature)
+        return replace(contact, heat=heat(scene, contact, velocity, is_sampled=True))
 
     note = Note(("stages", scene, velocity), add_requested_heat)
     states = list(contacts(scene, normal_load, velocity, ramp_cache, note=note))
@@ -121,11 +119,6 @@ def stages_of(
             "increase window.pixels"
         )
     return stage_states
-
-
-def _present_velocity(contact: State, velocity: float) -> float:
-    """Present velocity of a state [m/s]: that of its stage if there is one, else of the point."""
-    return velocity if contact.velocity is None else contact.velocity
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:

@@ -98,11 +98,6 @@ class Scene:
                 "wear follows a law of your own, which needs a pin at rest, and there is a motion; "
                 "leave out one of them"
             )
-        if isinstance(self.loading, Stages) and self.loading.velocities and self.remembers_heat:
-            raise InputError(
-                "heat_model is 'history', and the velocity rises in stages, whose earlier heat is "
-                "left out; use 'elapsed'"
-            )
         if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
             raise InputError(
                 f"track_length is {self.track_length:g} m; it must be at least that of the window "
@@ -254,17 +249,14 @@ class Scene:
         coarsen = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsen(heights, self.fidelity.pixels_per_element)
 
-    def load_steps(
-        self, normal_load: float, requested: Container[int] = (), velocity: float | None = None
-    ) -> Iterator[LoadStep]:
+    def load_steps(self, normal_load: float, requested: Container[int] = ()) -> Iterator[LoadStep]:
         """Times at which the contact must be solved, with loads, up to a load [N] and in its hold.
 
         Each is the end of a step. If a state depends on earlier states, all steps are yielded.
         Otherwise only the last step, the step in which a ramp reaches the load, onsets and ends of
-        stages, and steps with an index in `requested`. `velocity` [m/s] selects the last
-        stage if the stages are of velocity.
+        stages, and steps with an index in `requested`.
         """
-        load_steps = self.all_load_steps(normal_load, velocity)
+        load_steps = self.all_load_steps(normal_load)
         if self.remembers_steps:
             yield from load_steps
             return
@@ -280,16 +272,11 @@ class Scene:
         if load_step.index != last_index:
             yield replace(load_step, on_trunk=False)
 
-    def all_load_steps(
-        self, normal_load: float, velocity: float | None = None
-    ) -> Iterator[LoadStep]:
-        """Ends of all steps of the loading up to a load [N] and of its hold: times and loads.
-
-        `velocity` [m/s] selects the last stage if the stages are of velocity.
-        """
+    def all_load_steps(self, normal_load: float) -> Iterator[LoadStep]:
+        """Ends of all steps of the loading up to a load [N] and of its hold: times and loads."""
         fidelity, loading = self.fidelity, self.loading
         if isinstance(loading, Stages):
-            return loading.load_steps(normal_load, fidelity.increments, velocity)
+            return loading.load_steps(normal_load, fidelity.increments)
         return loading.load_steps(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def ramp_increment(self, normal_load: float) -> float:

@@ -85,8 +85,6 @@ class State:
         Time since the start [s].
     sliding_distance : float
         Distance slid since the start [m].
-    velocity : float or None
-        Sliding velocity of a stage of velocity [m/s]; None if it has always been the same.
     impulse : float
         Integral of the load over the time since the start, ∫F dt [N s].
     on_trunk : bool
@@ -142,7 +140,6 @@ class State:
     residual: float
     previous_pressure: Array
     previous_load: float
-    velocity: float | None = None
     displacement: Array | None = None
     previous_displacement: Array | None = None
     is_requested: bool = False
@@ -155,6 +152,4 @@ class State:
     @property
     def speed(self) -> float:
         """Sliding speed [m/s]; 0 at the start."""
-        if self.velocity is not None:
-            return self.velocity
         return self.sliding_distance / self.time if self.time else 0.0

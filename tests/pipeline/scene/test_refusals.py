@@ -130,12 +130,6 @@ def staged_record():
     return staged('velocity = "2 m/s"\nsevere_at = "400 N"', 'file = "load.csv"')()
 
 
-def warmed():
-    """Read a scene whose disk keeps heat, with a test by stages of velocity."""
-    test = {"load": "400 N", "stages": [["1 m/s", "5 s"]], "severe_at": "1 m/s"}
-    return scene(tests=[test], without="tests", **{"disk.track_length": "300 mm"})
-
-
 TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
@@ -150,8 +144,13 @@ ENTRIES = {
     "outcome of stages": (
         entry("tests", [{"velocity": "1 m/s", "outcome": "mild", "severe_at": "4 N"}]),
         "tests[0].outcome: does not fit severe_at; leave it out"),
-    "ends of neither": (entry("tests", [{"severe_at": "4 N"}]),
-                        "tests[0].load: neither load nor velocity is given together with stages"),
+    "load of stages": (
+        entry("tests", [{"velocity": "1 m/s", "load": "4 N", "severe_at": "4 N"}]),
+        "tests[0].load: does not fit severe_at; leave it out"),
+    "stages of velocity": (entry("tests", [{"velocity": "1 m/s", "severe_at": "4 m/s"}]),
+                           'tests[0].severe_at: "4 m/s" cannot be converted to N'),
+    "test without load": (entry("tests", [{"velocity": "1 m/s", "outcome": "mild"}]),
+                          "tests[0].load: missing; required: a load above 0"),
     "stages of a transition": (
         entry("tests", [{**TEST, "outcome": "transition", "stages": [["400 N", "1 s"]]}]),
         "tests[0].stages: do not fit a transition; give mild_up_to and severe_at"),
@@ -161,14 +160,8 @@ ENTRIES = {
     "steps of stages": (stages(EVEN, **{"sweep.steps": "course"}), "and no other step"),
     "many stages": (stages(EVEN.replace('step = "200', 'step = "1e-4')), "2e+06 load stages"),
     "severe without stage": (staged('velocity = "2 m/s"\nsevere_at = "350 N"'),
-                             "load is 350 N, which is no stage; give one of 200 N"),
-    "stages given": (staged('load = "1 N"\nsevere_at = "3 m/s"'), "these are stages of load"),
-    "stages of both": (
-        entry("tests", [{"load": "400 N", "severe_at": "1 m/s",
-                         "stages": [["400 N", "5 s"], ["1 m/s", "5 s"]]}], without="tests"),
-        "the stages are of load and of velocity"),
+                             "load is 350 N, which is not a load stage; choose from 200 N"),
     "stages of a record": (staged_record, "stages need a rate of the load"),
-    "velocity of a track": (warmed, "stages of velocity take one friction"),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is outside the allowed range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is 0 to 9.22337e+18"),
     "shape": (entry("pin.shape", "cylindr"), 'is not a valid choice (did you mean "cylinder"?)'),

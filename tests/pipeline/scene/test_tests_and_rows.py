@@ -31,18 +31,15 @@ def transition(*entries, outcome="transition"):
 
 
 BY_LOAD = 'velocity = "2 m/s"\nmild_up_to = "400 N"\nsevere_at = "450 N"\nnumber = 7'
-BY_VELOCITY = 'load = "300 N"\nmild_up_to = "2 m/s"\nsevere_at = "150 m/min"\nnumber = "b"'
 BEYOND = 'velocity = "2 m/s"\nmild_up_to = "700 N"\nfriction = 0.1'
 
 
 def test_a_run_by_stages_is_its_last_mild_test_and_its_severe_one_or_one_of_them(load):
-    tests = load(BY_LOAD, BY_VELOCITY, BEYOND).tests
+    tests = load(BY_LOAD, BEYOND).tests
     read_tests = [(test.normal_load, test.velocity, test.outcome, test.number) for test in tests]
     assert read_tests == [
         (400.0, 2.0, "mild", "7"),
         (450.0, 2.0, "severe", "7"),
-        (300.0, 2.0, "mild", "b"),
-        (300.0, 2.5, "severe", "b"),
         (700.0, 2.0, "mild", tests[-1].number),
     ]
     assert tests[-1].friction == 0.1
@@ -123,16 +120,16 @@ def test_the_window_is_as_wide_as_the_stages_wear_the_pin(staged):
 
 def test_the_stages_of_a_test_are_one_specimen_up_to_its_last_stage_and_are_stored(staged):
     by_load = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\nvelocity = "2 m/s"\n'
-    by_velocity = 'stages = [["1 m/s", "60 s"], ["1.5 m/s", "90 s"], ["2 m/s", "60 s"]]\n'
+    listed = 'stages = [["100 N", "60 s"], ["250 N", "90 s"], ["400 N", "60 s"]]\n'
     sweep = staged(
         RAMP,
         f'{by_load}mild_up_to = "200 N"\nsevere_at = "300 N"',
-        f'{by_velocity}load = "400 N"\nmild_up_to = "1.5 m/s"',
+        f'{listed}velocity = "2 m/s"\nmild_up_to = "250 N"',
     )
     mild, severe, other = sweep.tests
     assert mild.case.scene == severe.case.scene
     assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
-    assert other.case.scene.loading == Stages((400.0,), (60.0, 90.0), 150.0, velocities=(1.0, 1.5))
+    assert other.case.scene.loading == Stages((100.0, 250.0), (60.0, 90.0), 150.0)
     reread = parse_sweep(sweep_text(sweep), {})
     assert [test.case.scene for test in reread.tests] == [test.case.scene for test in sweep.tests]
 

@@ -98,6 +98,7 @@ REFUSALS = {
     "top": (lambda: place_of("/"), "/ cannot be a store; choose a folder below it"),
     "nothing": (lambda: summary("a.zarr"), "no store at "),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
+    "memory": (lambda: commit("memory://b.zarr", SWEEP, ()), "memory://b.zarr can only be read"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
     "link": (changed(lambda path: lock_of(path).symlink_to(path), go_on), "cannot be written: "),
