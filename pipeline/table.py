@@ -35,8 +35,8 @@ _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three d
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
 """Units of columns of numbers that are given in Python without one."""
 _MAX_LISTED = 12  # names that a message lists
-_QUANTITIES = {"N", "m/s", "K"}
-"""SI units of columns that are hardly labels."""
+_QUANTITIES = {"N", "m s-1", "K"}
+"""SI units of loads, velocities and temperatures; a column with one of them is no label."""
 
 
 class TableError(InputError):
@@ -128,12 +128,13 @@ class Sheet:
             if column.name in known or (labels and column.is_label and not hint):
                 selected.append(column)
                 continue
-            into = (
+            listed = (
                 "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
             )
+            advice = "rename it" if hint else f"rename it to {listed}"
             faults.append(
-                f"the column {quoted(column.head)} is unknown{hint}; rename it to {into}, or "
-                "ignore it (--ignore)"
+                f"the column {quoted(column.head)} is unknown{hint}; {advice}, or ignore it "
+                "(--ignore)"
             )
         heads = ", ".join(quoted(column.head) for column in self.columns)
         missing = [name for name in needed if name not in names]

@@ -69,6 +69,7 @@ def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
         (f"{HEADS}\n300,1.5,2\n-1,2\n", r"(?s)row 2 has 3 cells.*row 3, load \[N\]"),
         (f"{HEADS},COF\n300,1.5,0.1\n", '"COF" is unknown; rename it to one of load, velocity'),
         ("load [N],velocty [m/s]\n300,1.5\n", r'did you mean "velocity"'),
+        (f"{HEADS},surface speed [m/s]\n300,1.5,3\n", r'"surface speed \[m/s\]" is unknown'),
         (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma"),
         (HEADS, "has no rows below its headings"),
         ("\x00\x01\x02\x03" * 99, "is binary"),
