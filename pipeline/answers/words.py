@@ -323,6 +323,8 @@ def next_run_line(answer: xr.Dataset) -> str:
     velocity and all have the same outcome, it states the outcome.
     """
     outcomes = outcome_texts(answer, "velocity").tolist()
+    if not any(outcomes):
+        return "there is no boundary, as the sweep has a single velocity"
     if len({*outcomes}) == 1 and not answer["critical_velocity_p50"].notnull().any():
         subject = "wear" if outcomes[0].startswith(("mild", "severe")) else "the boundary"
         return f"{subject} is {outcomes[0]}"
