@@ -14,21 +14,27 @@ import io
 import os
 import pkgutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import pipeline
 from pipeline import interrupts
 from pipeline.cli.parser import parse
 
+_DASK_SETTINGS = "~/.config/dask, DASK_CONFIG or DASK_…"
+_MAX_REASON = 200  # most characters of an error of Dask
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command that `arguments` name, by default `sys.argv`; return its exit code."""
     # One BLAS thread, as in workers: a single point is then bit for bit as in a sweep.
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    os.environ["MPLBACKEND"] = "agg"  # figures are files; Matplotlib fails on an unknown backend
     atexit.register(gc.freeze)  # saves 0.3 s of garbage collection at exit
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -114,10 +120,20 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         # Zarr raises a RuntimeError for a damaged chunk.
         if not isinstance(error, OSError) and "decompress" not in str(error):
             raise
-        output.print_error(f"cannot continue: {error}{saved_words}")
+        reason = str(error)
+        if isinstance(error, FileNotFoundError) and error.filename is None:  # by os.getcwd
+            reason = "the working directory was deleted; change to another one"
+        output.print_error(f"cannot continue: {reason}{saved_words}")
         with suppress(OSError, ValueError, AttributeError):
             # Keep Python from flushing stdout again at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return output.WRONG_USE
+    except (ValueError, KeyError, TypeError) as error:
+        *_, (frame, _) = walk_tb(error.__traceback__)
+        if not frame.f_globals["__name__"].startswith("dask."):
+            raise
+        reason = textwrap.shorten(str(error.args[0]), _MAX_REASON, placeholder=" …")
+        output.print_error(f"a setting of Dask ({_DASK_SETTINGS}) is wrong: {reason}{saved_words}")
         return output.WRONG_USE
     finally:
         output.QUIET.clear()

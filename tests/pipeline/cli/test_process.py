@@ -214,6 +214,39 @@ def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
     assert capsys.readouterr().err == message
 
 
+def test_a_wrong_setting_of_dask_ends_in_a_line(tmp_path):
+    (tmp_path / "dask.yaml").write_text("{{{: no YAML")
+    (tmp_path / "scene.toml").write_text(SCENE)
+    done = python(
+        *("-m", "pipeline", "run", tmp_path / "scene.toml", "-o", tmp_path / "out.zarr", "-q"),
+        variables={"DASK_CONFIG": str(tmp_path / "dask.yaml")},
+    )
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert last.startswith(
+        "irg: a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…) is wrong"
+    )
+    assert "dask.yaml" in last
+
+
+def test_no_setting_of_matplotlib_keeps_a_figure_from_being_drawn(tmp_path, tiny_store):
+    figure = tmp_path / "a.png"
+    command = ("-m", "pipeline", "plot", tiny_store, "-o", figure)
+    done = python(*command, variables={"MPLBACKEND": "qt9"})
+    assert done.returncode == 0, done.stderr
+    assert figure.exists()
+
+
+def test_a_deleted_working_directory_ends_in_a_line(tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert main(["boundary", "results/a.zarr"]) == 2
+    expected = "irg: cannot continue: the working directory was deleted; change to another one\n"
+    assert capsys.readouterr().err == expected
+
+
 def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():
     with pytest.raises(RuntimeError, match="a fault"):
         carry_out(RuntimeError("a fault"))
