@@ -43,7 +43,8 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     word, known = word[:80].lower(), {other.lower(): other for other in words}
     ends = [other for other in known if other.endswith(f".{word}")]
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    matches = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
+    swapped = [other for other in known if sorted(other) == sorted(word)]
+    matches = ends or longer or swapped or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
     return f' (did you mean "{known[matches[0]]}"?)' if matches else ""
 
 

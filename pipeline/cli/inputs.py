@@ -18,12 +18,14 @@ from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import to_si
+from pipeline.words import did_you_mean
 from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _FILES = ("disk.roughness.file", "loading.file", "sweep.along")
+_TWICE = "{} is given twice; give it once"
 _CONDITION_OF = {path: name for name, path in PATHS.items()}
 
 
@@ -45,11 +47,13 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     if several := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{several[0]} takes a single value here")
     settings = dict[str, Any]()
-    for path, value in options.set:
+    for path, value in options.set.items():
         is_file = path in _FILES and isinstance(value, str)  # relative to the shell's folder
         settings[path.removeprefix("fidelity.")] = (
             str(Path.cwd() / user_path(value)) if is_file else value
         )
+    if twice := settings.keys() & conditions.keys():
+        raise InputError(_TWICE.format(min(twice)))
     return pipeline.load_scene(options.scene, options.preset, settings | conditions)
 
 
@@ -74,10 +78,10 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     """Conditions given as options such as --friction, by name; several values are a list."""
     option_values = values_in(options, *CONDITION_ENTRIES).items()
     conditions = {name: values[0] if len(values) == 1 else values for name, values in option_values}
-    for path, value in getattr(options, "at", ()):
+    for path, value in getattr(options, "at", {}).items():
         if path in _CONDITION_OF:
             if _CONDITION_OF[path] in conditions:
-                raise InputError(f"{path} is given twice; give it once")
+                raise InputError(_TWICE.format(path))
             conditions[_CONDITION_OF[path]] = value
     return conditions
 
@@ -88,16 +92,13 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
         return None
     if options.load is not None or options.velocity is not None:
         raise InputError("--points already gives loads and velocities; leave out the others")
-    out = options.output
-    if out is not None and out.exists() and out.samefile(options.points):
-        raise InputError(f"{out} is an input of this command; choose another output file")
     return OperatingPoints.read(options.points, options.decimal, options.ignore)
 
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:
     """Dataset of the command's store, at the values of entries in --at."""
     ds = pipeline.open_sweep(options.store)
-    for path, value in options.at:
+    for path, value in options.at.items():
         if path not in _CONDITION_OF:
             ds = _select_entry(ds, path, value)
     return ds.assign_attrs(without_tests="yes") if options.without_tests else ds
@@ -108,9 +109,10 @@ def _select_entry(ds: xr.Dataset, path: str, value: str) -> xr.Dataset:
     dim = dimension_of(path)
     if dim not in ds.dims:
         varied = ", ".join(map(str, ds["status"].dims[:-2])) or "nothing"
+        suggestion = did_you_mean(path, _CONDITION_OF)
         raise InputError(
-            f"{path} does not vary in this sweep ({varied} does); run the scene with {path} = "
-            f"{value} into another store"
+            f"{path} does not vary in this sweep ({varied} does){suggestion}; run the scene with "
+            f"{path} = {value} into another store"
         )
     labels = ds[dim].values
     is_text = labels.dtype.kind not in "if"

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from importlib import import_module, metadata
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline.cli import values
 from pipeline.paths import user_path
+from pipeline.words import did_you_mean
 
 AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
 """Function that adds a command: its name, its function, its purpose and an example."""
@@ -29,11 +33,46 @@ What a command takes:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Argument parser whose error is one line."""
+    """Argument parser whose error is one line, and which refuses a second value of an option."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.register("action", None, _StoreOnce)  # of options without another action
 
     def error(self, message: str) -> NoReturn:
         """Print the fault, and how to list the options; then exit."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a value that is no choice, and suggest the choice of a similar name."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            error.message += did_you_mean(value, action.choices or ())
+            raise
+
+
+class _StoreOnce(argparse.Action):
+    """Action of an option with one value, of which argparse would take the last one."""
+
+    is_set = False
+
+    def __call__(self, parser: Any, namespace: Any, value: Any, name: str | None = None) -> None:
+        if self.is_set:
+            parser.error(f"{name} is given twice; give it once")
+        self.is_set = True
+        setattr(namespace, self.dest, value)
+
+
+class _StoreEntry(argparse.Action):
+    """Action of an option KEY=VALUE that may be repeated: collect the values by key."""
+
+    def __call__(self, parser: Any, namespace: Any, entry: Any, name: str | None = None) -> None:
+        key, value = entry
+        entries = getattr(namespace, self.dest)
+        if key in entries:
+            parser.error(f"{key} is given twice; give it once")
+        setattr(namespace, self.dest, {**entries, key: value})
 
 
 class _Version(argparse.Action):
@@ -49,11 +88,35 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     irg = whole_parser()
     options, unknown = irg.parse_known_args(arguments)
     if unknown:  # reported by the command's parser, whose help has its options
-        options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
+        hint = _hint(unknown[0].partition("=")[0], options.parser)
+        options.parser.error(f"unknown option or argument: {' '.join(unknown)}{hint}")
     if options.parser is irg:
         irg.print_help(sys.stderr)
         irg.exit(2, "irg: give a command\n")
+    _refuse_to_overwrite_an_input(options)
     return options
+
+
+def _hint(word: str, command: argparse.ArgumentParser) -> str:
+    """Hint for an unknown option, such as an option of a similar name; empty for other words."""
+    names = re.findall(r"--?[a-z][a-z-]*", command.format_help())
+    if word in names:
+        return f"; options stand after the command: {command.prog} … {word}"
+    if not word.startswith("-"):
+        return ""
+    suggestion = did_you_mean(word, names)
+    if not suggestion and "--set" in names:
+        return "; to change an entry of the scene, use --set KEY=VALUE"
+    return suggestion
+
+
+def _refuse_to_overwrite_an_input(options: argparse.Namespace) -> None:
+    """Exit with an error if the output of a command is a file that it reads."""
+    paths = {name: path for name, path in vars(options).items() if isinstance(path, Path)}
+    out = paths.pop("output", None)
+    with suppress(OSError):  # such as a name that is too long, which the command reports
+        if out and out.is_file() and any(p.exists() and out.samefile(p) for p in paths.values()):
+            options.parser.error(f"{out} is an input of this command; choose another output file")
 
 
 def whole_parser() -> argparse.ArgumentParser:
@@ -282,6 +345,11 @@ def _several(command: Any, words: str, use: str, read: Any) -> None:
     _value(command, words, f"{use}; can be repeated", read, action="append", default=[])
 
 
+def _entries(command: Any, words: str, use: str, read: Any) -> None:
+    """Add an option KEY=VALUE that may be repeated, with its values in a dictionary."""
+    _value(command, words, f"{use}; can be repeated", read, action=_StoreEntry, default={})
+
+
 def _quantity(command: Any, words: str, use: str, like: str, **more: Any) -> None:
     """Add an option for a quantity above 0 with a unit."""
     _value(command, words, f'{use}, like "{like}"', values.quantity(like), **more)
@@ -301,7 +369,7 @@ def _scene(command: Any) -> None:
         "change a numerical setting, such as increments=50, or a scene entry, such as "
         "wear.pattern=local or without=motion"
     )
-    _several(command, "--set KEY=VALUE", words, values.setting)
+    _entries(command, "--set KEY=VALUE", words, values.setting)
 
 
 def _workers(command: Any) -> None:
@@ -356,6 +424,6 @@ def _judgement(command: argparse.ArgumentParser) -> None:
         'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
         'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'
     )
-    _several(command, "--at KEY=VALUE", words, partial(values.pair, like='"pin.radius=2 mm"'))
+    _entries(command, "--at KEY=VALUE", words, partial(values.pair, like='"pin.radius=2 mm"'))
     _conditions(command)
     _flag(command, "--without-tests", "ignore the tests of the scene")

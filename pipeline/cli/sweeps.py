@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 from contextlib import nullcontext, suppress
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,11 +23,13 @@ from pipeline.cli.inputs import scene_in, values_in
 from pipeline.cli.output import Result, print_note
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.schema import PLANE
-from tribo import InputError
+from tribo import Fidelity, InputError
 
 
 def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
+    if options.accuracy is not None:
+        _refuse_numerical_settings(options)
     if options.dry_run:
         options.output = None  # the path of the store; irg check would write its table to it
         return check(options)
@@ -77,6 +80,16 @@ def run(options: argparse.Namespace) -> Result:
         text += _ending(ds, shlex.quote(str(out)))
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
     return Result(document, text, pipeline.points_with_warnings(ds), code=code)
+
+
+def _refuse_numerical_settings(options: argparse.Namespace) -> None:
+    """Raise an `InputError` for numerical settings, which an accuracy goal would replace."""
+    names = {"preset", *(field.name for field in fields(Fidelity))}
+    keys = (key for key in options.set if key.removeprefix("fidelity.") in names)
+    settings = ["--preset"] * (options.preset is not None) + [f"--set {key}" for key in keys]
+    if settings:
+        listed = ", ".join(settings)
+        raise InputError(f"--accuracy chooses the numerical settings; leave out {listed}")
 
 
 def _ending(ds: xr.Dataset, store: str) -> list[str]:

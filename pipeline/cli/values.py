@@ -33,13 +33,15 @@ def _refusing(read: Callable[..., T]) -> Callable[..., T]:
 def quantity(like: str) -> Callable[[str], float]:
     """Return a function that converts text such as `like`, a quantity above 0, to SI."""
 
-    @_refusing
     def read(text: str) -> float:
         from pipeline.units import to_si
 
-        value = to_si(text, like)
+        try:
+            value = to_si(text, like)
+        except ValueError as error:
+            raise ArgumentTypeError(f'{error}; example: "{like}"') from error
         if not 0 < value < math.inf:
-            raise ValueError(f'"{text}" must be above 0, such as "{like}"')
+            raise ArgumentTypeError(f'"{text}" must be above 0, such as "{like}"')
         return value
 
     return read
@@ -71,7 +73,7 @@ def number(text: str) -> float:
 def share(text: str) -> float:
     """Read a share between 0 and 1, such as 2% or 0.02."""
     if not 0 < (value := number(text)) < 1:
-        raise ArgumentTypeError(f'"{text}" is not a fraction between 0 and 1')
+        raise ArgumentTypeError(f'"{text}" is not a fraction between 0 and 1, such as 2%')
     return value
 
 

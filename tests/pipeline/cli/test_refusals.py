@@ -17,6 +17,7 @@ def over_itself(*arguments):
     def build():
         Path("duty.csv").write_text("load [N],velocity [m/s]\n250,1\n")
         Path("link.csv").symlink_to("duty.csv")
+        Path("scene.csv").write_text(SCENE)
         return command(*arguments)
 
     return build
@@ -40,7 +41,7 @@ def recorded():
 
 REFUSALS = {
     # values of options
-    "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit'),
+    "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit; example: "750 N"'),
     "not above 0": (irg("plot", "a.zarr", "--load=-5N"), '"-5N" must be above 0'),
     "critical": (irg("boundary", "tiny.zarr", "--critical-temperature", "20 degC"),
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
@@ -62,6 +63,8 @@ REFUSALS = {
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" is not of the form KEY'),
     # files that are read and would be written
+    "over a scene": (over_itself("check", "scene.csv", "-o", "scene.csv"),
+                     "scene.csv is an input of this command; choose another output file"),
     "over a link": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "link.csv"),
                     "link.csv is an input of this command; choose another output file"),
     # options that do not go together
@@ -70,6 +73,16 @@ REFUSALS = {
     "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius does not vary"),
     "twice": (irg("margin", "tiny.zarr", *POINT, "--friction=0.1", "--at=friction.coefficient=0.2"),
               "friction.coefficient is given twice"),
+    "set twice": (irg("point", "first_try", *POINT, "--friction=0.1",
+                      "--set=friction.coefficient=0.2"), "friction.coefficient is given twice"),
+    "load twice": (irg("margin", "tiny.zarr", *POINT, "--load", "600 N"),
+                   "irg margin: --load is given twice; give it once"),
+    "entry twice": (irg("check", "first_try", "--set=increments=50", "--set=increments=60"),
+                    "irg check: increments is given twice; give it once"),
+    "accuracy and preset": (irg("run", "first_try", "--accuracy", "2%", "--preset", "fine", "-n"),
+                            "--accuracy chooses the numerical settings; leave out --preset"),
+    "accuracy and settings": (irg("run", "first_try", "--accuracy=2%", "--set=increments=5"),
+                              "leave out --set increments"),
     "no scan": (irg("surface"), "give a SCAN, or --ra RA and --rsm RSM"),
     "a figure of no scan": (irg("surface", "--ra=0.2 um", "--rsm=60 um", "-o", "a.png"),
                             "a figure needs a SCAN; leave -o out"),
@@ -93,11 +106,17 @@ REFUSALS = {
                  "run the scene with pin.radius = 3 mm into another store"),
     # words that are not understood
     "nothing": (irg("run"), "SCENE.toml"),
-    "a command": (irg("boundry", "a.zarr"), "invalid choice: 'boundry'"),
-    "a kind": (irg("plot", "a.zarr", "--kind", "ram"), "invalid choice: 'ram'"),
+    "a command": (irg("boundry", "a.zarr"), "(did you mean \"boundary\"?)"),
+    "swapped letters": (irg("rnu", "first_try"), "(did you mean \"run\"?)"),
+    "a kind": (irg("plot", "a.zarr", "--kind", "ram"), "(did you mean \"ramp\"?)"),
     "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "use a decimal point"),
     "of another": (irg("status", "a.zarr", "--friction", "0.1"),
-                   "unknown option or argument: --friction 0.1"),
+                   "unknown option or argument: --friction 0.1; see"),
+    "an option": (irg("boundary", "a.zarr", "--frction", "0.1"), '(did you mean "--friction"?)'),
+    "an entry": (irg("run", "first_try", "--speed", "2 m/s"),
+                 "to change an entry of the scene, use --set KEY=VALUE"),
+    "order": (irg("--quiet", "status", "a.zarr"),
+              "options stand after the command: irg status … --quiet"),
     "both": (irg("run", "a.toml", "--workers", "2", "--scheduler", "tcp://a:1"), "not allowed"),
 }  # fmt: skip
 
