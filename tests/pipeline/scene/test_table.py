@@ -95,7 +95,7 @@ def test_columns_without_a_meaning_are_named_once(tmp_path):
 
 def test_a_column_that_is_no_entry_of_a_test_is_refused():
     table = {"load": [300.0], "velocity": [1.5], "outcome": ["mild"], "remark": ["a"]}
-    with pytest.raises(InputError, match='"remark" is unknown; rename it to one of load, velocity'):
+    with pytest.raises(InputError, match='"remark" is unknown; rename it to one of velocity, load'):
         rows_of(read_table(table, 9), TEST.keys, faults_in)
     table.pop("remark")
     (row,) = rows_of(read_table(table, 9), TEST.keys, faults_in)
