@@ -23,7 +23,7 @@ The public names, in the order of work:
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
   `WarningKind`
 - verdict: `Conditions`, `judge`, `Verdict`, `QUANTILES`
-- effects that act after the simulation: `Corrections`, `Friction`, `Track`, `Disc`
+- effects that act after the simulation: `Corrections`, `Track`, `Disc`
 - oil film: `Oil`, `lubrication_regime`
 - closed forms: `analytic`
 - errors: `TriboError`, `InputError`, `ConvergenceError`, `InvariantError`
@@ -50,7 +50,6 @@ from .simulation import Corrections as Corrections
 from .simulation import Crowned as Crowned
 from .simulation import Cylinder as Cylinder
 from .simulation import Fidelity as Fidelity
-from .simulation import Friction as Friction
 from .simulation import Motion as Motion
 from .simulation import Pin as Pin
 from .simulation import Scene as Scene

@@ -449,7 +449,7 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
         for name, value in {
             "test": test.number, "outcome": test.outcome,
             "load": test.normal_load, "velocity": test.velocity,
-            "friction": test_conditions.friction_at(test.velocity) if test_conditions else math.nan,
+            "friction": test_conditions.friction if test_conditions else math.nan,
             "bulk_temperature": test_conditions.bulk_temperature if test_conditions else math.nan,
             "governing_temperature": row.temperature,
             "log_rise_ratio": row.mild if math.isnan(row.severe) else row.severe,

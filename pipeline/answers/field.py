@@ -41,7 +41,6 @@ class Field:
     loads: Array
     velocities: Array
     plane: Array
-    factor: Callable[[Array], Array] = np.ones_like  #: Factor on exp(field), by velocity.
 
     @functools.cached_property
     def is_known(self) -> Mask:
@@ -63,7 +62,7 @@ class Field:
 
     @functools.cached_property
     def curves(self) -> list[tuple[Indices, Pchip]]:
-        """Curves over ln(velocity), without the factor, of loads known at the same velocities."""
+        """Curves over ln(velocity) of loads known at the same velocities."""
         return [
             (rows, Pchip(np.log(self.velocities[known]), self.plane[np.ix_(rows, known)].T))
             for known, rows in _group_equal_rows(self.is_known)
@@ -78,7 +77,7 @@ class Field:
         values = np.full((len(self.loads), len(velocities)), np.nan)
         for rows, curves in self.curves:
             values[rows] = curves.beyond(np.log(velocities)).T
-        return values if self._is_plain else values + np.log(self.factor(velocities))
+        return values
 
     def __call__(self, loads: Array, velocities: Array) -> Array:
         """Values at k pairs of load and velocity; NaN outside the loads."""
@@ -166,7 +165,7 @@ class Field:
         extends by this factor beyond all velocities.
         """
         x = self.velocities
-        parts = 1 if np.isin(loads, self.loads).all() and self._is_plain else PARTS
+        parts = 1 if np.isin(loads, self.loads).all() else PARTS
         inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(parts) / parts
         factors = np.geomspace(1.0, reach, _BEYOND_PARTS if reach > 1 else 1)[1:]
         nodes = np.concatenate([x[0] / factors[::-1], inner.ravel(), x[-1:], x[-1] * factors])
@@ -202,8 +201,6 @@ class Field:
         """
         first, last = (end[rows] for end in self._velocity_limits)
         is_inside = (first <= velocities) & (velocities <= last)
-        if not self._is_plain:
-            return is_inside, is_inside
         end_columns = (
             np.searchsorted(self.velocities, np.nan_to_num(end)) for end in self._velocity_limits
         )
@@ -214,11 +211,6 @@ class Field:
         is_mild, is_severe = (velocities < first) & (low <= levels), high > levels
         is_decided_beyond = is_mild | ((velocities > last) & is_severe)
         return is_inside, is_inside | (np.isin(rows, self.curve_rows) & is_decided_beyond)
-
-    @property
-    def _is_plain(self) -> bool:
-        """True if the field grows with velocity beyond its points."""
-        return self.factor is np.ones_like
 
 
 Outcome = IntEnum(
@@ -278,17 +270,10 @@ class Lines(NamedTuple):
         """Lowest crossing to severe wear (k,); NaN without one, or if severe at the start."""
         return np.where(self.severe_at_start, np.nan, np.fmin.reduce(self.crossings, axis=1))
 
-    def outcomes(self, ends: tuple[float, float], turns_back: bool = False) -> Indices:
-        """Codes of `Outcome` (k,); `ends` are the lowest and highest position in the sweep.
-
-        `turns_back` is True if wear may change beyond either end of a line.
-        """
+    def outcomes(self, ends: tuple[float, float]) -> Indices:
+        """Codes of `Outcome` (k,); `ends` are the lowest and highest position in the sweep."""
         reaches_first, reaches_last = self.low <= ends[0], self.high >= ends[1]
-        covers_sweep = (
-            reaches_first & reaches_last
-            if turns_back
-            else np.where(self.severe_at_start, reaches_first, reaches_last)
-        )
+        covers_sweep = np.where(self.severe_at_start, reaches_first, reaches_last)
         count = np.isfinite(self.crossings).sum(axis=1)
         uniform = np.where(self.severe_at_start, Outcome.SEVERE, Outcome.MILD)
         partial = np.where(

@@ -45,7 +45,7 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     """
     case = cases_of(ds)[0]
     case_conditions = override_conditions(case.conditions, conditions)
-    y = case.log_rises(case_conditions) + np.log(case_conditions.friction_factor(case.velocities))
+    y = case.log_rises(case_conditions)
     model = JudgedCase(case).under(case_conditions)
     failed, pending = (case.status == code for code in (FAILED, PENDING))
     masks = case.done & (y > model.limit), case.done, failed, pending

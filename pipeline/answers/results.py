@@ -248,8 +248,7 @@ class CaseResults:
     def log_rises(self, conditions: Conditions) -> Array:
         """ln(rise) at the worst step of each point, NaN if it is not done.
 
-        The rise [K] is the governing one, per unit friction coefficient, without the effect of
-        velocity on friction.
+        The rise [K] is the governing one, per unit friction coefficient.
         """
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
@@ -262,7 +261,7 @@ class CaseResults:
         rises = np.concatenate(
             [worst_rises(columns, thresholds, conditions) for columns in self._parts(names)]
         )
-        rises = np.where(self.done, rises / conditions.friction_factor(self.velocities), np.nan)
+        rises = np.where(self.done, rises, np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
     def sampling(self, conditions: Conditions) -> Array:

@@ -38,16 +38,10 @@ def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) ->
 
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
     """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
-    frictions = {test.velocity: test.case.conditions.friction_at(test.velocity) for test in tests}
-    is_equal = (
-        math.isclose(friction, conditions.friction_at(velocity), rel_tol=_SAME)
-        for velocity, friction in frictions.items()
-    )
-    if all(is_equal):
+    frictions = [test.case.conditions.friction for test in tests]
+    if all(math.isclose(friction, conditions.friction, rel_tol=_SAME) for friction in frictions):
         return ""
-    ends = dict.fromkeys(
-        f"{friction:.3g}" for friction in (min(frictions.values()), max(frictions.values()))
-    )
+    ends = dict.fromkeys(f"{friction:.3g}" for friction in (min(frictions), max(frictions)))
     return f" (tests {' to '.join(ends)})"
 
 

@@ -15,7 +15,6 @@ control variate whose slope is fixed beforehand.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,16 +99,14 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
             kinds = np.bitwise_or.reduceat(kinds, starts, axis)
             durations = np.maximum.reduceat(durations, starts, axis)
     loads, velocities = axes
-    factor = conditions.friction_factor if conditions.has_friction_curve else np.ones_like
     is_highest = conditions.critical_area_fraction == 0
     jackknife = JackknifeQuality.of(case.sweep.scene)
-    return merged(loads, velocities, y, sampling, kinds, durations, factor, is_highest, jackknife)
+    return merged(loads, velocities, y, sampling, kinds, durations, is_highest, jackknife)
 
 
 def merged(
     loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
-    factor: Callable[[Array], Array] = np.ones_like, is_highest: bool = False,
-    jackknife: JackknifeQuality = SWEPT,
+    is_highest: bool = False, jackknife: JackknifeQuality = SWEPT,
 ) -> Specimen:  # fmt: skip
     """Specimen from ln(rise) `y` of realizations (m, n_load, n_velocity), NaN without a result.
 
@@ -127,7 +124,7 @@ def merged(
     mean = mean_of_realizations(loads, differences, sampling, jackknife, is_highest)
     offset = _interpolate_loads(loads, mean.offset, np.asarray(is_counted.any(axis=0)))
     plane = np.where(is_single[:, None], np.nan, level + offset)
-    field = Field(loads, velocities, plane, factor)
+    field = Field(loads, velocities, plane)
     mean = mean._replace(offset=offset)
     return Specimen(field, differences, mean, flags, durations, is_highest, jackknife)
 

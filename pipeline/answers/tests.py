@@ -149,7 +149,7 @@ class Evidence:
             ):
                 continue
             point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-            friction = f"friction {conditions.friction_at(test.velocity):.3g}"
+            friction = f"friction {conditions.friction:.3g}"
             bulk = display(conditions.bulk_temperature, "°C", 3)
             yield f"{test.outcome} at {point}, {friction}, bulk temperature {bulk}"
 
@@ -236,10 +236,7 @@ def ruled_out(
     """
     masks = {kind: np.zeros(len(points.load), bool) for kind in ("severe", "mild")}
     names = [list[str]() for _ in points.load]
-    point_values = [
-        points.load, points.velocity, points.friction * conditions.friction_factor(points.velocity),
-        points.bulk_temperature,
-    ]  # fmt: skip
+    point_values = [points.load, points.velocity, points.friction, points.bulk_temperature]
     for row in evidence.rows:
         test_conditions, test = row.conditions, row.test
         if test_conditions is None or test.case.scene != case.sweep.scene:
@@ -247,11 +244,7 @@ def ruled_out(
         for kind, point in (("severe", test.points[-1]), ("mild", test.points[0])):
             if test.outcome not in (kind, "transition") or (kind == "mild" and row.is_outside):
                 continue
-            test_values = [
-                *point,
-                test_conditions.friction_at(point[1]),
-                test_conditions.bulk_temperature,
-            ]
+            test_values = [*point, test_conditions.friction, test_conditions.bulk_temperature]
             signs = np.array([_sign(a, b) for a, b in zip(point_values, test_values, strict=True)])
             signs = signs if kind == "severe" else -signs
             is_ruled_out = (signs >= 0).all(axis=0)

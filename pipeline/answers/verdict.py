@@ -276,8 +276,7 @@ class VerdictModel:
         find_lines = self.field.along_velocity if axis == "velocity" else self.field.along_load
         lines = find_lines(line_values, levels)
         critical, is_outside = self._inside(axis, points, lines)
-        turns_back = axis == "velocity" and self.conditions.has_friction_curve
-        codes = lines.outcomes(self.ranges[axis], turns_back)
+        codes = lines.outcomes(self.ranges[axis])
         codes = np.where(is_outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
         if len(self.field.velocities if axis == "velocity" else self.field.loads) == 1:
             codes[:] = Outcome.NO_LINE

@@ -53,8 +53,7 @@ class DrawnCase(NamedTuple):
 
     def rises(self, conditions: Conditions) -> Array:
         """Rises at the points (load, velocity) [K]; NaN at points that are not done."""
-        rises = np.exp(self.case.log_rises(conditions)[0])
-        return np.asarray(rises * conditions.friction_factor(self.case.velocities))
+        return np.asarray(np.exp(self.case.log_rises(conditions)[0]))
 
     def title(self, *more: str) -> str:
         """Title of the figure."""

@@ -1,8 +1,7 @@
 """Critical velocities at one load, from as few points as possible.
 
-y = ln(rise/limit) is known at the simulated points. Between and beyond them, y − ln(µ) is assumed
-to rise with ln(velocity) with slopes in `RISE_SLOPES`. This bounds y, whose sign is then known or
-open.
+y = ln(rise/limit) is known at the simulated points. Between and beyond them, it is assumed to rise
+with ln(velocity) with slopes in `RISE_SLOPES`. This bounds y, whose sign is then known or open.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
@@ -20,7 +18,7 @@ from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STE
 from tribo.types import Array, Indices, Mask
 
 _MIN_RANGE = 1e-9  # of ln(velocity), if there is only one velocity
-_PARTS = 64  # parts of an interval of velocities in `sign_grid`
+_PARTS = 64  # parts of an interval of velocities, at whose ends the sign is evaluated
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,17 +26,11 @@ class Line:
     """ln(rise/limit) at the velocities of one load.
 
     `x` (n,) is ln(velocity), ascending, of the points that can be computed; `y` (n,) is NaN where
-    not computed. `friction` is ln(µ) relative to the nominal coefficient, on `sign_grid`.
+    not computed.
     """
 
     x: Array
     y: Array
-    friction: Array
-
-    @classmethod
-    def from_heat(cls, x: Array, heat: Array, friction: Array) -> Self:
-        """Line from y − ln(µ) at the velocities, and ln(µ) on their `sign_grid`."""
-        return cls(x, heat + friction[::_PARTS][: len(x)], friction)
 
     @functools.cached_property
     def known(self) -> Indices:
@@ -47,37 +39,33 @@ class Line:
 
     @functools.cached_property
     def _grid(self) -> Array:
-        return sign_grid(self.x)
-
-    @property
-    def _friction_varies(self) -> bool:
-        """True if friction varies with velocity, so that the sign may change several times."""
-        return bool(np.ptp(self.friction) > 0)
+        """ln(velocity) at which the sign is evaluated: `x`, and 63 values in each interval."""
+        count = len(self.x)
+        return np.interp(np.arange(_PARTS * (count - 1) + 1) / _PARTS, np.arange(count), self.x)
 
     @functools.cached_property
     def _curve(self) -> tuple[Array, Array, Array]:
         """Lower bound, estimate and upper bound of y on the grid."""
-        grid, x = self._grid, self.x[self.known]
-        heat = (self.y - self.friction[::_PARTS])[self.known]  # y − ln(µ)
-        slopes = np.diff(heat) / np.diff(x)
+        grid, x, y = self._grid, self.x[self.known], self.y[self.known]
+        slopes = np.diff(y) / np.diff(x)
         # The range of slopes includes those between computed points.
         usual, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST], RISE_SLOPES
         gentle, steep = min(gentle, usual.min(initial=gentle)), max(steep, usual.max(initial=steep))
         distance = grid - x[:, None]
         bounds = [
-            np.where(distance > 0, below, above) * distance + heat[:, None]
+            np.where(distance > 0, below, above) * distance + y[:, None]
             for below, above in ((gentle, steep), (steep, gentle))
         ]
         low, high = np.sort([bounds[0].max(axis=0), bounds[1].min(axis=0)], axis=0)
         estimate = (low + high) / 2
         if len(x) > 1:
             # A monotone cubic, continued with the mean slope beyond the computed points.
-            clipped, mean_slope = np.clip(grid, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
-            cubic = Pchip(x, heat[:, None]).beyond(clipped)[:, 0] + mean_slope * (grid - clipped)
+            clipped, mean_slope = np.clip(grid, x[0], x[-1]), (y[-1] - y[0]) / (x[-1] - x[0])
+            cubic = Pchip(x, y[:, None]).beyond(clipped)[:, 0] + mean_slope * (grid - clipped)
             estimate = np.clip(cubic, low, high)
             margin = ROUGH_LINE + CURVATURE * _sagitta(x, grid)
             low, high = np.maximum(low, estimate - margin), np.minimum(high, estimate + margin)
-        return low + self.friction, estimate + self.friction, high + self.friction
+        return low, estimate, high
 
     def crossings(self) -> Array:
         """ln(velocity) at which wear changes, ascending."""
@@ -111,7 +99,6 @@ class Line:
         indices = (
             self._most_doubtful(is_open),
             self._near_uncertain_crossing(is_open, tolerance),
-            self._near_possible_crossing(is_open),
             self._end_velocity(is_open),
         )
         return next((index for index in indices if index is not None), None)
@@ -132,11 +119,10 @@ class Line:
 
     def _near_uncertain_crossing(self, is_open: Mask, tolerance: float) -> int | None:
         """Uncomputed velocity next to a crossing whose interpolation error is too large."""
-        x, known = self.x, self.known
-        heat = (self.y - self.friction[::_PARTS])[known]
+        x, y, known = self.x, self.y, self.known
         for crossing in self.crossings():
-            error = curve_errors(x[known], heat, np.array([crossing]))[0]
-            slope = max(np.diff(heat).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
+            error = curve_errors(x[known], y[known], np.array([crossing]))[0]
+            slope = max(np.diff(y[known]).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
             after = int(np.searchsorted(x[known], crossing))
             low = known[after - 1] if after else -1
             high = known[after] if after < len(known) else len(x)
@@ -151,33 +137,15 @@ class Line:
                     return int(neighbour)
         return None
 
-    def _near_possible_crossing(self, is_open: Mask) -> int | None:
-        """Uncomputed velocity next to two of equal sign, if the sign may change between them."""
-        low, _, high = self._curve
-        for first in np.flatnonzero(~is_open[:-1] & ~is_open[1:]).tolist():
-            interval = slice(_PARTS * first + 1, _PARTS * (first + 1))
-            may_turn = self._friction_varies and np.any((low[interval] < 0) & (high[interval] > 0))
-            if may_turn and (self.y[first] > 0) == (self.y[first + 1] > 0):
-                for neighbour in (first - 1, first + 2):
-                    if 0 <= neighbour < len(self.x) and is_open[neighbour]:
-                        return int(neighbour)
-        return None
-
     def _end_velocity(self, is_open: Mask) -> int | None:
         """Uncomputed velocity at an end of a line without a crossing, to confirm this."""
         if self.crossings().size:
             return None
-        # With constant friction one end decides: the highest if wear is mild, else the lowest.
-        # The point next to it gives the slope there.
+        # One end decides: the highest if wear is mild, else the lowest. The point next to it gives
+        # the slope there.
         last = len(self.x) - 1
-        end, neighbour, other_end = (0, 1, last) if self.is_severe else (last, last - 1, 0)
-        candidates = (end, other_end) if self._friction_varies else (end, neighbour)
+        candidates = (0, 1) if self.is_severe else (last, last - 1)
         return next((k for k in candidates if 0 <= k <= last and is_open[k]), None)
-
-
-def sign_grid(x: Array) -> Array:
-    """ln(velocity) at which the sign is evaluated: `x`, and 63 values in each interval."""
-    return np.interp(np.arange(_PARTS * (len(x) - 1) + 1) / _PARTS, np.arange(len(x)), x)
 
 
 def _sagitta(x: Array, grid: Array) -> Array:

@@ -32,14 +32,13 @@ from pipeline.answers.specimen import (
     realizations_share,
 )
 from pipeline.constants import GAP_SHARE, LOAD_SHARE, VELOCITY_SHARE
-from pipeline.run.line_search import Line, sign_grid
+from pipeline.run.line_search import Line
 from tribo.types import Array, Indices, Mask
 
 MOST_REALIZATIONS = 256
 _SLOPE = -0.8  # first guess of the slope of ln(critical velocity) over ln(load)
 _MIN_DISTANCE = 0.005  # between a further velocity and those of the sweep, in ln(velocity)
 _MAX_FAILED = 3  # failed points of a load without a done one, after which its others are omitted
-_LEAST_FACTOR = 1e-6  # replaces a friction factor of 0
 
 
 class Place(NamedTuple):
@@ -182,11 +181,7 @@ class Search:
         for log_ratios, failed in zip(self.first, tried & np.isnan(self.first), strict=True):
             is_given_up = failed.sum() >= _MAX_FAILED and not np.isfinite(log_ratios).any()
             columns = np.flatnonzero(~failed & (not is_given_up))
-            x = np.log(self.velocities[columns])
-            velocities = np.exp(sign_grid(x)) if len(x) else np.ones(1)
-            factor = self.specimen.field.factor(velocities)
-            friction = np.log(np.maximum(factor, _LEAST_FACTOR))
-            lines.append((Line.from_heat(x, log_ratios[columns], friction), columns))
+            lines.append((Line(np.log(self.velocities[columns]), log_ratios[columns]), columns))
         return lines
 
     def _first_realization_places(self, loads: set[int]) -> list[Place]:

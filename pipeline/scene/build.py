@@ -254,21 +254,13 @@ def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
 
 
 def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
-    """Friction by velocity, and tracks that earlier turns have warmed; None without any."""
-    friction, pin = tables.friction, scene.pin
-    curve = sorted(
-        (row.velocity, row.coefficient / friction.coefficient) for row in friction.by_velocity or ()
-    )
+    """Tracks that earlier turns have warmed; None without any."""
+    pin = scene.pin
     tracks: dict[str, Any] = {
         "track": _track_of(tables.disk, pin, scene.disk),
         "pin_track": _track_of(tables.pin, pin, pin.material),
     }
-    corrections = tribo.Corrections(
-        friction=tribo.Friction(by_velocity=tuple(curve)),
-        motion=scene.motion if any(tracks.values()) else None,
-        **tracks,
-    )
-    return corrections if corrections != tribo.Corrections() else None
+    return tribo.Corrections(motion=scene.motion, **tracks) if any(tracks.values()) else None
 
 
 def _track_of(body: Any, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.limits import MOST_SCENES
 from pipeline.scene.build import Built, Files, build, realizations_of
-from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
+from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import SceneFile, TableFile
 from pipeline.scene.kinds import LOAD, SPEED
@@ -179,9 +179,7 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
         for head, (_, unit) in parsed.items()
     }
     labels = [{columns[head].name: parsed[head][0][k] for head in heads} for k in range(len(rows))]
-    # A friction measured at a point replaces the friction curve.
-    curves = {CURVE: None} if FRICTION in parsed else {}
-    changes = [curves | {path: value for path, value in row.items() if "." in path} for row in rows]
+    changes = [{path: value for path, value in row.items() if "." in path} for row in rows]
     return Cases(numbered_cases(columns.values(), labels), changes)
 
 

@@ -173,12 +173,6 @@ def _unfit_friction(scene: Any) -> Misfits:
     friction = scene.friction
     if friction.band and friction.band[0] > friction.band[1]:
         yield "friction.band", f"{quoted(list(friction.band))} falls; give the lower one first"
-    nodes = [row.velocity for row in friction.by_velocity or ()]
-    if twice := [node for node in nodes if nodes.count(node) > 1]:
-        yield "friction.by_velocity", f"has {display(twice[0], 'm/s')} twice; give each once"
-    if nodes and friction.coefficient == 0:
-        words = "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
-        yield "friction.coefficient", words
 
 
 def track_length(body: Body) -> float | None:

@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 Entries = Mapping[str, Any]
-FRICTION = "friction.coefficient"
-CURVE = "friction.by_velocity"
 _REPLACED = {"count": "step", "step": "count"}
 """Keys of a range that replace each other in a scene that extends another."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
@@ -60,14 +58,9 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
     """Return tables with the entries at several paths replaced by `values`.
 
-    If the coefficient of friction is replaced, the coefficients in ``friction.by_velocity`` change
-    in proportion, unless they are themselves in `values`. A new preset replaces all other choices.
+    A new preset replaces all other choices.
     """
-    values, changed = dict(values), dict(tables)
-    old, new = entry_at(tables, FRICTION), values.get(FRICTION)
-    are_numbers = isinstance(old, int | float) and old and isinstance(new, int | float)
-    if are_numbers and CURVE not in values and (curve := entry_at(tables, CURVE)):
-        values[CURVE] = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
+    changed = dict(tables)
     if "fidelity.preset" in values:
         changed.pop("fidelity", None)
     for path, value in values.items():

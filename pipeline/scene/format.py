@@ -18,7 +18,6 @@ from pipeline.scene.kinds import (
     HOLD,
     LOAD,
     SIZE,
-    SPEED,
     VELOCITY,
     Flag,
     Integer,
@@ -266,19 +265,12 @@ class OilTable(Declared):
         Quantity("20 1/GPa", name="a pressure coefficient"),
         "Pressure–viscosity coefficient. Without it, no film thickness is predicted."] = None
 
-class FrictionByVelocity(Declared):
-    velocity: A[float, SPEED, "Sliding velocity."]
-    coefficient: A[float, FRICTION, "Coefficient of friction."]
-
 class FrictionTable(Declared):
     coefficient: A[float, FRICTION,
-        "Coefficient of friction. If it is changed later (`--at`, `--friction`), the values of "
-        "`by_velocity` change in proportion; if it is changed in the scene (`--set`), they stay."]
+        "Coefficient of friction."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
         "Lowest and highest coefficient; the diagram draws the boundary of both as thin "
         "lines."] = None
-    by_velocity: A[tuple[FrictionByVelocity, ...],
-        f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
 
 class Temperature(Declared):
     bulk: A[float, BULK, "Temperature of both bodies far from the contact."]

@@ -110,7 +110,8 @@ def test_case(case: Case, number: int, entry: Any) -> Case:
     conditions = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
     if entry.bulk_temperature is not None:
         conditions = replace(conditions, bulk_temperature=entry.bulk_temperature)
-    conditions = conditions.replace_friction(entry.friction)
+    if entry.friction is not None:
+        conditions = replace(conditions, friction=entry.friction)
     scene = case.scene
     if conditions.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)

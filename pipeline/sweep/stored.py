@@ -45,7 +45,7 @@ _CLASSES: dict[str, type] = {
     cls.__name__: cls
     for cls in (
         Sweep, Case, SpecimenTest, CaseTable, Column, StoredSteps, SceneWarning, FromLibrary,
-        MissingSurface, Conditions, tribo.Corrections, tribo.Friction, tribo.Track, tribo.Disc,
+        MissingSurface, Conditions, tribo.Corrections, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),

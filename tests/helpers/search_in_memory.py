@@ -44,7 +44,6 @@ class Told:
             _mean_square(self._sampling[:count]),
             self._flags,
             self._durations,
-            self.conditions.friction_factor if self.conditions.has_friction_curve else np.ones_like,
             is_highest,
             self._quality,
         )

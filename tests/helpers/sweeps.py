@@ -60,7 +60,7 @@ def with_fields(ds, **values):
 def deciding_rise(ds, conditions):
     """Deciding rise [K] at friction 1 of each point as a labelled array; NaN if not done."""
     (case,) = cases_of(ds)
-    rises = np.exp(case.log_rises(conditions)) * conditions.friction_factor(case.velocities)
+    rises = np.exp(case.log_rises(conditions))
     coords = {name: case.ds[name] for name in ("load", "velocity")}
     coords |= {"realization": ds["realization"]} if "realization" in ds.dims else {}
     rise = xr.DataArray(rises, coords, ("realization", *PLANE)).reindex(velocity=ds["velocity"])

@@ -10,9 +10,7 @@ from typing import Any
 from tribo.errors import InputError
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.simulation.corrections import Corrections
-from tribo.simulation.friction import Friction
 from tribo.thermal import QUANTILES, require_share, rise_exceeded
-from tribo.types import Array
 
 _NUMBERS = (
     "friction", "bulk_temperature", "critical_temperature", "added_rise_fraction",
@@ -36,8 +34,7 @@ class Conditions:
         Rise due to effects outside the model, as a fraction of the computed rise by friction: 0.06
         multiplies this by 1.06. It is above -1.
     corrections : Corrections or None
-        Warming of the tracks by earlier turns, and friction that depends on velocity; None without
-        corrections.
+        Warming of the tracks by earlier turns; None without any.
     critical_area_fraction : float
         Wear is severe if a larger share of the contact area than this one is above the critical
         temperature. It is at least 0 (the highest temperature decides) and below 1.
@@ -88,28 +85,6 @@ class Conditions:
         """Factor by which a rise per unit friction is multiplied: µ (1 + `added_rise_fraction`)."""
         return self.friction * (1 + self.added_rise_fraction)
 
-    @property
-    def friction_law(self) -> Friction:
-        """Dependence of friction on velocity, as factors on the coefficient `friction`."""
-        return self.corrections.friction if self.corrections else Friction()
-
-    @property
-    def has_friction_curve(self) -> bool:
-        """True if friction depends on the velocity."""
-        return bool(self.friction_law.by_velocity)
-
-    def friction_factor(self, velocity: Array | float) -> Array:
-        """Factor by which to multiply the coefficient `friction`, at sliding velocities [m/s].
-
-        It is 1 unless friction depends on velocity. The shape is that of `velocity`.
-        """
-        factor: Array = self.friction_law.at(velocity)
-        return factor
-
-    def friction_at(self, velocity: float) -> float:
-        """Coefficient of friction at a sliding velocity [m/s]."""
-        return self.friction * float(self.friction_factor(velocity))
-
     def governing_rise(self, columns: Mapping[str, Any]) -> Any:
         """Rise exceeded on the critical area fraction of the contact [K], (...).
 
@@ -128,16 +103,6 @@ class Conditions:
         if self.rise_factor == 0:
             return math.inf
         return (temperature - self.bulk_temperature) / self.rise_factor
-
-    def replace_friction(self, friction: float | None) -> Conditions:
-        """The conditions with a friction coefficient that was measured at one point.
-
-        It also replaces a curve of friction over velocity. With None nothing changes.
-        """
-        if friction is None:
-            return self
-        corrections = self.corrections and replace(self.corrections, friction=Friction())
-        return replace(self, friction=friction, corrections=corrections)
 
     def under(self, loading: Ramp | Stages | MeasuredLoad) -> Conditions:
         """The conditions with the load history of `loading` added to their corrections, if any."""

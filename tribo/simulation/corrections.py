@@ -1,8 +1,7 @@
 """Effects that the two half-spaces lack, applied to the results of a simulation.
 
-Friction that depends on velocity multiplies the rise per unit friction coefficient. Warming of the
-tracks by earlier turns is a thermal resistance in series with the half-spaces
-(`tribo.thermal.circuit_rise`). Both follow from the recorded values, without a new simulation.
+Warming of the tracks by earlier turns is a thermal resistance in series with the half-spaces
+(`tribo.thermal.circuit_rise`). It follows from the recorded values, without a new simulation.
 
 Earlier turns make a track warmer by w·s. Here w is its warming if all heat went into its body, and
 s is the body's share of the heat. That share is taken as constant in time, so that the track is a
@@ -13,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -21,7 +20,6 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.material import Material
-from tribo.simulation.friction import Curve, Friction
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
@@ -99,8 +97,6 @@ class Corrections:
 
     Attributes
     ----------
-    friction : Friction
-        Dependence of friction on velocity, as factors on the coefficient of `Conditions.friction`.
     track, pin_track : Track or None
         Tracks of disk and pin, which earlier turns have warmed. The track of a body at rest stays
         cold.
@@ -115,24 +111,16 @@ class Corrections:
 
     Examples
     --------
-    >>> falling = Corrections(friction=Friction(by_velocity=((1.0, 1.03), (4.0, 0.94))))
-    >>> falling.text
-    'friction by velocity, measured, 0.94 to 1.03 times the coefficient'
+    >>> ring = Track(0.34, 3.4e-3, 1.0, thermal_diffusivity=1.2275e-5, heat_capacity=3.666e6)
+    >>> Corrections(track=ring).text
+    'earlier turns of the disk, 0.34 m'
     """
 
-    friction: Friction = field(default_factory=Friction)
     track: Track | None = None
     pin_track: Track | None = None
     motion: Motion | None = None
     course: tuple[tuple[float, float], ...] = ()
     rate: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.friction.coefficient != 1:
-            raise InputError(
-                f"friction.coefficient is {self.friction.coefficient!r}; it must be 1, since the "
-                "conditions' coefficient scales it"
-            )
 
     def under(self, loading: Ramp | Stages | MeasuredLoad) -> Self:
         """Return these corrections with the load course or the load rate of `loading` filled in."""
@@ -147,9 +135,7 @@ class Corrections:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are set, by name, as values of built-in types."""
-        curves = {"by_velocity": self.friction.by_velocity}
         plain = asdict(self)
-        plain["friction"] = {k: [list(pair) for pair in v] for k, v in curves.items() if v}
         for name, track in (("track", self.track), ("pin_track", self.pin_track)):
             if track and track.disc:
                 plain[name] |= {"disc": track.disc.as_dict()}
@@ -159,28 +145,22 @@ class Corrections:
     def text(self) -> str:
         """The corrections that are set, in words, with their sizes."""
         sizes = {
-            "friction by velocity": _describe_curve(self.friction.by_velocity),
-            **{
-                f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
-                for body, track in (("pin", self.pin_track), ("disk", self.track))
-            },
+            f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
+            for body, track in (("pin", self.pin_track), ("disk", self.track))
         }
         return "; ".join(f"{name}, {size}" for name, size in sizes.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Contact temperature [K] to add to that of two half-spaces, per unit friction coefficient.
 
-        It is due to tracks that earlier turns have warmed. Effects on friction are not included.
+        It is due to tracks that earlier turns have warmed.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
         time. The result has their shape. At a step whose ``mean_rise`` is 0 or NaN, it is 0 or NaN.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         has_heat = np.isfinite(rise) & (rise > 0)
-        without_tracks = replace(
-            _NO_CORRECTIONS, friction=self.friction, course=self.course, rate=self.rate
-        )
-        if self == without_tracks or not has_heat.any():
+        if not self.keeps_heat or not has_heat.any():
             return np.zeros_like(rise)
         theta, F, t = rise[has_heat], load[has_heat], time[has_heat]
         share, V = columns["pin_heat_share"][has_heat], columns["sliding_distance"][has_heat] / t
@@ -206,21 +186,17 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Return `columns` with corrected rises per unit friction coefficient [K].
 
-        Each rise becomes (rise + `added_rise`) × the friction factor at its sliding velocity.
-        `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise`` and
-        ``rise_quantile``. All columns but the rises are returned unchanged.
+        Each rise becomes rise + `added_rise`. `columns` has variables by name: those of `NEEDED`,
+        and the rises ``max_rise`` and ``rise_quantile``. All columns but the rises are returned
+        unchanged.
         """
-        added, distance = self.added_rise(columns), columns["sliding_distance"]
-        factor = self.friction.at(distance / np.where(distance > 0, columns["time"], 1.0))
+        added = self.added_rise(columns)
         rises = {
-            name: (columns[name] + added[index]) * factor[index]
-            for name, index in _RISES.items()
-            if name in columns
+            name: columns[name] + added[index] for name, index in _RISES.items() if name in columns
         }
         return {**columns, **rises}
 
 
-_NO_CORRECTIONS = Corrections()
 _RISES: dict[str, Any] = {
     "max_rise": ...,
     "mean_rise": ...,
@@ -287,13 +263,6 @@ class _History(NamedTuple):
             np.append(peak * shares[is_earlier], loads[step]),
             width,
         )
-
-
-def _describe_curve(curve: Curve) -> str:
-    """Range of a friction curve's factors in words; empty for an empty `curve`."""
-    extremes = (f"{extreme(factor for _, factor in curve):.3g}" for extreme in (min, max) if curve)
-    factors = " to ".join(dict.fromkeys(extremes))
-    return factors and f"measured, {factors} times the coefficient"
 
 
 def _turn_resistance(

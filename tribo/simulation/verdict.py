@@ -43,7 +43,7 @@ class Verdict:
         Second part: the rise between two half-spaces, `Conditions.added_rise_fraction` included
         [K].
     added_rise : float
-        Third part: the rise added by earlier turns, and by friction that depends on velocity [K].
+        Third part: the rise added by earlier turns [K].
 
     Examples
     --------

@@ -143,11 +143,8 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
     scene = study.scene(_STORES[oil], changes)
     preset = "" if study.preset is None else f"_{study.preset}"
     _, ds = study.sweep(scene, f"heldout_{_STORES[oil]}{preset}")
-    found = []
-    for case in cases_of(ds):
-        own = case.sweep.conditions
-        found.append(case.log_rises(own) + np.log(own.friction_factor(case.velocities)))
-    rises = np.reshape(found, (*map(len, (transitions, lengths, _FACTORS)), -1))
+    log_rises = [case.log_rises(case.sweep.conditions) for case in cases_of(ds)]
+    rises = np.reshape(log_rises, (*map(len, (transitions, lengths, _FACTORS)), -1))
     # The surfaces belong to one specimen, whose rise is the mean of their logarithms.
     means = rises.mean(axis=-1)
     return [

@@ -129,7 +129,7 @@ def _explicit_end(sweep: Sweep) -> tuple[float, Array]:
     pressure = explicit_loop(sweep.scene, load, velocity)
     *_, last = sweep.scene.all_load_steps(load)
     rise = highest_rise(sweep.scene, pressure, velocity, last.time)
-    conditions = sweep.conditions.replace_friction(_POINT.friction)
+    conditions = replace(sweep.conditions, friction=_POINT.friction)
     return float(shown_in(conditions.contact_temperature(rise), "°C")), pressure
 
 

@@ -68,13 +68,13 @@ def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
     measured one), ``bulk``, the bulk temperature [K], and ``bearing_width`` [m]. This is the width
     across sliding of rows of elements that carry at least 5 % of the most loaded row.
     """
-    conditions, carried = sweep.conditions.replace_friction(friction), state.pressure.mean(axis=1)
+    conditions, carried = sweep.conditions, state.pressure.mean(axis=1)
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * sweep.scene.grid.spacing[0]
     return {
         **measures(sweep.scene, state),
         **state_rises(sweep.scene, state, None),
         "bulk": conditions.bulk_temperature,
-        "friction": conditions.friction,
+        "friction": conditions.friction if friction is None else friction,
         "bearing_width": bearing,
     }
 

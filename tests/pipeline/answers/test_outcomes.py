@@ -1,7 +1,5 @@
 """Outcomes along lines of a boundary agree with the points that are done."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,10 +7,8 @@ import pipeline
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
-from tribo import Corrections, Friction
 
 LOADS, VELOCITIES = (150.0, 200, 300, 450, 600, 750), (0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0)
-FALLING = Corrections(friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))))
 DONE = {
     "all": lambda load, velocity: True,
     "slow ones, and one more": lambda load, velocity: (
@@ -24,19 +20,13 @@ DONE = {
 CONDITIONS = {"as tested": {}, "hot": {"friction": 0.3}, "cold": {"friction": 0.05}}
 
 
-@pytest.mark.parametrize("corrections", [None, FALLING], ids=["constant", "falling friction"])
 @pytest.mark.parametrize("done", DONE)
 @pytest.mark.parametrize("conditions", CONDITIONS)
-def test_no_outcome_is_contradicted_by_points_that_are_not_done(conditions, done, corrections):
+def test_no_outcome_is_contradicted_by_points_that_are_not_done(conditions, done):
     status = {(F, V): PENDING for F in LOADS for V in VELOCITIES if not DONE[done](F, V)}
-    law = replace(synthetic.conditions(), corrections=corrections)
-    ds = synthetic.sweep(
-        LOADS, VELOCITIES, rise=synthetic.uneven(0), status=status, tests=(), conditions=law
-    )
+    ds = synthetic.sweep(LOADS, VELOCITIES, rise=synthetic.uneven(0), status=status, tests=())
     boundary = pipeline.boundary(ds, **CONDITIONS[conditions])
-    friction = CONDITIONS[conditions].get("friction", 0.1) * law.friction_factor(
-        np.array(VELOCITIES)
-    )
+    friction = CONDITIONS[conditions].get("friction", 0.1)
     hot = (
         synthetic.uneven(0)(np.array(LOADS)[:, None], np.array(VELOCITIES), 0.9) * friction / 120.0
     )

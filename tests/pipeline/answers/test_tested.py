@@ -153,3 +153,19 @@ def test_the_boundary_of_a_scene_without_a_crossing_is_mild_with_tests_or_withou
     ds = swept(at(0.0))
     assert (pipeline.boundary(ds, friction=0.0)["outcome_along_velocity"] == Along.MILD).all()
     assert asked(ds, 400.0, 2.0, friction=0.0).probability == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_test_is_compared_at_the_friction_that_it_measured():
+    tests = [bare_test(600.0, 4.0, 0.12), bare_test(600.0, 3.0), bare_test(500.0, 2.0, 0.11)]
+    comparison = pipeline.compare_tests(synthetic.sweep(tests=tests))
+    temperatures = comparison["governing_temperature"].values
+    for test, temperature in zip(tests, temperatures, strict=True):
+        rise = float(synthetic.rise(test.normal_load, test.velocity, 0.9))
+        assert temperature == pytest.approx(298.15 + (test.friction or 0.1) * rise, rel=2e-3)
+
+
+def test_an_answer_states_the_frictions_of_all_tests_also_of_tests_at_one_velocity():
+    tests = [bare_test(load, 1.75, friction) for load, friction in ((400.0, 0.098), (600.0, 0.104))]
+    for ordered in (tests, tests[::-1]):
+        conditions = pipeline.boundary(synthetic.sweep(tests=ordered)).attrs["conditions"]
+        assert conditions.startswith("friction 0.1 (tests 0.098 to 0.104), bulk temperature")

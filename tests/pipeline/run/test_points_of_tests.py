@@ -1,6 +1,7 @@
 """Points of tests, stored besides the plane: computed, resumed, added, copied and verified."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,7 +62,7 @@ def simulated_rise(sweep, load, velocity, friction=0.1, **entries):
     for path, value in entries.items():
         scene = scene.changed(path.replace("__", "."), value)
     point = pipeline.run_point(scene, load, velocity)
-    rise = point.verdict(scene.conditions.replace_friction(friction)).contact_rise / friction
+    rise = point.verdict(replace(scene.conditions, friction=friction)).contact_rise / friction
     return pytest.approx(rise, rel=1e-12)
 
 

@@ -15,7 +15,7 @@ from tribo.loading import MeasuredLoad
 from tribo.simulation.verdict import hottest_step
 
 TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
-WARM = tribo.Corrections(track=TRACK, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9))))
+WARM = tribo.Corrections(track=TRACK)
 LOADINGS = {
     "ramp": tribo.Ramp(150.0, 750.0),
     "hold": tribo.Ramp(150.0, 750.0, hold=60.0),
