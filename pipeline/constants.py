@@ -118,10 +118,10 @@ PARTS = 16
 Judged by `python -m pytest tests/pipeline/answers`.
 """
 RISE_SLOPES = 0.25, 1.2
-"""Usual bounds of d ln(rise)/d ln(velocity) at constant friction; in theory it is 0.5 to 1.
+"""Usual bounds of d ln(rise)/d ln(velocity); in theory it is 0.5 to 1.
 
 It is below 0.25 for smooth, heavily worn contacts. The search of a boundary then takes other
-points, but misses no crossing if friction is constant.
+points, but misses no crossing.
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 

@@ -72,8 +72,8 @@ _VARIABLES = {
     "critical_load": ("N", "lowest load at which severe wear is computed"),
     "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
-    "critical_velocity_p05": ("m/s", "velocity at which severe wear is first 5 % probable"),
-    "critical_velocity_p95": ("m/s", "velocity at which severe wear is last 95 % probable"),
+    "critical_velocity_p05": ("m/s", "velocity at which severe wear is 5 % probable"),
+    "critical_velocity_p95": ("m/s", "velocity at which severe wear is 95 % probable"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
         f"velocity_error_{part}": ("1", f"part of the relative numerical error: {name}")
@@ -81,8 +81,6 @@ _VARIABLES = {
     },
     "outcome_along_velocity": ("", "outcome along the line of rising velocity"),
     "outcome_along_load": ("", "outcome along the line of rising load"),
-    "crossings_along_velocity": ("m/s", "velocity of each change between mild and severe wear"),
-    "crossings_along_load": ("N", "load of each change between mild and severe wear"),
     "film_parameter_at_load": ("1", "film parameter on the boundary"),
     "film_parameter_at_velocity": ("1", "film parameter on the boundary"),
     "origin": ("", "origin of the result"),
@@ -252,13 +250,8 @@ def _judge_points(model: VerdictModel, points: Operation) -> dict[str, Any]:
         known_points = points.take(is_known)
         for axis in ("velocity", "load"):
             line = model.critical(axis, known_points)
-            for name in (f"critical_{axis}", f"outcome_along_{axis}"):
-                columns[name][is_known] = line[name]
-        # A load ramp passes through lower loads, at which wear may be severe.
-        lowest = np.where(line["severe_at_start"], -math.inf, line["crossings"][:, 0])
-        is_mild = columns["temperature_margin"][is_known] >= 0
-        flags = ((lowest < known_points.load) & is_mild) * Flag.RAMP_PASSES_SEVERE
-        columns["warning_flags"][is_known] += flags.astype(np.int16)
+            for name, values in line.items():
+                columns[name][is_known] = values
         if model.evidence.specimens:
             columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
     nearby = [
@@ -285,7 +278,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
         ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
         ``velocity_error(load)`` and its parts; ``critical_velocity_p05``, ``_p50`` and ``_p95``
         with tests, NaN outside the velocities of the sweep; the outcomes
-        ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``, and all crossings.
+        ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``.
         Varied entries, and conditions given as lists, are further dimensions.
 
     Examples
@@ -330,10 +323,7 @@ def _boundary(model: VerdictModel, varied: dict[str, xr.DataArray]) -> xr.Datase
     for axis, dim, values in (("velocity", "load", loads), ("load", "velocity", velocities)):
         points = Operation.under(model.conditions, values, values)
         critical = model.critical(axis, points)
-        for name in (f"critical_{axis}", f"outcome_along_{axis}"):
-            variables[name] = (dim, critical[name])
-        crossings = np.pad(critical["crossings"], ((0, 0), (0, 8)), constant_values=np.nan)[:, :8]
-        variables[f"crossings_along_{axis}"] = ((dim, "crossing"), crossings)
+        variables |= {name: (dim, values) for name, values in critical.items()}
         if oil := find_lubrication(model.case.sweep.scene, model.case.sweep.lubricant):
             coordinates = {dim: values, axis: critical[f"critical_{axis}"]}
             bulk = model.conditions.bulk_temperature

@@ -156,10 +156,10 @@ class Field:
         ]
         return ~(is_inside[0] & is_inside[1])
 
-    # Lines through the field, and crossings of a level along them
+    # Lines through the field, and where they cross a level
 
     def along_velocity(self, loads: Array, levels: Array, reach: float = 1.0) -> Lines:
-        """Crossings of `levels` (k,) along velocity, at `loads` (k,).
+        """Lines along velocity at `loads` (k,), and where they cross `levels` (k,).
 
         A line ends where the verdict at a bracketing load is uncertain. With a `reach` above 1 it
         extends by this factor beyond all velocities.
@@ -181,7 +181,7 @@ class Field:
         return Lines.of(nodes, values, is_defined, levels, points, lambda v, k: self(loads[k], v))
 
     def along_load(self, velocities: Array, levels: Array) -> Lines:
-        """Crossings of `levels` (k,) along load, at `velocities` (k,)."""
+        """Lines along load at `velocities` (k,), and where they cross `levels` (k,)."""
         unique_velocities, inverse = np.unique(velocities, return_inverse=True)
         values, rows = self.rows(unique_velocities)[:, inverse].T, np.arange(len(self.loads))
         is_inside, is_defined = self._sides(rows, velocities[:, None], levels[:, None])
@@ -215,23 +215,25 @@ class Field:
 
 Outcome = IntEnum(
     "Outcome",
-    "TRANSITION MILD SEVERE MILD_TO_HIGHEST SEVERE_FROM_LOWEST SEVERAL UNKNOWN OUTSIDE_MODEL "
-    "NO_LINE",
+    "TRANSITION MILD SEVERE MILD_TO_HIGHEST SEVERE_FROM_LOWEST UNKNOWN OUTSIDE_MODEL NO_LINE",
     start=0,
 )
 """Codes of what happens along a line of rising velocity, or of rising load.
 
 Wear is mild (severe) over the whole sweep, or up to the highest (down to the lowest) simulated
-velocity or load. SEVERAL: wear is severe at a value and mild again at a higher one.
+velocity or load.
 """
 
 
 class Lines(NamedTuple):
-    """Velocities or loads at which wear changes between mild and severe, along k lines."""
+    """Velocities or loads at which wear becomes severe, along k lines.
 
-    crossings: Array  # ascending (k, n), padded with NaN
-    severe_at_start: Mask
-    ends_severe: Mask
+    The rise grows with velocity and with load. If it does not, `critical` is the lowest value at
+    which wear becomes severe, which is on the safe side.
+    """
+
+    critical: Array  # (k,), NaN where wear does not change from mild to severe
+    is_severe: Mask  # True where wear is severe from the first known position on
     low: Array  # lowest and highest simulated position (k,), NaN without any
     high: Array
 
@@ -240,7 +242,7 @@ class Lines(NamedTuple):
         cls, nodes: Array, values: Array, is_defined: Mask, levels: Array, points: Array,
         function: Callable[[Array, Indices], Array],
     ) -> Lines:  # fmt: skip
-        """Find the changes between `nodes` (n,) on lines of `values` (k, n), where `is_defined`.
+        """Find the crossings between `nodes` (n,) on lines of `values` (k, n), where `is_defined`.
 
         `function` evaluates the field at positions on the lines whose indices are its second
         argument.
@@ -249,39 +251,26 @@ class Lines(NamedTuple):
         if not is_defined.all():
             order = np.argsort(~is_defined, axis=1, kind="stable")  # defined nodes first
             x, v = nodes[order], np.take_along_axis(values, order, axis=1)
-        severe = v > levels[:, None]
-        changes = (severe[:, 1:] != severe[:, :-1]) & (np.arange(1, len(nodes)) < count[:, None])
-        row, piece = np.nonzero(changes)
-        positions = roots(
+        severe = (v > levels[:, None]) & (np.arange(len(nodes)) < count[:, None])
+        first = severe.argmax(axis=1)
+        row = np.flatnonzero(first)  # mild at the first node, severe at a later one
+        critical = np.full(len(levels), np.nan)
+        critical[row] = roots(
             lambda positions: function(positions, row) - levels[row],
-            x[row, piece],
-            x[row, piece + 1],
+            x[row, first[row] - 1],
+            x[row, first[row]],
         )
-        rank = np.arange(len(row)) - np.searchsorted(row, row)
-        crossings = np.full((len(levels), rank.max(initial=0) + 1), np.nan)
-        crossings[row, rank] = positions
-        last = np.maximum(count - 1, 0)[:, None]
-        starts_severe, ends_severe = severe[:, 0], np.take_along_axis(severe, last, axis=1)[:, 0]
         low, high = np.fmin.reduce(points, axis=1), np.fmax.reduce(points, axis=1)
-        return cls(crossings, starts_severe & (count > 0), ends_severe & (count > 0), low, high)
-
-    @property
-    def critical(self) -> Array:
-        """Lowest crossing to severe wear (k,); NaN without one, or if severe at the start."""
-        return np.where(self.severe_at_start, np.nan, np.fmin.reduce(self.crossings, axis=1))
+        return cls(critical, severe[:, 0], low, high)
 
     def outcomes(self, ends: tuple[float, float]) -> Indices:
         """Codes of `Outcome` (k,); `ends` are the lowest and highest position in the sweep."""
         reaches_first, reaches_last = self.low <= ends[0], self.high >= ends[1]
-        covers_sweep = np.where(self.severe_at_start, reaches_first, reaches_last)
-        count = np.isfinite(self.crossings).sum(axis=1)
-        uniform = np.where(self.severe_at_start, Outcome.SEVERE, Outcome.MILD)
-        partial = np.where(
-            self.severe_at_start, Outcome.SEVERE_FROM_LOWEST, Outcome.MILD_TO_HIGHEST
-        )
-        cases = (count == 1) & ~self.severe_at_start, count > 0, np.isnan(self.low), covers_sweep
-        codes = Outcome.TRANSITION, Outcome.SEVERAL, Outcome.UNKNOWN, uniform
-        return np.select(cases, codes, partial)
+        covers_sweep = np.where(self.is_severe, reaches_first, reaches_last)
+        uniform = np.where(self.is_severe, Outcome.SEVERE, Outcome.MILD)
+        partial = np.where(self.is_severe, Outcome.SEVERE_FROM_LOWEST, Outcome.MILD_TO_HIGHEST)
+        cases = np.isfinite(self.critical), np.isnan(self.low), covers_sweep
+        return np.select(cases, (Outcome.TRANSITION, Outcome.UNKNOWN, uniform), partial)
 
 
 def film_field(case: CaseResults, bulk: float) -> Field | None:

@@ -40,10 +40,9 @@ ORIGINS = "simulated", "interpolated", "extrapolated"
 class Flag(IntFlag):
     """Limitations of the answer on an operating point."""
 
-    RAMP_PASSES_SEVERE = 1  # wear is severe at lower loads, through which a ramp passes
-    CONTACT_AT_EDGE = 2  # the contact reaches the edge of the window at neighbouring points
-    FILM_UNKNOWN = 4
-    RULED_OUT = 8  # a test rules the verdict out, or one without a result may
+    CONTACT_AT_EDGE = 1  # the contact reaches the edge of the window at neighbouring points
+    FILM_UNKNOWN = 2
+    RULED_OUT = 4  # a test rules the verdict out, or one without a result may
 
 
 class JudgedCase:
@@ -280,10 +279,7 @@ class VerdictModel:
         codes = np.where(is_outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
         if len(self.field.velocities if axis == "velocity" else self.field.loads) == 1:
             codes[:] = Outcome.NO_LINE
-        columns = {
-            f"critical_{axis}": critical, f"outcome_along_{axis}": codes,
-            "crossings": lines.crossings, "severe_at_start": lines.severe_at_start,
-        }  # fmt: skip
+        columns = {f"critical_{axis}": critical, f"outcome_along_{axis}": codes}
         return {name: column[inverse.ravel()] for name, column in columns.items()}
 
     def _inside(self, axis: str, points: Operation, lines: Lines) -> tuple[Array, Mask]:
@@ -302,15 +298,12 @@ class VerdictModel:
     def velocity_of_probability(self, points: Operation, probability: float = 0.5) -> Array:
         """Velocities (k,) [m/s] at which severe wear has this probability, at the loads of points.
 
-        It is the lowest such velocity, for a probability above 0.5 the highest. NaN for none
-        among the velocities of the sweep, or if a film carries too much load.
+        NaN for none among the velocities of the sweep, or if a film carries too much load.
         """
         levels = self.limits(points) + self.evidence.log_rise_ratio_quantiles(
             probability, points.bulk_temperature
         )
-        lines = self.field.along_velocity(points.load, levels, FARTHEST)
-        last = np.where(lines.ends_severe, np.fmax.reduce(lines.crossings, axis=1), np.nan)
-        velocities = last if probability > 0.5 else lines.critical
+        velocities = self.field.along_velocity(points.load, levels, FARTHEST).critical
         low, high = self.ranges["velocity"]
         with np.errstate(invalid="ignore"):
             is_known = np.isfinite(velocities) & (low <= velocities) & (velocities <= high)

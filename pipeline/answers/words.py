@@ -97,10 +97,10 @@ def _with_earlier_turns(model: VerdictModel) -> str:
     field = specimen_of(case, conditions).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))
     if case.status.size == 1:  # a row with its own load and velocity
-        return "with it" * bool(lines.severe_at_start[0])
+        return "with it" * bool(lines.is_severe[0])
     texts = []
     for k in (0, -1):
-        if lines.severe_at_start[k]:
+        if lines.is_severe[k]:
             texts.append(f"at all simulated velocities at {field.loads[k]:g} N")
         elif math.isfinite(lines.critical[k]):
             texts.append(f"from {lines.critical[k]:.3g} m/s at {field.loads[k]:g} N")
@@ -151,7 +151,6 @@ _OUTCOMES = {
     "severe": "severe over the whole sweep",
     "mild to highest": "mild up to the highest simulated {axis}",
     "severe from lowest": "severe down to the lowest simulated {axis}",
-    "several": "severe at one {axis} and mild again at a higher one",
     "unknown": "unknown because too few points are done",
     "outside the model": OUTSIDE,
 }
@@ -304,8 +303,6 @@ def margin_warnings(point: xr.Dataset) -> Iterator[str]:
     """Yield the limits of the answer on one point, or on several."""
     flags = point["warning_flags"]
     names = flag_names(flags, int(np.bitwise_or.reduce(flags.values.ravel())))
-    if "ramp_passes_severe" in names:
-        yield "wear is severe at lower loads at this velocity, through which a load ramp passes"
     if "contact_at_edge" in names:
         yield "the contact reaches the edge of the window nearby; increase window.pixels"
 

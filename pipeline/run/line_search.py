@@ -67,18 +67,20 @@ class Line:
             low, high = np.maximum(low, estimate - margin), np.minimum(high, estimate + margin)
         return low, estimate, high
 
-    def crossings(self) -> Array:
-        """ln(velocity) at which wear changes, ascending."""
+    @functools.cached_property
+    def crossing(self) -> float:
+        """ln(velocity) at which wear becomes severe, by the estimate; NaN if it does not."""
         if not self.known.size:
-            return np.empty(0)
+            return math.nan
         x, y = self._grid, self._curve[1]
-        (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
-        return np.asarray(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))
+        if not (k := int(np.argmax(y > 0))):  # none is severe, or the first
+            return math.nan
+        return float(x[k - 1] - y[k - 1] * (x[k] - x[k - 1]) / (y[k] - y[k - 1]))
 
     @property
-    def turns(self) -> bool:
-        """True if wear changes along the line, by the estimate."""
-        return bool(self.crossings().size)
+    def has_crossing(self) -> bool:
+        """True if wear becomes severe along the line, by the estimate."""
+        return math.isfinite(self.crossing)
 
     @property
     def is_severe(self) -> bool:
@@ -119,27 +121,25 @@ class Line:
 
     def _near_uncertain_crossing(self, is_open: Mask, tolerance: float) -> int | None:
         """Uncomputed velocity next to a crossing whose interpolation error is too large."""
+        if not self.has_crossing:
+            return None
         x, y, known = self.x, self.y, self.known
-        for crossing in self.crossings():
-            error = curve_errors(x[known], y[known], np.array([crossing]))[0]
-            slope = max(np.diff(y[known]).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
-            after = int(np.searchsorted(x[known], crossing))
-            low = known[after - 1] if after else -1
-            high = known[after] if after < len(known) else len(x)
-            is_inside = 0 < after < len(known)
-            if is_inside and error <= tolerance * slope:
-                continue
-            candidates = np.flatnonzero(is_open[low + 1 : high]) + low + 1
-            if candidates.size:
-                return int(candidates[np.argmin(np.abs(x[candidates] - crossing))])
-            for neighbour in (low - 1, high + 1):
-                if 0 <= neighbour < len(x) and is_open[neighbour]:
-                    return int(neighbour)
-        return None
+        error = curve_errors(x[known], y[known], np.array([self.crossing]))[0]
+        slope = max(np.diff(y[known]).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
+        after = int(np.searchsorted(x[known], self.crossing))
+        if 0 < after < len(known) and error <= tolerance * slope:
+            return None
+        low = known[after - 1] if after else -1
+        high = known[after] if after < len(known) else len(x)
+        candidates = np.flatnonzero(is_open[low + 1 : high]) + low + 1
+        if candidates.size:
+            return int(candidates[np.argmin(np.abs(x[candidates] - self.crossing))])
+        neighbours = (k for k in (low - 1, high + 1) if 0 <= k < len(x) and is_open[k])
+        return next(map(int, neighbours), None)
 
     def _end_velocity(self, is_open: Mask) -> int | None:
         """Uncomputed velocity at an end of a line without a crossing, to confirm this."""
-        if self.crossings().size:
+        if self.has_crossing:
             return None
         # One end decides: the highest if wear is mild, else the lowest. The point next to it gives
         # the slope there.

@@ -167,7 +167,9 @@ class Search:
         velocities = set[float]()
         for load in loads:
             critical, error = self.critical[load], self.errors[INTERPOLATION, load]
-            is_far = self._lines[load][0].turns and not error <= share * self.error_budget[load]
+            is_far = (
+                self._lines[load][0].has_crossing and not error <= share * self.error_budget[load]
+            )
             if is_far and np.isfinite(critical):
                 rounded = float(f"{critical:.3g}")
                 if np.abs(np.log(self.velocities / rounded)).min() > _MIN_DISTANCE:
@@ -198,7 +200,7 @@ class Search:
         """ln(velocity) at which to begin at a load, from the crossings at the nearest two loads."""
         x = np.log(self.loads)
         crossings = {
-            k: line.crossings()[0] for k, (line, _) in enumerate(self._lines) if line.turns
+            k: line.crossing for k, (line, _) in enumerate(self._lines) if line.has_crossing
         }
         if not crossings:
             return float(np.log(self.velocities).mean())
@@ -239,10 +241,10 @@ class Search:
         for low, high in itertools.pairwise(sorted(loads)):
             inner = np.arange(low + 1, high)
             lines = [self._lines[end][0] for end in (low, high)]
-            differ = len({(line.is_severe, len(line.crossings())) for line in lines}) > 1
+            differ = len({(line.is_severe, line.has_crossing) for line in lines}) > 1
             errors = np.fmax(self.errors[INTERPOLATION] / LOAD_SHARE, self.reducible)[inner]
             exceeds = ~(errors <= self.error_budget[inner])  # True also if unknown
-            if inner.size and (differ or (lines[0].turns and exceeds.any())):
+            if inner.size and (differ or (lines[0].has_crossing and exceeds.any())):
                 distance = np.abs(x[inner] - (x[low] + x[high]) / 2)
                 missing.add(int(inner[np.argmin(distance)]))
         return missing
@@ -251,7 +253,7 @@ class Search:
         """Estimated number of realizations that `loads` with a crossing need (n_load,); else 0."""
         counts, budgets = np.zeros(len(self.critical), int), self._sampling_budget(loads)
         for load in loads:
-            if not self._lines[load][0].turns:
+            if not self._lines[load][0].has_crossing:
                 continue
             if self.specimen.realizations[load] == 0:
                 counts[load] = 2  # with one, the points of the first realization do not count
@@ -340,7 +342,7 @@ class Search:
         for load in np.flatnonzero(needed > tried.sum(axis=0)).tolist():
             count = int(tried[:, load].sum())
             line, columns = self._lines[load]
-            distance = np.abs(line.x[line.known] - line.crossings()[0])
+            distance = np.abs(line.x[line.known] - line.crossing)
             column = int(columns[line.known[np.argmin(distance)]])
             # More realizations give a better estimate of the number needed.
             added = min(needed[load], max(2 * count + 2, needed[load] // 4)) - count

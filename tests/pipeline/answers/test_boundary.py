@@ -11,7 +11,7 @@ from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.simulation.lubrication import find_lubrication
 
-TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 6
+TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 5
 
 
 @pytest.fixture(scope="module")
@@ -123,3 +123,9 @@ def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_
     assert statement.startswith(
         "severe wear is 50 % probable at no velocity in the sweep at 200 N; at 1.2"
     )
+
+
+def test_wear_that_is_mild_again_at_a_higher_velocity_has_its_boundary_at_the_lower_crossing():
+    crossings = boundary(synthetic.sweep(rise=synthetic.falling, tests=()))
+    np.testing.assert_allclose(crossings["critical_velocity"], 1.1, rtol=1e-3)
+    assert (crossings["outcome_along_velocity"] == TRANSITION).all()
