@@ -70,8 +70,8 @@ class Search:
     promised : float or None
         Relative error of critical velocities due to the preset.
     first : ndarray, shape (n_load, n_velocity)
-        ln(rise/limit) at friction 1 of the first realization, plus the offset of the specimen from
-        it; NaN where it is unknown.
+        ln(rise/limit) of the first realization, plus the offset of the specimen from it; NaN where
+        it is unknown.
     tried : ndarray of bool, shape (realizations, n_load, n_velocity)
         Points that are done or failed.
     goal : Goal

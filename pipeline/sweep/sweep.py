@@ -216,9 +216,8 @@ class Sweep:
     def changed(self, path: str, value: Any) -> Self:
         """The sweep with another value of an entry, as in a scene file; None removes the entry.
 
-        The scene is read again. A preset (``fidelity.preset``) replaces all numerical choices, and
-        a coefficient of friction scales the curves of friction. Cases that set the entry keep
-        their own value.
+        The scene is read again. A preset (``fidelity.preset``) replaces all numerical choices.
+        Cases that set the entry keep their own value.
 
         Raises
         ------

@@ -17,7 +17,7 @@ SCATTER = 0.02  # of ln(rise), from realization to realization
 
 
 def heat(load, x, generator):
-    """Return ln(rise/limit) at friction 1: increasing, curved, and slightly rough."""
+    """Return ln(rise/limit): increasing, curved, and slightly rough."""
     slope, bend, level = generator.uniform([0.4, -0.06, -0.6], [0.9, 0.06, 0.6])
     middle = np.log(1.5)
     waves = sum(0.001 * np.sin(k * 9.0 * x + generator.uniform(0, 7)) for k in (1, 2))
@@ -34,7 +34,7 @@ class Specimen:
         self.failing, self.velocities, self._few = set(), velocities, velocities
 
     def y(self, load, x, realization=None):
-        """ln(rise/limit) at friction 1, of a realization or of the mean of all."""
+        """ln(rise/limit) of a realization or of the mean of all."""
         log_rise = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
         return log_rise + (0.0 if realization is None else self.offsets[realization])
 
