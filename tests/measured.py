@@ -160,7 +160,8 @@ ROWS = {
         shares,
     ),
     "past heat": Row(
-        "error of Θ₁₀ (too high) with the heat model `elapsed`, for `first_try` at 400 N and 1 m/s",
+        "error of Θ₁₀ (too high) by the present heat, which is taken to have acted since the "
+        "start, for `first_try` at 400 N and 1 m/s",
         ("tribo",),
         "python -m tests.promises.past_heat",
         "",

@@ -80,12 +80,11 @@ def specific_wear_rate(
     # Contacts of smooth bodies are symmetric, and grow by two elements at a time.
     margin = grid.spacing[0] * (0.5 if scene.roughness else 1.0)
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
-    fidelity = replace(scene.fidelity, heat_model="elapsed")
 
     @functools.cache
     def width(rate: float) -> float:
         wear = Wear(rate, scene.wear.pattern if scene.wear else pattern)
-        worn_scene = replace(scene, wear=wear, fidelity=fidelity)
+        worn_scene = replace(scene, wear=wear)
         state = start(worn_scene)
         for load_step in worn_scene.load_steps(normal_load):
             state = advance(worn_scene, state, load_step, velocity)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 from pipeline.constants import (
     BOUNDS_OF_HIGHEST,
@@ -18,15 +17,8 @@ from tribo import PRESETS, Fidelity, Scene
 
 
 def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
-    """Presets by name, adapted to a scene.
-
-    Their elements are small enough to tile the scene's grid of pixels. If the scene's heat model
-    is "history", so is theirs.
-    """
-    changes: dict[str, Any] = {"heat_model": "history"} if scene.remembers_heat else {}
-    return {
-        name: with_dividing_elements(scene, replace(PRESETS[name], **changes)) for name in names
-    }
+    """Presets by name; their elements are small enough to tile the scene's grid of pixels."""
+    return {name: with_dividing_elements(scene, PRESETS[name]) for name in names}
 
 
 def with_dividing_elements(scene: Scene, fidelity: Fidelity) -> Fidelity:

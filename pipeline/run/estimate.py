@@ -115,7 +115,7 @@ def _task_seconds(
         if stored.steps == "course":  # on the grid of the history, and on that of the point
             solved, heated = 2 * steps + len(points), stored_counts[-1] + len(points)
         else:
-            solved, heated = steps + len(points), sum(stored_counts) + steps * scene.remembers_heat
+            solved, heated = steps + len(points), sum(stored_counts)
         heated *= bool(scene.friction_heat and velocity)
         seconds += solved * contact_time + heated * heat_time + len(points) * _SECONDS_TO_COMMIT
     return seconds
@@ -138,7 +138,7 @@ def worker_bytes(sweep: Sweep) -> float:
     )
     elements = sum(math.prod(level.grid.shape) for level in cached_levels)
     ramp_bytes = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
-    cache_bytes = min(MOST_BYTES, ramp_bytes) if scene.remembers_steps else 0.0
+    cache_bytes = min(MOST_BYTES, ramp_bytes) if scene.wears else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + cache_bytes
 
 

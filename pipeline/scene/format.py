@@ -115,9 +115,6 @@ _CHOICES = {
         "Least number of elements that touch: elements are made small enough for this and for the "
         "summits of the surface. With 0 they have the size given, and their mean height.",
     "contact_tolerance": "Residual of the contact at which its solver stops.",
-    "heat_model":
-        '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
-        'Rooij); "history": all heat since then acts at its own time, linear between the steps.',
 }
 USUAL_PRESET = "standard"
 

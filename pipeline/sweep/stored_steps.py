@@ -35,7 +35,7 @@ class StoredSteps:
         load_steps = list(scene.all_load_steps(load))
         holding = [step for step in load_steps if step.holding]
         if self.steps == "course":
-            is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
+            is_own = isinstance(scene.loading, MeasuredLoad) or not scene.wears
             return frozenset(step.index for step in (load_steps if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
@@ -53,7 +53,7 @@ class StoredSteps:
             for step in steps
             if step is steps[-1]
             or step.index in heated
-            or (step.normal_load >= load and (not step.holding or scene.remembers_heat))
+            or (step.normal_load >= load and not step.holding)
             or self.steps == "course"
         ]
 
@@ -65,5 +65,5 @@ def least_load_evaluated(scene: Scene, load: float) -> float:
 
 def ramp_of(scene: Scene) -> Hashable:
     """Key that is equal for scenes whose loadings have the same steps."""
-    memory = scene.remembers_steps, scene.remembers_heat
-    return scene.loading, scene.fidelity.increments, scene.fidelity.hold_increments, *memory
+    fidelity = scene.fidelity
+    return scene.loading, fidelity.increments, fidelity.hold_increments, scene.wears

@@ -26,6 +26,7 @@ from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
+from tests.promises import duhamel
 from tests.promises.families import case_of
 from tests.promises.front import drawn
 from tribo import PRESETS, TriboError, WarningKind
@@ -78,6 +79,12 @@ def rises(sweep, fidelity, loads, velocities):
     return {name: array.tolist() for name, array in values.items()}
 
 
+def heat_excess(scene, load, velocity):
+    """Relative excess of the rise by present heat only over that by all heat so far."""
+    present, by_all = duhamel.rises(scene, load, velocity)
+    return present / by_all - 1
+
+
 def computed(task):
     """Rises of one scene with each preset as a row of the file, or why it failed."""
     np.seterr(all="raise", under="ignore")
@@ -102,9 +109,8 @@ def computed(task):
         warm = (np.array(row["standard"]["flags"], int) & WarningKind.PRESENT_HEAT).any(axis=0)
         few = [velocity for velocity, is_warm in zip(velocities, warm, strict=True) if is_warm][::3]
         row["few"] = few
-        for heat in ("history", "elapsed"):
-            fidelity = replace(PRESETS["standard"], heat_model=heat)
-            row[heat] = rises(sweep, fidelity, loads, few)
+        scene = replace(sweep.scene, fidelity=PRESETS["standard"])
+        row["excess"] = [[heat_excess(scene, load, velocity) for velocity in few] for load in loads]
         if case.family != SHIPPED:
             row["reference"] = rises(sweep, PRESETS["reference"], loads[1::2], velocities[1::3])
     except TriboError as error:
@@ -121,7 +127,7 @@ def plane_of(row, preset, name):
     rises, flags, durations = (x[at_points] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
     slopes = np.gradient(np.log(rises), np.log(velocities), axis=1)
-    # `fine` has present heat only, too; its error is that from the model with all heat so far.
+    # `fine` has present heat only, too; its error is compared with the rise by all heat so far.
     flags = flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
     flags |= (slopes < SLOWEST) * int(WarningKind.SLOW_RISE)
     same = np.zeros(rises.shape)  # all presets have the same surface
@@ -257,8 +263,7 @@ def fine_apart(row):
 def too_warm(row):
     """Relative excess of rises with present heat only, at points with that warning."""
     flags = np.array(row["standard"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
-    excess = np.array(row["elapsed"][USUAL]) / np.array(row["history"][USUAL]) - 1
-    return excess[flags & WarningKind.PRESENT_HEAT != 0]
+    return np.array(row["excess"])[flags & WarningKind.PRESENT_HEAT != 0]
 
 
 def main():

@@ -198,7 +198,6 @@ REFUSALS = {
     "tolerance": (lambda: divided(tolerance=0.0), "tolerance is 0.0; it must be from 1e-14"),
     "no time": (lambda: divided(time=0.0, bulk_difference=1.0), "no time to conduct"),
     # scenes and their points
-    "choice": (lambda: Fidelity(heat_model="none"), "heat_model is 'none'; allowed are"),
     "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
     **{
         name: (lambda name=name: Fidelity(**{name: -1}), f"{name} is -1")

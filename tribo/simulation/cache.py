@@ -15,16 +15,15 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from tribo.contact import ElasticHalfSpace
-from tribo.material import contact_modulus
-from tribo.numerics import Convolution, Grid, forget_buffers
+from tribo.material import Material, contact_modulus
+from tribo.numerics import Grid, forget_buffers
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.thermal import Conductor, conducted_spectrum
-from tribo.types import Array, Spectrum
+from tribo.thermal import ConductingHalfSpace
+from tribo.types import Array
 
 _MAX_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MAX_MAPS = 4  # thermal maps of both bodies, for two contacts in succession
-_MAX_BYTES = 2**28  # each for thermal kernels and for contacts
+_MAX_BYTES = 2**28  # each for thermal maps and for contacts
 
 Value = TypeVar("Value")
 
@@ -89,8 +88,11 @@ _bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MAX_BODIES)
 _solids = Cache[ElasticHalfSpace](size_of=lambda _: 1, limit=_MAX_BODIES)  # for any surface
 _heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # one surface, for all its grids
 _summits = Cache[Any](size_of=lambda _: 1, limit=_MAX_BODIES)
-_spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MAX_BYTES)
-_maps = Cache[Convolution](size_of=lambda _: 1, limit=_MAX_MAPS)
+# Of a body at rest the spectrum is real, and is stored twice more for multiplication.
+_heat_maps = Cache[ConductingHalfSpace](
+    size_of=lambda body: body.spectrum.nbytes * (3 if np.isrealobj(body.spectrum) else 1),
+    limit=_MAX_BYTES,
+)
 _contacts = Cache[State](
     size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MAX_BYTES
 )
@@ -115,23 +117,14 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
     return _bodies.get(scene, lambda: _elastic_bodies(scene))
 
 
-def heat_spectrum(
-    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
-) -> Spectrum:
-    """Spectrum of the map from a past flux into a body to its present rise [K m²/W]; cached.
-
-    The flux had these relative `strengths` at these `ages` before now [s], and was linear between
-    them.
-    """
-    return _spectra.get(
-        (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
+def heat_map(
+    grid: Grid, material: Material, velocity: float, time: float, length: float
+) -> ConductingHalfSpace:
+    """Map from a flux [W/m²] to the rise of a body [K]; cached. See `ConductingHalfSpace`."""
+    return _heat_maps.get(
+        (grid, material, velocity, time, length),
+        lambda: ConductingHalfSpace(grid, material, velocity, time, length=length),
     )
-
-
-def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from a flux [W/m²] that has acted for a time [s] to the rise of a body [K]; cached."""
-    spectrum = heat_spectrum(grid, body, (0.0, time), (1.0, 1.0))
-    return _maps.get((grid, body, time), lambda: Convolution(grid, spectrum))
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
@@ -150,7 +143,7 @@ def forget_contacts() -> None:
 def forget_kernels() -> None:
     """Empty all caches of simulations, and free this thread's buffers for Fourier transforms.
 
-    The caches have thermal kernels, maps from flux to rise, elastic bodies, surfaces and contacts.
+    The caches have thermal maps from flux to rise, elastic bodies, surfaces and contacts.
 
     Examples
     --------
@@ -160,8 +153,7 @@ def forget_kernels() -> None:
     _solids.clear()
     _heights.clear()
     _summits.clear()
-    _spectra.clear()
-    _maps.clear()
+    _heat_maps.clear()
     _contacts.clear()
     forget_buffers()
 

@@ -1,9 +1,9 @@
 """Contact and wear along a loading: the first part of a point, before heat and verdict.
 
 Contact and wear depend on the load, the surface, the elastic constants, the hardness, and on how
-fast the sliding wears the pin. They depend on thermal constants only if the heat of earlier steps
-is taken into account. Scenes of equal `mechanics` therefore share cached ramps, and the contact at
-the end of the last point. `heat` is computed from contacts, and verdicts from heat.
+fast the sliding wears the pin, but not on thermal constants. Scenes of equal `mechanics` therefore
+share cached ramps, and the contact at the end of the last point. `heat` is computed from contacts,
+and verdicts from heat.
 
 Without wear, the contact at a load is cached for all velocities.
 
@@ -26,17 +26,16 @@ from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
 from tribo.simulation.finer_grids import refine_step
-from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, start
 from tribo.simulation.parts_of_steps import step_parts
-from tribo.simulation.passing import position_means
+from tribo.simulation.passing import solve_positions
 from tribo.simulation.ramp_cache import Note, RampCache
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 
 
 def mechanics(scene: Scene) -> Scene:
-    """Copy of a scene with all thermal constants set to 1; the scene itself if it remembers heat.
+    """Copy of a scene with all thermal constants set to 1.
 
     Scenes with equal copies have the same contacts at equal load and velocity.
 
@@ -48,8 +47,6 @@ def mechanics(scene: Scene) -> Scene:
     >>> mechanics(insulating) == mechanics(scene)
     True
     """
-    if scene.remembers_heat:
-        return scene
     athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
     pin = replace(scene.pin, material=replace(scene.pin.material, **athermal))
     return replace(scene, pin=pin, disk=replace(scene.disk, **athermal))
@@ -73,8 +70,7 @@ def contacts(
 ) -> Iterator[State]:
     """Contact states during the loading to `normal_load` [N] and during its hold.
 
-    The states have temperatures only if these depend on the heat of earlier steps. Otherwise `heat`
-    computes the temperature of the states with `State.is_requested`.
+    The states have no temperature; `heat` computes that of the states with `State.is_requested`.
 
     Parameters
     ----------
@@ -94,8 +90,8 @@ def contacts(
     Yields
     ------
     State
-        State after every step that `ramp_cache` did not have yet. Without wear and with the heat
-        model "elapsed", only the states with `State.is_requested`.
+        State after every step that `ramp_cache` did not have yet. Without wear, only the states
+        with `State.is_requested`.
 
     Raises
     ------
@@ -107,7 +103,7 @@ def contacts(
     scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
     load_steps = list(scene.load_steps(normal_load, requested))
-    if not scene.remembers_steps:
+    if not scene.wears:
         for load_step in load_steps:
             yield _independent_state(levels, normal_load, velocity, load_step)
         return
@@ -205,9 +201,9 @@ def _final_states(
     requested: Container[int],
 ) -> Iterator[State]:
     """Yield the states after `state` at the last load steps of a point, shared by no other."""
-    scene, is_worn, reached = levels[0], velocity != 0, None
+    is_worn, reached = velocity != 0, None
     for load_step in load_steps:
-        if load_step.holding and reached and not (is_worn or scene.remembers_heat):
+        if load_step.holding and reached and not is_worn:
             is_requested = load_step is load_steps[-1] or load_step.index in requested
             yield replace(_later_state(reached, load_step, velocity), is_requested=is_requested)
             continue
@@ -240,9 +236,6 @@ def _last_part(
     scene, after, iterations = levels[0], before, 0
     for part in step_parts(scene, before, load_step, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
-        if scene.remembers_heat:
-            # The heat of every step acts later, so that each step needs the pressure at its end.
-            after = replace(end_implicitly(scene, begin, after, part, velocity), history=None)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)
 
@@ -258,8 +251,7 @@ def _solve_requested(
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, load_step, velocity)
-    finished = position_means(levels[-1], before, finest, velocity)
-    return replace(finished, is_requested=True)
+    return replace(solve_positions(levels[-1], finest), is_requested=True)
 
 
 def _independent_state(

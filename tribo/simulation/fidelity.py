@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args, get_origin, get_type_hints
+from typing import Literal
 
 from tribo.constants import CONTACT_OVER_HEAT, HOLD_STEPS, TIGHTEST_HEAT
 from tribo.errors import InputError, require_integer
@@ -14,8 +14,8 @@ from tribo.errors import InputError, require_integer
 class Fidelity:
     """Numerical choices of a simulation.
 
-    Four numbers and the model of the heat are the choices of a preset. All others serve comparisons
-    in Python, or are set by `tribo.simulation.fit_elements`.
+    `pixels_per_element`, `increments`, `fewest_elements` and `contact_tolerance` are the choices of
+    a preset. `tribo.simulation.fit_elements` sets the others for each point.
 
     Parameters
     ----------
@@ -34,12 +34,6 @@ class Fidelity:
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. With
         the wear pattern "local" a larger value than 0.03 is replaced by 0.03, because the error of
         each contact stays in the worn shape.
-    heat_model : {"elapsed", "history"}
-        ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
-        Rooij); ``"history"``: all heat acts from its release on; its flow is linear between the
-        steps. Every step then needs its temperature, on the scene's grid. With ``"elapsed"`` the
-        rise of a growing contact is too high: in the system of Bosman & de Rooij at 600 N by 0.2,
-        0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and 0.001 m/s.
     history_coarsening : int
         Largest factor by which the sides of elements are lengthened in the steps of a point.
         Requested steps are then repeated on the scene's grid. Earlier steps affect them only by the
@@ -66,7 +60,6 @@ class Fidelity:
     increments: int = 100
     fewest_elements: int = 0
     contact_tolerance: float = 1e-3
-    heat_model: Literal["elapsed", "history"] = "elapsed"
     history_coarsening: int = 1
     imprint: float = 0.0
     parts: int = 1
@@ -86,11 +79,6 @@ class Fidelity:
             raise InputError(
                 f"contact_tolerance is {self.contact_tolerance!r}; it must be above 0 and at most 1"
             )
-        for name, choices in _CHOICES.items():
-            if getattr(self, name) not in choices:
-                raise InputError(
-                    f"{name} is {getattr(self, name)!r}; allowed are {', '.join(choices)}"
-                )
 
     @property
     def averaging(self) -> Literal["mean", "sample"]:
@@ -112,12 +100,6 @@ class Fidelity:
         """Relative residual of the heat partition at which its solver stops."""
         return max(self.contact_tolerance / CONTACT_OVER_HEAT, TIGHTEST_HEAT)
 
-
-_CHOICES = {
-    name: get_args(choice)
-    for name, choice in get_type_hints(Fidelity).items()
-    if get_origin(choice) is Literal
-}
 
 PRESETS: dict[str, Fidelity] = {
     "standard": Fidelity(

@@ -25,12 +25,10 @@ def refine_step(
     `levels` has the scene on each grid, coarsest first, and `load_step` is the end of the step.
     Each grid starts from the result on the grid before, so that it solves the contact only once.
 
-    If the heat of earlier steps acts, `after` is returned. If the wear is a mean over positions of
-    the disk, `after` keeps its wear, and only its contact is solved on the finest grid.
+    If the wear is a mean over positions of the disk, `after` keeps its wear, and only its contact
+    is solved on the finest grid.
     """
     finest = levels[-1]
-    if finest.remembers_heat:  # there is one grid, and the steps already have implicit ends
-        return after
     if finest.sweeps_over and len(levels) > 1:
         return _solve_on_finest(finest, after)
     state = end_implicitly(levels[0], before, after, load_step, velocity)

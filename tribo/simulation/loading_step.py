@@ -13,8 +13,6 @@ from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_wear import step_wear
-from tribo.simulation.temperature import add_temperature
-from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
 
@@ -42,7 +40,6 @@ def start(scene: Scene) -> State:
         residual=0.0,
         previous_pressure=zero,
         previous_load=0.0,
-        heat_history=HeatHistory() if scene.remembers_heat else None,
     )
 
 
@@ -80,8 +77,7 @@ def advance(
     Returns
     -------
     State
-        State at the load step. It has a temperature only if temperatures depend on the heat of
-        earlier steps.
+        State at the load step, without a temperature.
 
     Examples
     --------
@@ -108,7 +104,7 @@ def advance(
         area = _element_area(scene) * scene.windows_worn(velocity)
         volume = _worn_volume(scene, wear, state, load_step, velocity, area)
         check_wear(state.wear_depth, wear_depth, area, volume)
-    advanced = State(
+    return State(
         pressure=contact.pressure,
         wear_depth=wear_depth,
         normal_load=load_step.normal_load,
@@ -125,9 +121,6 @@ def advance(
         displacement=displacement,
         previous_displacement=state.displacement,
     )
-    if state.heat_history is None:
-        return advanced
-    return add_temperature(scene, state, advanced, velocity)
 
 
 def _worn_volume(

@@ -32,7 +32,7 @@ def step_parts(
     `tribo.simulation.element_size`.
     """
     distance = abs(velocity) * (load_step.time - before.time)
-    count = 1 if load_step.holding or not scene.remembers_steps else scene.fidelity.parts
+    count = 1 if load_step.holding or not scene.wears else scene.fidelity.parts
     count *= _part_count(scene, before, distance / count, velocity)
     for part in range(1, count):
         yield interpolate_step(before, load_step, part / count)

@@ -52,7 +52,7 @@ def simulate(
     State
         State after every step that was not in `ramp_cache`. The state that reaches `normal_load`,
         the last state and the states of `requested` have their temperature, if anything touches.
-        Without wear and with the heat model "elapsed", these are the only states.
+        Without wear, these are the only states.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def simulate(
     10 N after 61 s
     """
     for state in contacts(scene, normal_load, velocity, ramp_cache, requested):
-        if state.is_requested and state.heat is None:
+        if state.is_requested:
             yield replace(state, heat=heat(scene, state, velocity))
         else:
             yield state
@@ -103,8 +103,6 @@ def stages_of(
     def add_requested_heat(contact: State) -> State | None:
         if not contact.is_requested:
             return None
-        if contact.heat is not None:
-            return contact
         return replace(contact, heat=heat(scene, contact, velocity, is_sampled=True))
 
     note = Note(("stages", scene, velocity), add_requested_heat)

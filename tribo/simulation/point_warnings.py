@@ -52,7 +52,7 @@ class WarningKind(IntFlag):
     FEW_STEPS
         Too few steps lead to the load to resolve the shape of the wear.
     PRESENT_HEAT
-        The heat model "elapsed" makes the rise too high by 1 % or more.
+        The present heat, taken to act since the start, makes the rise too high by 1 % or more.
     COARSE_PIXELS
         Elements are too large for the contact or its summits, or pixels for the roughness.
     BEYOND_SHAPE
@@ -310,9 +310,7 @@ def _warn_few_steps(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _warn_present_heat(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the heat model "elapsed" makes the rise too high, as there was less heat before."""
-    if scene.remembers_heat:
-        return
+    """Warn if the rise is too high, since there was less friction heat before the present."""
     excess = elapsed_heat_excess(scene, state)
     if excess < MAX_ELAPSED_HEAT_ERROR:
         return
@@ -320,5 +318,5 @@ def _warn_present_heat(scene: Scene, state: State) -> Iterator[Reason]:
         WarningKind.PRESENT_HEAT,
         "treating the present friction heat as if it had acted since the start overestimates "
         f"the rise by about {100 * excess:.1f} %; the critical velocity is then too low, mostly "
-        "by one to two times as much. Use heat_model = 'history', or --accuracy",
+        "by one to two times as much, which is on the safe side",
     )

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from tribo.loading import LoadStep
 from tribo.simulation.state import State
-from tribo.types import Array, Spectrum
+from tribo.types import Array
 
 MOST_BYTES = 2**28
 """Default limit of the total size of the states in a cache [B]."""
@@ -150,14 +150,10 @@ class RampCache:
                 size -= self._trunks.popitem(last=False)[1].nbytes
 
 
-def _arrays(state: State) -> Iterator[Array | Spectrum]:
+def _arrays(state: State) -> Iterator[Array]:
     """Arrays of a state, without the arrays that it shares with the state one step earlier."""
     yield from (state.pressure, state.wear_depth)
     if state.history is not None:
         yield from _arrays(state.history)
     if state.displacement is not None:
         yield state.displacement
-    if state.heat is not None:
-        yield state.heat.rise
-    if (history := state.heat_history) is not None:
-        yield from (*history.pin_flux[-1:], *history.disk_flux[-1:])

@@ -204,20 +204,10 @@ class Scene:
 
     @property
     def wears(self) -> bool:
-        """True if the pin loses any material."""
+        """True if the pin loses any material, so that a state depends on earlier steps."""
         return self.wears_by_law or (
             isinstance(self.wear, Wear) and self.wear.specific_wear_rate > 0
         )
-
-    @property
-    def remembers_steps(self) -> bool:
-        """True if a state depends on earlier steps, by their wear or their heat."""
-        return self.wears or self.remembers_heat
-
-    @property
-    def remembers_heat(self) -> bool:
-        """True if a temperature depends on the heat of earlier steps."""
-        return self.friction_heat and self.fidelity.heat_model == "history"
 
     @property
     def heated_length(self) -> float:
@@ -252,12 +242,12 @@ class Scene:
     def load_steps(self, normal_load: float, requested: Container[int] = ()) -> Iterator[LoadStep]:
         """Times at which the contact must be solved, with loads, up to a load [N] and in its hold.
 
-        Each is the end of a step. If a state depends on earlier states, all steps are yielded.
-        Otherwise only the last step, the step in which a ramp reaches the load, onsets and ends of
-        stages, and steps with an index in `requested`.
+        Each is the end of a step. If the pin wears, all steps are yielded. Otherwise only the last
+        step, the step in which a ramp reaches the load, onsets and ends of stages, and steps with
+        an index in `requested`.
         """
         load_steps = self.all_load_steps(normal_load)
-        if self.remembers_steps:
+        if self.wears:
             yield from load_steps
             return
         is_ramp, last_index = isinstance(self.loading, Ramp), -1
@@ -293,10 +283,9 @@ class Scene:
         """Factor on the sides of elements in all steps before a point's last step.
 
         It is the largest number up to the fidelity's ``history_coarsening`` that divides the grid
-        and leaves enough elements to resolve the wear. It is 1 if the wear is local, or if heat of
-        earlier steps affects the last step.
+        and leaves enough elements to resolve the wear. It is 1 if the wear is local.
         """
-        if self.wears_locally or self.remembers_heat:
+        if self.wears_locally:
             return 1
         nx, ny = self.grid.shape
         factors = (

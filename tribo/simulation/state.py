@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.thermal import HeatHistory, jackknife_error
+from tribo.thermal import jackknife_error
 from tribo.types import Array
 
 
@@ -105,14 +105,11 @@ class State:
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
-        Temperature of the contact, if it was requested, or if it depends on the heat of earlier
-        steps.
+        Temperature of the contact, if it was requested.
     history : State or None
         State from which the ramp continues, at the same time but on a coarse grid or without an
         implicit end (see `tribo.simulation.implicit_end`). None if the ramp continues from this
         state.
-    heat_history : HeatHistory or None
-        Heat that has flowed so far, if the temperature depends on it.
     passing : tuple of ndarray, each of shape (nx, ny)
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
@@ -145,7 +142,6 @@ class State:
     is_requested: bool = False
     heat: Heat | None = None
     history: State | None = None
-    heat_history: HeatHistory | None = None
     passing: tuple[Array, ...] = ()
     course: tuple[Any, ...] = ()
 

@@ -1,4 +1,4 @@
-"""Temperature of a state, from its present friction heat or from all heat so far."""
+"""Temperature of a state from its present friction heat."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from tribo.numerics import Convolution, Grid
-from tribo.simulation.cache import heat_map, heat_spectrum
+from tribo.material import Material
+from tribo.simulation.cache import heat_map
 from tribo.simulation.invariants import check_heat, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
 from tribo.simulation.surface_groups import surface_groups
 from tribo.thermal import (
-    Conductor,
-    HeatHistory,
+    ConductingHalfSpace,
     HeatPartition,
     contact_quantiles,
     partition_heat,
-    partition_with_history,
     rises_without_groups,
     settling_time,
 )
@@ -31,8 +29,8 @@ from tribo.types import Array, Mask
 def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) -> Heat:
     """Temperature rises of a state, per unit friction coefficient; `InputError` if nothing touches.
 
-    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
-    model of the fidelity.
+    The present friction heat is taken to act since time 0 (Bosman & de Rooij). The rise is then too
+    high, since the load was lower before; see `tribo.simulation.elapsed_heat`.
 
     The temperature depends on pressure and time of the contact, but not on earlier wear. Thermal
     constants, elements and velocity [m/s] may therefore differ from those used for the contact.
@@ -91,29 +89,6 @@ def refined_scene(scene: Scene, state: State) -> Scene:
     return replace(scene, fidelity=changed)
 
 
-def add_temperature(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Return `state` with its temperature, which is due to all heat since the start.
-
-    `before` is the state one step earlier. The result has the heat history of `before`, with the
-    heat of this step added. Its temperature, `State.heat`, is None if nothing touches. `velocity`
-    is the sliding velocity [m/s].
-    """
-    contact, friction = state.pressure > 0, friction_heat(scene, state, velocity)
-    split, history = partition_with_history(
-        scene.grid,
-        *_bodies(scene, velocity),
-        before.heat_history or HeatHistory(),
-        state.time,
-        friction,
-        contact,
-        tolerance=scene.fidelity.heat_tolerance,
-        spectrum_of=heat_spectrum,
-    )
-    check_heat(friction, contact, split, scene.fidelity.heat_tolerance)
-    summary = _heat_summary(scene, split, contact, is_sampled=True) if contact.any() else None
-    return replace(state, heat=summary, heat_history=history)
-
-
 def _heat_summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
     contact_rise = split.rise[contact]
     # Quantiles interpolate between elements, so that a plane's element counts once for each row.
@@ -137,7 +112,7 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
     if not friction.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
     split = partition_heat(
-        *bodies_at(scene, state, velocity),
+        *_heat_maps(scene, state, velocity),
         friction,
         contact,
         tolerance=scene.fidelity.heat_tolerance,
@@ -154,22 +129,14 @@ def friction_heat(scene: Scene, state: State, velocity: float) -> Array:
     return abs(velocity) * state.pressure * scene.friction_heat
 
 
-def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
-    """Pin and disk as heat conductors that move through the contact; velocities in m/s."""
-    length, velocities = scene.heated_length, scene.velocities_at(velocity)
-    return (
-        Conductor(scene.pin.material, velocities.pin, length),
-        Conductor(scene.disk, velocities.disk, length),
-    )
-
-
-def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution, Convolution]:
+def _heat_maps(
+    scene: Scene, state: State, velocity: float
+) -> tuple[ConductingHalfSpace, ConductingHalfSpace]:
     """Maps from heat flux to temperature rise of pin and disk, for a flux constant since time 0."""
-    pin, disk = _bodies(scene, velocity)
-    return _heat_map(scene.grid, pin, state.time), _heat_map(scene.grid, disk, state.time)
+    velocities = scene.velocities_at(velocity)
 
+    def body(material: Material, body_velocity: float) -> ConductingHalfSpace:
+        time = min(state.time, settling_time(scene.grid, material, body_velocity))
+        return heat_map(scene.grid, material, body_velocity, time, scene.heated_length)
 
-def _heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from heat flux to temperature rise of a body, for a flux acting for `time` [s]."""
-    heating_time = min(time, settling_time(grid, body.material, body.velocity))
-    return heat_map(grid, body, heating_time)
+    return body(scene.pin.material, velocities.pin), body(scene.disk, velocities.disk)

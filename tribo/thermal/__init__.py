@@ -5,10 +5,6 @@ from tribo.thermal.conduction import ConductingHalfSpace as ConductingHalfSpace
 from tribo.thermal.conduction import HeatedLength as HeatedLength
 from tribo.thermal.conduction import settling_time as settling_time
 from tribo.thermal.disc import Disc as Disc
-from tribo.thermal.duhamel import Conductor as Conductor
-from tribo.thermal.duhamel import HeatHistory as HeatHistory
-from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum
-from tribo.thermal.duhamel import partition_with_history as partition_with_history
 from tribo.thermal.partition import HeatPartition as HeatPartition
 from tribo.thermal.partition import partition_heat as partition_heat
 from tribo.thermal.quantiles import QUANTILES as QUANTILES

@@ -25,10 +25,8 @@ erf(ℓ/(2s))). So the mode k_y = 0 has this factor at each node of the quadratu
 from __future__ import annotations
 
 import functools
-import itertools
 import math
-from collections.abc import Iterator, Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -89,10 +87,7 @@ class ConductingHalfSpace(Convolution):
         quadrature_nodes: int = 10,
         length: HeatedLength = math.inf,
     ) -> None:
-        constant = (0.0, time), (1.0, 1.0)
-        spectrum = flux_history_spectrum(
-            grid, material, velocity, *constant, quadrature_nodes, length
-        )
+        spectrum = _spectrum(grid, material, velocity, time, quadrature_nodes, length)
         super().__init__(grid, spectrum)
 
 
@@ -107,118 +102,55 @@ def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     return _leaving_length(grid, abs(velocity) / (4 * kappa)) ** 2 / (4 * kappa) * 1.001
 
 
-def flux_history_spectrum(
+def _spectrum(
     grid: Grid,
     material: Material,
     velocity: float,
-    ages: Sequence[float],
-    strengths: Sequence[float],
-    quadrature_nodes: int = 10,
-    length: HeatedLength = math.inf,
+    time: float,
+    quadrature_nodes: int,
+    length: HeatedLength,
 ) -> Spectrum:
-    """Spectrum of the map from a heat flux, whose strength varied with time, to the present rise.
+    """Spectrum of the map from heat flux to rise [K m²/W], by Eq. (1); real if the body is at rest.
 
-    For a constant flux it is an integral over the diffusion length s, Eq. (1) of
-    `tribo.thermal.conduction`. By Duhamel's principle the integrand is multiplied by the strength
-    of the flux at the time τ = s²/(4κ) before the present. The dimensionless `strengths` are those
-    at `ages`, ascending times before the present [s]. The strength is linear between ages, and 0
-    outside them. The other parameters are those of `ConductingHalfSpace`.
-
-    Returns
-    -------
-    ndarray, shape (mx, c)
-        The first c columns of a spectrum for `Convolution` [K m²/W]. The other columns are 0: their
-        modes are short waves along a periodic y, which have faded. Real if the body is at rest.
-
-    Examples
-    --------
-    A flux that has grown in proportion to time gives two thirds of the rise of its final value:
-
-    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
-    >>> plane = Grid((4, 3), (1e-6, 1e-6), periodic=(True, True))
-    >>> ramp = flux_history_spectrum(plane, steel, 1.0, ages=(0.0, 5.0), strengths=(1.0, 0.0))
-    >>> constant = ConductingHalfSpace(plane, steel, velocity=1.0, time=5.0)
-    >>> print(f"{(ramp[0, 0] / constant.spectrum[0, 0]).real:.12f}")
-    0.666666666667
+    The parameters are those of `ConductingHalfSpace`.
     """
-    _check_arguments(velocity, ages, quadrature_nodes)
+    _check_arguments(velocity, time, quadrature_nodes)
     (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
     x = Axis(grid.shape[0], dx, mx, grid.periodic[0])
     y = Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
     heated = _heated_length(grid, length)
     K, kappa = material.thermal_conductivity, material.thermal_diffusivity
     v = abs(velocity) / (4 * kappa)
+    end = min(2 * math.sqrt(kappa * time), _leaving_length(grid, v))
     # Up to this diffusion length heat has crossed less than half an element: the kernel's factors
     # along x and y are 2 on the element, and 0 off it.
-    confined_length = diffusion_length(REACH, v, min(dx, dy) / 2)
-    leaving_length = _leaving_length(grid, v)
+    confined_length = min(diffusion_length(REACH, v, min(dx, dy) / 2), end)
 
     rule = _gauss(quadrature_nodes)
     # Modes along y are on the first axis, so that the products below run along long rows.
     half = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
-    columns = 0 if ages[0] > 0 else my // 2 + 1
+    half += 4 * confined_length
     filon_start = x.series_start(v) if v else math.inf
-    for interval in _intervals(kappa, ages, strengths):
-        end = min(interval.end, leaving_length)
-        start = max(interval.begin, min(confined_length, end))
-        if start > interval.begin:
-            half += 4 * interval.integral(start)
-            columns = my // 2 + 1
-        for panel in panels(v, start, end, filon_start, dx):
-            s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
-            f *= interval.strength(s)[:, None]
-            g = factor(y, s, panel[0], 0.0)
-            g[:, 0] *= scipy.special.erf(heated / (2 * s))
-            _add_products(half, f, g)
-            columns = max(columns, g.shape[1])
+    for panel in panels(v, confined_length, end, filon_start, dx):
+        s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
+        g = factor(y, s, panel[0], 0.0)
+        g[:, 0] *= scipy.special.erf(heated / (2 * s))
+        _add_products(half, f, g)
     half /= 4 * math.sqrt(math.pi) * K
     if velocity < 0:
         np.conj(half, out=half)
-    spectrum = np.empty((mx, columns), half.dtype)
-    spectrum[: mx // 2 + 1] = half[:columns].T
+    spectrum = np.empty((mx, my // 2 + 1), half.dtype)
+    spectrum[: mx // 2 + 1] = half.T
     np.conj(spectrum[1 : (mx + 1) // 2][::-1], out=spectrum[mx // 2 + 1 :])
     return spectrum
 
 
-class _Interval(NamedTuple):
-    """A range of diffusion lengths over which the strength of a flux is linear in its age.
-
-    The diffusion length is s = 2√(κ·age).
-    """
-
-    begin: float  # [m]
-    end: float  # [m]
-    start_strength: float  # strength at the beginning
-    slope: float  # growth of the strength with s² [1/m²]
-
-    def strength(self, s: Array) -> Array:
-        """Strength of the flux, dimensionless, at the ages at which heat has diffused by s [m]."""
-        return self.start_strength + self.slope * (s**2 - self.begin**2)
-
-    def integral(self, s: float) -> float:
-        """Integral [m] of the strength over the diffusion length, from `begin` to `s` [m]."""
-        constant = (self.start_strength - self.slope * self.begin**2) * (s - self.begin)
-        return constant + self.slope * (s**3 - self.begin**3) / 3
-
-
-def _intervals(
-    kappa: float, ages: Sequence[float], strengths: Sequence[float]
-) -> Iterator[_Interval]:
-    lengths = [2 * math.sqrt(kappa * age) for age in ages]
-    for (begin, end), (first, last) in zip(
-        itertools.pairwise(lengths), itertools.pairwise(strengths), strict=True
-    ):
-        slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
-        yield _Interval(begin, end, first, slope)
-
-
-def _check_arguments(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
+def _check_arguments(velocity: float, time: float, quadrature_nodes: int) -> None:
     """Raise `InputError` for an argument from which no kernel can be computed."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
-    for lower_bound, time in itertools.pairwise((0.0, *ages)):
-        if not (math.isfinite(time) and time >= lower_bound):
-            raise InputError(f"time is {time!r}; it must be finite and at least {lower_bound:g}")
+    if not 0 <= time < math.inf:
+        raise InputError(f"time is {time!r}; it must be finite and at least 0")
     if quadrature_nodes < 1:
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
 

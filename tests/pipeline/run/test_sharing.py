@@ -34,7 +34,6 @@ PHYSICS = {
     "hold": {"loading.hold": "5 s"},
     "local wear": {"wear.pattern": "local", "sweep.steps": "end"},
     "no wear": {"without": ["wear"]},
-    "heat of the past": {"fidelity.heat_model": "history"},
 }
 
 

@@ -122,11 +122,11 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
     standard = tribo.PRESETS["standard"]
     own_numbers = (
         'preset = "standard"',
-        'preset = "standard"\nincrements = 30\nheat_model = "history"',
+        'preset = "standard"\nincrements = 30\nfewest_elements = 50',
     )
     for changes, arguments, preset, fidelity in (
         ([], {}, "standard", {}),
-        ([own_numbers], {}, None, {"increments": 30, "heat_model": "history"}),
+        ([own_numbers], {}, None, {"increments": 30, "fewest_elements": 50}),
         ([own_numbers], {"preset": "standard"}, "standard", {}),
         (
             [own_numbers],

@@ -37,12 +37,7 @@ PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
     "measured load": {"loading": RECORD},
-    "few elements and heat of the past": {
-        "pixels": WIDE,
-        "fidelity": SMALLER | {"heat_model": "history"},
-        "loading": RAMP,
-    },
-    "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
+    "few elements and a hold": {"pixels": WIDE, "fidelity": SMALLER, "loading": RAMP},
     "ball": {
         "pin": tribo.Ball(8e-3, STEEL),
         "pixels": tribo.Grid((20, 20), (38e-6, 38e-6), (False, False)),

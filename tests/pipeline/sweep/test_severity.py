@@ -82,8 +82,6 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
         ("standard", {}, 0.011),
         ("fine", {}, 0.0055),
         ("standard", {"increments": 9}, None),
-        # The heat model is no numerical setting.
-        ("standard", {"heat_model": "history"}, 0.011),
     ],
 )
 def test_only_a_preset_has_a_known_error(preset, changes, error):

@@ -1,4 +1,4 @@
-"""Foretold error of the present heat, beside all heat so far (past.py)."""
+"""Estimated error of the present heat (tribo/simulation/elapsed_heat.py)."""
 
 import math
 from dataclasses import replace
@@ -8,9 +8,11 @@ import pytest
 from scipy.integrate import quad
 
 from tests.helpers.scenes import STEEL, last, small_scene
+from tests.promises import duhamel
 from tribo import Ball, Grid, Material, MeasuredLoad, Ramp, Wear
+from tribo.analytic import ramped_flux_rise, uniform_flux_rise
 from tribo.simulation.elapsed_heat import elapsed_heat_excess
-from tribo.thermal import rise_exceeded
+from tribo.thermal import ConductingHalfSpace, partition_heat, rise_exceeded
 
 # The closed form depends neither on width nor on shape of the contact.
 WITHIN = pytest.approx(1.0, abs=0.2)
@@ -42,17 +44,57 @@ def hottest_tenth(state):
 
 def true_excess(scene, load, velocity):
     """Relative excess of the rise with present heat only over that with all heat so far."""
-    present, by_all = (
-        hottest_tenth(last(with_(scene, heat_model=model), load, velocity))
-        for model in ("elapsed", "history")
-    )
+    present, by_all = duhamel.rises(scene, load, velocity)
     return 1 - by_all / present
+
+
+# The truth: `tests.promises.duhamel`
+
+
+def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
+    plane, rng = Grid((3, 4), (1.632e-6, 1.9e-6), (True, True)), np.random.default_rng(4)
+    times = np.cumsum(rng.uniform(0.01, 1.0, size=5))
+    strengths = rng.uniform(-1e6, 2e6, size=5)
+    bodies = duhamel.Conductor(STEEL), duhamel.Conductor(STEEL, velocity=1.25)
+    fluxes = [np.full(plane.shape, flux) for flux in strengths]
+    everywhere = [np.ones(plane.shape, bool) for _ in times]
+    split = duhamel.divide_heat(plane, bodies, times, fluxes, everywhere)
+    corners = np.concatenate(([0.0], times))
+    slopes = np.diff(np.concatenate(([0.0], strengths / 2))) / np.diff(corners)
+    exact = sum(  # each change of slope begins a ramp, which lasts to the end
+        ramped_flux_rise(
+            change * (times[-1] - corner), times[-1] - corner, STEEL.thermal_effusivity
+        )
+        for corner, change in zip(corners, np.diff(np.concatenate(([0.0], slopes))), strict=False)
+    )
+    scale = uniform_flux_rise(1e6, times[-1], STEEL.thermal_effusivity)
+    np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-4 * scale)
+
+
+def test_a_constant_flux_in_many_steps_is_one_that_acted_all_the_time():
+    grid = Grid((24, 8), (20e-6, 20e-6))
+    flux = np.zeros(grid.shape)
+    flux[10:14, 2:5] = 1e8
+    bodies = [duhamel.Conductor(STEEL, velocity, 1e-3) for velocity in (0.0, 0.3)]
+    times = 1e-9, 0.01, 0.2, 0.5, 1.7
+    split = duhamel.divide_heat(grid, bodies, times, [flux] * 5, [flux > 0] * 5)
+    elapsed = partition_heat(
+        *(ConductingHalfSpace(grid, *body[:2], times[-1], length=body.length) for body in bodies),
+        flux,
+        flux > 0,
+    )
+    # The division of the flux differs a little, as heat is older or younger by part of a step.
+    assert split.rise.max() == pytest.approx(elapsed.rise.max(), rel=2e-3)
+    assert split.pin_share == pytest.approx(elapsed.pin_share, rel=5e-3)
+
+
+# The estimate
 
 
 def test_it_is_the_integral_of_its_formula():
     """Heat that was missing while the load grew, over its age τ, with each body's share twice."""
     state = last(WORN, 600.0, 0.001)
-    steps = list(WORN.all_load_steps(600.0, 0.001))
+    steps = list(WORN.all_load_steps(600.0))
     times, loads = (
         [0.0, *(getattr(load_step, n) for load_step in steps)] for n in ("time", "normal_load")
     )
@@ -60,8 +102,6 @@ def test_it_is_the_integral_of_its_formula():
 
     def warming(age):
         missing, length = 1 - np.interp(times[-1] - age, times, loads) / 600.0, WORN.heated_length
-        if length == "nearest-image":
-            length = 2 * WORN.grid.size[1]
         return missing * sum(
             part**2
             * math.erf(length / (4 * math.sqrt(body.thermal_diffusivity * age)))

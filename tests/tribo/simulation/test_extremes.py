@@ -12,7 +12,6 @@ from tests.helpers.physics import assert_sound
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     Ball,
-    Fidelity,
     Grid,
     InputError,
     Material,
@@ -129,13 +128,6 @@ def times():
         yield Extreme("duration", f"{seconds:g} s", lasting(seconds))
         yield Extreme(
             "duration", f"{seconds:g} s at rest", lasting(seconds, roughness=None), velocity=0.0
-        )
-    history = Fidelity(
-        pixels_per_element=1, increments=4, contact_tolerance=1e-6, heat_model="history"
-    )
-    for seconds in (1e-15, 1e9):
-        yield Extreme(
-            "duration", f"{seconds:g} s, heat history", lasting(seconds, fidelity=history)
         )
 
 

@@ -139,7 +139,6 @@ ROWS = [  # kind, scene, function of the scene that makes a state, words of the 
     (TURNS, rolling(1.0), lambda s: slid(s, 10.1 * ROLLING_TURN), None),
     (HEAT, scene_of(), at(600.0, 0.05), None),  # 0.9 % too warm
     (HEAT, scene_of(), at(600.0, 0.02), "by about 1.2 %"),
-    (HEAT, scene_of(heat_model="history"), at(600.0, 0.02), None),
     (SLOW, FREE_BALL, at(10.0, 20.0), "--accuracy"),
     (SLOW, FREE_BALL, at(10.0, 1.0), None),
     (SLOW, replace(FREE_BALL, wear=None), at(10.0, 20.0), None),

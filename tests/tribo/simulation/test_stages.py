@@ -35,7 +35,7 @@ def rises(states):
     return np.array([float(np.quantile(s.heat.rise[s.pressure > 0], DECISIVE)) for s in states])
 
 
-@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"heat_model": "history"}])
+@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}])
 def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
     scene, cached = worn_scene(**fidelity), RampCache()
     states = stages_of(scene, 400.0, 2.0, cached)
