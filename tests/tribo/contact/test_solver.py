@@ -5,18 +5,20 @@ import pytest
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq, lsq_linear
 
-from tribo import Grid
-from tribo.analytic import (
-    hertz_line_half_width,
-    hertz_line_peak_pressure,
+from tests.helpers.closed_forms import (
     hertz_point_approach,
-    hertz_point_peak_pressure,
-    hertz_point_radius,
-    hertz_pressure,
     westergaard_full_contact_pressure,
     westergaard_half_width,
     westergaard_mean_pressure,
     westergaard_pressure,
+)
+from tribo import Grid
+from tribo.analytic import (
+    hertz_line_half_width,
+    hertz_line_peak_pressure,
+    hertz_point_peak_pressure,
+    hertz_point_radius,
+    hertz_pressure,
 )
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.surface import self_affine

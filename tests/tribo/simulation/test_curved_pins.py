@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.closed_forms import moving_ellipse_rise
 from tests.helpers.scenes import STEEL
 from tribo import (
     PRESETS,
@@ -23,7 +24,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.analytic import hertz_ellipse, moving_ellipse_rise
+from tribo.analytic import hertz_ellipse
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.simulation import heat
 from tribo.thermal import ConductingHalfSpace

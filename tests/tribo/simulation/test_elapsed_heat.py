@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from tests.helpers.closed_forms import ramped_flux_rise, uniform_flux_rise
 from tests.helpers.scenes import STEEL, last, small_scene
 from tests.promises import duhamel
 from tribo import Ball, Grid, Material, MeasuredLoad, Ramp, Wear
-from tribo.analytic import ramped_flux_rise, uniform_flux_rise
 from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.thermal import ConductingHalfSpace, partition_heat, rise_exceeded
 

@@ -8,7 +8,7 @@ import pytest
 from scipy import integrate
 from scipy.special import erf, erfc
 
-from tribo.analytic import (
+from tests.helpers.closed_forms import (
     MOVING_SQUARE_PEAK,
     moving_band_rise,
     square_source_rise,

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from tests.helpers.closed_forms import archard_wear_depth
 from tribo import Grid, Wear
-from tribo.analytic import archard_wear_depth
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.wear.archard import WEAR_SCHEMES, Stage
 

@@ -1,21 +1,112 @@
-"""Rise of the surface temperature of an insulated half-space.
+"""Closed forms against which the solvers are tested, in addition to those of `tribo.analytic`.
 
-Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959.
+Johnson, *Contact Mechanics*, 1985; Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959.
 """
 
-from __future__ import annotations
-
 import math
-from typing import Literal
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import require_positive
 from tribo.types import Array
 
 _RAYS = 200  # rays in the integral over an ellipse, and nodes on each ray
+
+
+def hertz_point_approach(normal_load: float, radius: float, contact_modulus: float) -> float:
+    """Approach α of distant points of a sphere and a plane [m].
+
+    α = a²/R = (9F²/(16RE*²))^⅓ with the radius a of the contact, the load F [N], the sphere's
+    radius R [m] and the contact modulus E* [Pa] (Johnson, Eq. 4.23).
+
+    Examples
+    --------
+    >>> f"{hertz_point_approach(10.0, 10e-3, 115.385e9):.4e} m"
+    '7.5037e-07 m'
+    """
+    F, R, E = normal_load, radius, contact_modulus
+    return float(np.cbrt(9 * F**2 / (16 * R * E**2)))
+
+
+def westergaard_full_contact_pressure(
+    amplitude: float, wavelength: float, contact_modulus: float
+) -> float:
+    """Mean pressure p* that just flattens a wave z = Δ(1 − cos(2πx/λ)) [Pa].
+
+    p* = πE*Δ/λ with the amplitude Δ and the wavelength λ [m], and the contact modulus E* [Pa]
+    (Johnson, §13.2).
+
+    Examples
+    --------
+    >>> f"{westergaard_full_contact_pressure(0.1e-6, 50e-6, 115.385e9):.4e} Pa"
+    '7.2499e+08 Pa'
+    """
+    return math.pi * contact_modulus * amplitude / wavelength
+
+
+def westergaard_half_width(
+    mean_pressure: float, full_contact_pressure: float, wavelength: float
+) -> float:
+    """Half-width a of each contact on a sinusoidal wave [m]; λ/2 once contact is full.
+
+    p̄ = p* sin²(πa/λ) is solved for a, with the mean pressure p̄, the pressure p* of full contact
+    and the wavelength λ [m] (Westergaard 1939; Johnson, §13.2).
+
+    Examples
+    --------
+    >>> f"{westergaard_half_width(0.5, full_contact_pressure=1.0, wavelength=8.0):.6f} m"
+    '2.000000 m'
+    """
+    share = min(mean_pressure / full_contact_pressure, 1.0)
+    return wavelength / math.pi * math.asin(math.sqrt(share))
+
+
+def westergaard_mean_pressure(
+    half_width: float, full_contact_pressure: float, wavelength: float
+) -> float:
+    """Mean pressure p̄ = p* sin²(πa/λ) at which contacts on a wave are 2a wide [Pa].
+
+    p* is the pressure of full contact [Pa], and λ the wavelength [m].
+
+    Examples
+    --------
+    >>> mean = westergaard_mean_pressure(half_width=1.0, full_contact_pressure=4.0, wavelength=6.0)
+    >>> f"{mean:.6f} Pa"
+    '1.000000 Pa'
+    """
+    return full_contact_pressure * math.sin(math.pi * half_width / wavelength) ** 2
+
+
+def westergaard_pressure(
+    position: ArrayLike, mean_pressure: float, full_contact_pressure: float, wavelength: float
+) -> Array:
+    """Pressure on a sinusoidal wave with its crests at x = 0, ±λ, … [Pa], shaped as `position`.
+
+    p = 2p* cos ψ √(p̄/p* − sin² ψ), ψ = πx/λ, where the surfaces touch, else 0;
+    p = p̄ + p* cos 2ψ in full contact, p̄ ≥ p* (Westergaard 1939; Johnson, §13.2).
+
+    Here x is the position, p̄ the mean pressure, p* the mean pressure that just makes full contact,
+    and λ the wavelength. The surfaces touch where sin² ψ < p̄/p*.
+
+    Examples
+    --------
+    Both formulas agree where contact becomes full, and the mean is the one given:
+
+    >>> x = np.linspace(0.0, 1.0, 400, endpoint=False)
+    >>> full = westergaard_pressure(x, 2.0, full_contact_pressure=2.0, wavelength=1.0)
+    >>> bool(np.allclose(full, 2.0 + 2.0 * np.cos(2 * np.pi * x)))
+    True
+    >>> f"{westergaard_pressure(x, 0.5, full_contact_pressure=2.0, wavelength=1.0).mean():.4f}"
+    '0.5000'
+    """
+    p_mean, p_full = mean_pressure, full_contact_pressure
+    psi = math.pi * np.asarray(position, dtype=float) / wavelength
+    if p_mean >= p_full:
+        return p_mean + p_full * np.cos(2 * psi)
+    inside = np.maximum(p_mean / p_full - np.sin(psi) ** 2, 0.0)
+    return 2 * p_full * np.abs(np.cos(psi)) * np.sqrt(inside)
 
 
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:
@@ -104,45 +195,6 @@ def moving_band_rise(
     return np.asarray(q * scale / (math.pi * K) * band)
 
 
-ROLLING_SLIDING_PEAK = {"uniform": 1.128379, "hertz": 1.111548}
-"""Coefficient of `rolling_sliding_rise` by the profile of the pressure.
-
-"uniform" has 2/√π. "hertz" has the highest value of ∫ (4/π) √(1 − ξ²)/√(2π(x − ξ)) dξ over
-−1 < ξ < x, at x = 0.65 half-widths; Blok rounds it to 1.11.
-"""
-
-
-def rolling_sliding_rise(
-    friction: float,
-    load_per_length: float,
-    width: float,
-    velocities: tuple[float, float],
-    thermal_effusivity: float,
-    pressure: Literal["uniform", "hertz"] = "hertz",
-) -> float:
-    """Highest temperature rise of a line contact of two identical bodies that roll and slide [K].
-
-    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the friction coefficient µ, the load per length w
-    [N/m], the contact's width 2b [m], the velocities u₁ and u₂ of the surfaces through the contact
-    in one direction [m/s], and the effusivity e = √(Kρc) of each body (Blok 1937). The factor c
-    depends on the shape of the `pressure`. The formula is for high Péclet numbers. There a point
-    loses no heat sideways on its way through the contact, and the heat is shared as √u₁ : √u₂.
-
-    Examples
-    --------
-    >>> slow, fast = 15.0, 25.0
-    >>> print(f"{rolling_sliding_rise(0.05, 1e5, 2e-4, (slow, fast), 12844.05):.1f} K")
-    34.5 K
-    >>> rolling_sliding_rise(0.05, 1e5, 2e-4, (fast, fast), 12844.05)
-    0.0
-    """
-    µ, w, e, c = friction, load_per_length, thermal_effusivity, ROLLING_SLIDING_PEAK[pressure]
-    slow, fast = sorted(velocities)
-    if slow < 0:
-        raise InputError(f"velocities are {velocities!r}; both must be at least 0")
-    return c * µ * w * (math.sqrt(fast) - math.sqrt(slow)) / (e * math.sqrt(width))
-
-
 def resting_ellipse_rise(
     peak_flux: float, half_x: float, half_y: float, thermal_conductivity: float
 ) -> float:
@@ -221,6 +273,22 @@ def moving_ellipse_rise(
         negative_rise, bounds=(0.0, a), method="bounded", options={"xatol": 1e-4 * a}
     )
     return -peak_flux * float(minimum.fun) / (2 * math.pi * thermal_conductivity)
+
+
+def archard_wear_depth(
+    specific_wear_rate: float, pressure: ArrayLike, sliding_distance: float
+) -> Array:
+    """Depth worn off by a constant pressure [m], of the shape of `pressure`.
+
+    h = kpS with the specific wear rate k [m²/N], the pressure p [Pa] and the distance S [m]
+    (Archard, J. Appl. Phys. 24, 1953).
+
+    Examples
+    --------
+    >>> print(f"{archard_wear_depth(1.2e-15, 2e9, 0.0625):.2e} m")
+    1.50e-07 m
+    """
+    return np.asarray(specific_wear_rate * np.asarray(pressure) * sliding_distance)
 
 
 MOVING_SQUARE_PEAK = {0.0: 1.122200, 0.1: 1.064837, 1.0: 0.796781, 10.0: 0.347174, 100.0: 0.112436}

@@ -1,6 +1,7 @@
-"""Pressure and width of contacts between smooth bodies.
+"""Closed forms of smooth contacts: Hertz, Blok's flash temperature, and the worn flat of a pin.
 
-Johnson, *Contact Mechanics*, 1985; E* is `tribo.contact_modulus`.
+None of them calls a solver. E* is `tribo.contact_modulus`. Equations of Hertz are those of Johnson,
+*Contact Mechanics*, 1985.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from tribo.errors import require_positive
+from tribo.errors import InputError, require_positive
 from tribo.types import Array
+
+_BLOK_FACTOR = 1.111548  # c of `rolling_sliding_rise`
 
 
 def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus: float) -> float:
@@ -84,21 +87,6 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
     """
     F, R, E = normal_load, radius, contact_modulus
     return float(np.cbrt(6 * F * E**2 / (math.pi**3 * R**2)))
-
-
-def hertz_point_approach(normal_load: float, radius: float, contact_modulus: float) -> float:
-    """Approach α of distant points of a sphere and a plane [m].
-
-    α = a²/R = (9F²/(16RE*²))^⅓ with the radius a of the contact, the load F [N], the sphere's
-    radius R [m] and the contact modulus E* [Pa] (Johnson, Eq. 4.23).
-
-    Examples
-    --------
-    >>> f"{hertz_point_approach(10.0, 10e-3, 115.385e9):.4e} m"
-    '7.5037e-07 m'
-    """
-    F, R, E = normal_load, radius, contact_modulus
-    return float(np.cbrt(9 * F**2 / (16 * R * E**2)))
 
 
 class HertzEllipse(NamedTuple):
@@ -234,80 +222,69 @@ def hertz_pressure(distance: ArrayLike, contact_radius: float, peak_pressure: fl
     return p0 * np.sqrt(np.maximum(1 - (r / a) ** 2, 0.0))
 
 
-def westergaard_full_contact_pressure(
-    amplitude: float, wavelength: float, contact_modulus: float
+def rolling_sliding_rise(
+    friction: float,
+    load_per_length: float,
+    width: float,
+    velocities: tuple[float, float],
+    thermal_effusivity: float,
 ) -> float:
-    """Mean pressure p* that just flattens a wave z = Δ(1 − cos(2πx/λ)) [Pa].
+    """Highest temperature rise of a line contact of two identical bodies that roll and slide [K].
 
-    p* = πE*Δ/λ with the amplitude Δ and the wavelength λ [m], and the contact modulus E* [Pa]
-    (Johnson, §13.2).
-
-    Examples
-    --------
-    >>> f"{westergaard_full_contact_pressure(0.1e-6, 50e-6, 115.385e9):.4e} Pa"
-    '7.2499e+08 Pa'
-    """
-    return math.pi * contact_modulus * amplitude / wavelength
-
-
-def westergaard_half_width(
-    mean_pressure: float, full_contact_pressure: float, wavelength: float
-) -> float:
-    """Half-width a of each contact on a sinusoidal wave [m]; λ/2 once contact is full.
-
-    p̄ = p* sin²(πa/λ) is solved for a, with the mean pressure p̄, the pressure p* of full contact
-    and the wavelength λ [m] (Westergaard 1939; Johnson, §13.2).
+    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the friction coefficient µ, the load per length w
+    [N/m], the contact's width 2b [m], the velocities u₁ and u₂ of the surfaces through the contact
+    in one direction [m/s], and the effusivity e = √(Kρc) of each body (Blok 1937). For the
+    pressure of Hertz, c = 1.111548 is the highest value of ∫ (4/π) √(1 − ξ²)/√(2π(x − ξ)) dξ over
+    −1 < ξ < x, at x = 0.65 half-widths; Blok rounds it to 1.11. The formula is for high Péclet
+    numbers. There a point loses no heat sideways on its way through the contact, and the heat is
+    shared as √u₁ : √u₂.
 
     Examples
     --------
-    >>> f"{westergaard_half_width(0.5, full_contact_pressure=1.0, wavelength=8.0):.6f} m"
-    '2.000000 m'
+    >>> slow, fast = 15.0, 25.0
+    >>> print(f"{rolling_sliding_rise(0.05, 1e5, 2e-4, (slow, fast), 12844.05):.1f} K")
+    34.5 K
+    >>> rolling_sliding_rise(0.05, 1e5, 2e-4, (fast, fast), 12844.05)
+    0.0
     """
-    share = min(mean_pressure / full_contact_pressure, 1.0)
-    return wavelength / math.pi * math.asin(math.sqrt(share))
+    µ, w, e = friction, load_per_length, thermal_effusivity
+    slow, fast = sorted(velocities)
+    if slow < 0:
+        raise InputError(f"velocities are {velocities!r}; both must be at least 0")
+    return _BLOK_FACTOR * µ * w * (math.sqrt(fast) - math.sqrt(slow)) / (e * math.sqrt(width))
 
 
-def westergaard_mean_pressure(
-    half_width: float, full_contact_pressure: float, wavelength: float
-) -> float:
-    """Mean pressure p̄ = p* sin²(πa/λ) at which contacts on a wave are 2a wide [Pa].
+def worn_line_width(worn_area: float, radius: float) -> float:
+    """Width of the flat worn on a rigid cylinder [m].
 
-    p* is the pressure of full contact [Pa], and λ the wavelength [m].
+    w = (12RA)^⅓ with the worn area A [m²] of the cross-section, a segment of height w²/(8R), and
+    the radius R [m]; w ≪ R.
 
     Examples
     --------
-    >>> mean = westergaard_mean_pressure(half_width=1.0, full_contact_pressure=4.0, wavelength=6.0)
-    >>> f"{mean:.6f} Pa"
-    '1.000000 Pa'
+    The area of the segment is two thirds of its width times its height:
+
+    >>> A, R = 8.3e-10, 2e-3
+    >>> w = worn_line_width(A, R)
+    >>> f"{w:.4e} m, {2 / 3 * w * w**2 / (8 * R) / A:.6f}"
+    '2.7108e-04 m, 1.000000'
     """
-    return full_contact_pressure * math.sin(math.pi * half_width / wavelength) ** 2
+    return float(np.cbrt(12 * radius * worn_area))
 
 
-def westergaard_pressure(
-    position: ArrayLike, mean_pressure: float, full_contact_pressure: float, wavelength: float
-) -> Array:
-    """Pressure on a sinusoidal wave with its crests at x = 0, ±λ, … [Pa], shaped as `position`.
+def worn_point_width(worn_volume: float, radius: float) -> float:
+    """Width of the flat worn on a rigid ball [m].
 
-    p = 2p* cos ψ √(p̄/p* − sin² ψ), ψ = πx/λ, where the surfaces touch, else 0;
-    p = p̄ + p* cos 2ψ in full contact, p̄ ≥ p* (Westergaard 1939; Johnson, §13.2).
-
-    Here x is the position, p̄ the mean pressure, p* the mean pressure that just makes full contact,
-    and λ the wavelength. The surfaces touch where sin² ψ < p̄/p*.
+    w = (64RV/π)^¼ with the worn volume V [m³], a cap of height w²/(8R), and the radius R [m];
+    w ≪ R.
 
     Examples
     --------
-    Both formulas agree where contact becomes full, and the mean is the one given:
+    The volume of the cap is half of its base times its height:
 
-    >>> x = np.linspace(0.0, 1.0, 400, endpoint=False)
-    >>> full = westergaard_pressure(x, 2.0, full_contact_pressure=2.0, wavelength=1.0)
-    >>> bool(np.allclose(full, 2.0 + 2.0 * np.cos(2 * np.pi * x)))
-    True
-    >>> f"{westergaard_pressure(x, 0.5, full_contact_pressure=2.0, wavelength=1.0).mean():.4f}"
-    '0.5000'
+    >>> V, R = 5e-15, 5e-3
+    >>> w = worn_point_width(V, R)
+    >>> f"{w:.4e} m, {math.pi / 8 * w**2 * w**2 / (8 * R) / V:.6f}"
+    '1.5023e-04 m, 1.000000'
     """
-    p_mean, p_full = mean_pressure, full_contact_pressure
-    psi = math.pi * np.asarray(position, dtype=float) / wavelength
-    if p_mean >= p_full:
-        return p_mean + p_full * np.cos(2 * psi)
-    inside = np.maximum(p_mean / p_full - np.sin(psi) ** 2, 0.0)
-    return 2 * p_full * np.abs(np.cos(psi)) * np.sqrt(inside)
+    return math.sqrt(math.sqrt(64 * radius * worn_volume / math.pi))
