@@ -26,12 +26,12 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg paper all -o workflows
 
-SCENES = cam_tappet gear_mesh roller designs own_rig srv_stages scan
+SCENES = cam_tappet gear_mesh roller designs own_rig srv scan
 scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pictures, in some minutes
 	for scene in $(SCENES); do \
 	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene --width "14 cm" --dpi 100 --plain \
 	        -o workflows/$$scene.png || exit 1; done
-	$(BIN)/irg plot srv_stages --kind tests --width "14 cm" --dpi 100 --plain -o workflows/srv_stages.png
+	$(BIN)/irg plot srv --kind tests --width "14 cm" --dpi 100 --plain -o workflows/srv.png
 
 reference: .venv/test ## write the references of the scene file and of the dataset again
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
