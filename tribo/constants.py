@@ -120,7 +120,8 @@ HEAVY_WEAR = 9.0  # depth of heavy wear, over Ra of the elements
 FEWEST_PIXELS = 2.0  # per correlation length, to resolve the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin after which wear is even around it to about 10 %
 WIDEST = 0.3  # half-width in radii up to which parabola and half-space approximate a pin
-MAX_ELAPSED_HEAT_ERROR = 0.01  # relative error of the rise without a warning of model "elapsed"
+# Largest relative error of the rise by present heat that gives no warning.
+MAX_ELAPSED_HEAT_ERROR = 0.01
 LEAST_SUMMIT = 0.7  # elements across a summit, below which the rise was up to 16 % too low
 SLOWEST = 0.3
 """Least exponent of the rise as a power of velocity at which presets keep their stated accuracy."""

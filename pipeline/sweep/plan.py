@@ -24,9 +24,9 @@ from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluate
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
-    Note,
     PointWarning,
     RampCache,
+    Recorder,
     contact_key,
     contacts,
     fit_elements,
@@ -180,14 +180,14 @@ def run_point(
     heat_steps = stored_steps.heat_steps(scene, load)
     stored = stored_steps.select(scene, load)
     record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
-    note, indices = None, {step.index for step in stored}
+    recorder, indices = None, {step.index for step in stored}
     if stored_steps.steps == "course":
         name = fitted, velocity, fields
-        note = Note(name, lambda state: _increment_values(record, fitted, velocity, state))
+        recorder = Recorder(name, lambda state: _increment_values(record, fitted, velocity, state))
         indices = {
             step.index for step in stored if step.index in heat_steps or step.normal_load >= load
         }
-    memo = ramp_cache.last(contact_key(fitted, load, velocity, heat_steps))
+    memo = ramp_cache.memo(contact_key(fitted, load, velocity, heat_steps))
     results = memo.get(memo_key := (fitted, stored_steps, with_film, fields))
     if results is None:  # no point before it had this heat
         states: list[State] = []
@@ -195,7 +195,7 @@ def run_point(
             states += stages_of(scene, load, velocity, ramp_cache)
             indices = set()
         for contact in (
-            contacts(scene, load, velocity, ramp_cache, heat_steps, note) if indices else ()
+            contacts(scene, load, velocity, ramp_cache, heat_steps, recorder) if indices else ()
         ):
             if contact.index in indices:
                 is_last = contact.index == stored[-1].index

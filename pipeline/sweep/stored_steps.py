@@ -45,7 +45,7 @@ class StoredSteps:
         With load stages they are the onset and end of each stage.
         """
         if isinstance(scene.loading, Stages):
-            return [step for step in scene.load_steps(load) if step.is_shown]
+            return [step for step in scene.load_steps(load) if step.bounds_hold]
         heated = self.heat_steps(scene, load)
         steps = list(scene.load_steps(load, heated))
         return [

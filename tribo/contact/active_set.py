@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.contact.problem import Evaluation, Iterate, Problem
 from tribo.numerics import Preconditioner, largest
 from tribo.types import Array, Nodes
 
@@ -49,24 +49,24 @@ class ActiveSet(NamedTuple):
 def active_set_step(
     problem: Problem,
     iterate: Iterate,
-    judgement: Judgement,
+    evaluation: Evaluation,
     active_set: ActiveSet,
     gap_goal: float,
     max_convolutions: float,
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
-    `judgement` has the free nodes and the gap of the iterate. `active_set` is the state that the
+    `evaluation` has the free nodes and the gap of the iterate. `active_set` is the state that the
     last active-set step returned. Conjugate gradients stop once the gap at the free nodes is at
     most `gap_goal` [m] or a fraction of its first value, or after `max_convolutions` convolutions.
     Returns the next iterate, and the state for the next active-set step.
     """
-    nodes = judgement.nodes
-    stencil = problem.neighbourhood.on(nodes)
+    nodes = evaluation.nodes
+    stencil = problem.neighbourhood.stencil_on(nodes)
     pressure, iterations = _conjugate_gradients(
         problem,
         iterate.pressure.take(nodes),
-        judgement,
+        evaluation,
         _preconditioner(problem, nodes, stencil),
         (active_set.reduction(nodes), gap_goal),
         int(min(active_set.iterations, max_convolutions)),
@@ -86,14 +86,14 @@ def active_set_step(
 def _conjugate_gradients(
     problem: Problem,
     pressure: Array,
-    judgement: Judgement,
+    evaluation: Evaluation,
     precondition: Preconditioner,
     goals: tuple[float, float],
     max_iterations: int,
 ) -> tuple[Array, int]:
     """Unbounded pressure [Pa] that equalizes the gap at the free nodes, and iterations."""
-    nodes, (reduction, gap_goal) = judgement.nodes, goals
-    residual = judgement.gap.take(nodes)
+    nodes, (reduction, gap_goal) = evaluation.nodes, goals
+    residual = evaluation.gap.take(nodes)
     residual -= residual.mean()
     # Scaled by the first residual and by the stencil's middle, residuals and directions are of
     # order 1, which single precision can represent.

@@ -28,7 +28,7 @@ def correct_guess(problem: Problem, separation: Array, guess: Array, displacemen
     loaded = guess > 0
     gap -= mean_approach(gap, loaded, np.flatnonzero(loaded & (guess < hardness)))
     nodes = np.flatnonzero((guess != 0) | (gap < 0))
-    stencil = neighbourhood.on(nodes)
+    stencil = neighbourhood.stencil_on(nodes)
     known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
     pressure = known_pressure.clip(0.0, hardness)
     for _ in range(_LOCAL_STEPS):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.contact.problem import Evaluation, Iterate, Problem
 from tribo.contact.simplex import nearest
 
 
@@ -34,15 +34,15 @@ def first_length(problem: Problem) -> float:
 
 
 def gradient_step(
-    problem: Problem, iterate: Iterate, judgement: Judgement, gradient: Gradient
+    problem: Problem, iterate: Iterate, evaluation: Evaluation, gradient: Gradient
 ) -> tuple[Iterate, Gradient]:
     """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    `judgement` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
+    `evaluation` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
     steps. The displacement is updated along with the pressure instead of computed from it, which
     saves a convolution but loses digits. If no lower energy is found, neither changes.
     """
-    pressure, nodes, gap = iterate.pressure, judgement.nodes, judgement.gap
+    pressure, nodes, gap = iterate.pressure, evaluation.nodes, evaluation.gap
     metric = problem.metric_on(nodes)
     if metric:
         old_pressure = pressure.take(nodes)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from tribo.contact.active_set import ActiveSet, active_set_step
 from tribo.contact.correction import correct_guess
 from tribo.contact.gradient import Gradient, first_length, gradient_step
-from tribo.contact.problem import Iterate, Judgement, Problem, judge
+from tribo.contact.problem import Evaluation, Iterate, Problem, evaluate
 from tribo.contact.rounding import LowestResidual, restore_digits, transform_error
 from tribo.contact.simplex import scaled_to_load
 from tribo.numerics import largest
@@ -94,38 +94,38 @@ def iterate(
     counters, progress = StepCounters(), LowestResidual()
     active_set, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
-        judgement = judge(problem, state)
-        progress = progress.updated(judgement.residual, state.convolutions)
-        is_saturated = not judgement.nodes.size  # all nodes in contact rightly carry the hardness
+        evaluation = evaluate(problem, state)
+        progress = progress.updated(evaluation.residual, state.convolutions)
+        is_saturated = not evaluation.nodes.size  # all nodes in contact rightly carry the hardness
         stalled = is_saturated or progress.has_stalled(
-            problem, state, judgement, gradient.failed_steps
+            problem, state, evaluation, gradient.failed_steps
         )
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(
-            judgement.residual
+            evaluation.residual
         )
-        slack = limits.tolerance - judgement.residual
+        slack = limits.tolerance - evaluation.residual
         if slack >= 0 or stalled or exhausted:
-            restored = restore_digits(problem, state, judgement, slack, exhausted)
+            restored = restore_digits(problem, state, evaluation, slack, exhausted)
             if restored is not None:
                 if restored.shifts > state.shifts:  # residuals for another datum are not comparable
                     progress = progress._replace(lowest=math.inf)
                 state = restored
                 continue
-            judgement = _add_rounding(problem, state, judgement)
-            converged = judgement.residual <= limits.tolerance
+            evaluation = _add_rounding(problem, state, evaluation)
+            converged = evaluation.residual <= limits.tolerance
             if converged or stalled or exhausted:
-                return _iteration_result(problem, state, judgement, converged, stalled)
+                return _iteration_result(problem, state, evaluation, converged, stalled)
         counters = counters.updated(
-            judgement.residual, judgement.at_wrong_bound <= _SETTLED_SHARE * judgement.in_contact
+            evaluation.residual, evaluation.at_wrong_bound <= _SETTLED_SHARE * evaluation.in_contact
         )
         if counters.gradient_steps > 0:
-            state, gradient = gradient_step(problem, state, judgement, gradient)
+            state, gradient = gradient_step(problem, state, evaluation, gradient)
             counters = counters._replace(gradient_steps=counters.gradient_steps - 1)
         else:
             remaining = limits.convolutions - state.convolutions
-            gap_goal = _GOAL_SHARE * limits.tolerance * judgement.unit
+            gap_goal = _GOAL_SHARE * limits.tolerance * evaluation.unit
             state, active_set = active_set_step(
-                problem, state, judgement, active_set, gap_goal, remaining
+                problem, state, evaluation, active_set, gap_goal, remaining
             )
 
 
@@ -142,25 +142,25 @@ def _first_iterate(
     return Iterate(pressure, problem.solid(pressure), datum, separation, guess_cost + 1)
 
 
-def _add_rounding(problem: Problem, state: Iterate, judgement: Judgement) -> Judgement:
-    """Copy of `judgement` whose residual includes a bound on the rounding error of `state`."""
+def _add_rounding(problem: Problem, state: Iterate, evaluation: Evaluation) -> Evaluation:
+    """Copy of `evaluation` whose residual includes a bound on the rounding error of `state`."""
     rounding_error = transform_error(problem.solid.rounding, largest(state.displacement))
-    return judgement._replace(residual=judgement.residual + rounding_error / judgement.unit)
+    return evaluation._replace(residual=evaluation.residual + rounding_error / evaluation.unit)
 
 
 def _iteration_result(
     problem: Problem,
     state: Iterate,
-    judgement: Judgement,
+    evaluation: Evaluation,
     converged: bool,
     stalled: bool,
 ) -> IterationResult:
     return IterationResult(
         pressure=state.pressure,
         displacement=state.displacement,
-        gap=judgement.gap,
-        approach=state.datum + judgement.level,
-        residual=judgement.residual,
+        gap=evaluation.gap,
+        approach=state.datum + evaluation.level,
+        residual=evaluation.residual,
         load_error=state.load_error(problem.total),
         convolutions=state.convolutions,
         converged=converged,

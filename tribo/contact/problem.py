@@ -146,7 +146,7 @@ class Iterate(NamedTuple):
         return abs(float(self.pressure.sum()) / total - 1)
 
 
-class Judgement(NamedTuple):
+class Evaluation(NamedTuple):
     """How far an iterate, a trial pressure, is from the solution of the contact problem.
 
     The pressure has the bounds 0 and the hardness. Where it lies between the bounds, the gap
@@ -164,7 +164,7 @@ class Judgement(NamedTuple):
     at_wrong_bound: int  # number of nodes at a bound that the gap drives them off
 
 
-def judge(problem: Problem, iterate: Iterate) -> Judgement:
+def evaluate(problem: Problem, iterate: Iterate) -> Evaluation:
     """Compute the gap, the approach and the residual of an iterate."""
     gap, pressure = iterate.displacement + iterate.separation, iterate.pressure
     highest, loaded = float(pressure.max()), pressure > 0
@@ -181,7 +181,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
     residual = largest(gap.take(nodes)) / unit
     in_contact = free_nodes.size if elastic is None else int(np.count_nonzero(loaded))
     at_wrong_bound = nodes.size - free_nodes.size
-    return Judgement(gap, level, unit, residual, nodes, in_contact, at_wrong_bound)
+    return Evaluation(gap, level, unit, residual, nodes, in_contact, at_wrong_bound)
 
 
 def mean_approach(gap: Array, loaded: Mask, free: Nodes) -> float:

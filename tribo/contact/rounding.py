@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.contact.problem import Evaluation, Iterate, Problem
 from tribo.contact.simplex import LOAD_ERROR, scaled_to_load
 from tribo.numerics import largest
 
@@ -43,18 +43,18 @@ def transform_error(rounding: float, displacement: float) -> float:
 
 
 def restore_digits(
-    problem: Problem, iterate: Iterate, judgement: Judgement, slack: float, exhausted: bool
+    problem: Problem, iterate: Iterate, evaluation: Evaluation, slack: float, exhausted: bool
 ) -> Iterate | None:
     """Return an iterate with smaller rounding errors, or None if they are small enough.
 
-    `judgement` is that of the iterate. Each call repairs one property: the zero level of the gap
+    `evaluation` is that of the iterate. Each call repairs one property: the zero level of the gap
     (datum), the load or the displacement. `slack` is the tolerance minus the residual. If
     `exhausted`, the iteration must end, and no convolution is spent on the load.
     """
     displacement = largest(iterate.displacement)
-    is_far = abs(judgement.level) > _MAX_DATUM_DISTANCE * (displacement + judgement.unit)
+    is_far = abs(evaluation.level) > _MAX_DATUM_DISTANCE * (displacement + evaluation.unit)
     if is_far and iterate.shifts < _MAX_SHIFTS:
-        datum = iterate.datum + judgement.level
+        datum = iterate.datum + evaluation.level
         separation = problem.heights - datum
         return iterate._replace(datum=datum, separation=separation, shifts=iterate.shifts + 1)
     if not exhausted and iterate.load_error(problem.total) > LOAD_ERROR:
@@ -62,7 +62,7 @@ def restore_digits(
         return iterate.pressed(problem, pressure)
     error = update_error(iterate.updates, problem.solid.rounding, displacement)
     # `not error <= …` also recomputes a displacement that is NaN.
-    if iterate.updates and not error <= slack * judgement.unit:
+    if iterate.updates and not error <= slack * evaluation.unit:
         return iterate.pressed(problem, iterate.pressure)
     return None
 
@@ -82,16 +82,16 @@ class LowestResidual(NamedTuple):
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(
-        self, problem: Problem, iterate: Iterate, judgement: Judgement, failed_steps: int
+        self, problem: Problem, iterate: Iterate, evaluation: Evaluation, failed_steps: int
     ) -> bool:
         """True if the residual no longer falls, so that the iteration should end.
 
-        `iterate` is the last iterate, and `judgement` has its residual. `failed_steps` is the
+        `iterate` is the last iterate, and `evaluation` has its residual. `failed_steps` is the
         number of gradient steps in a row that failed.
         """
         waiting_time = iterate.convolutions - self.convolutions
         if waiting_time <= _STALL_TIME:
             return False
-        scale = largest(iterate.displacement) + abs(judgement.level)
-        at_rounding = self.lowest * judgement.unit <= _AT_ROUNDING * problem.solid.rounding * scale
+        scale = largest(iterate.displacement) + abs(evaluation.level)
+        at_rounding = self.lowest * evaluation.unit <= _AT_ROUNDING * problem.solid.rounding * scale
         return at_rounding or waiting_time > _MAX_WAITING_TIME or failed_steps > _MAX_FAILED_STEPS

@@ -43,8 +43,8 @@ class LoadStep:
         Integral of the load over the time since the loading began, ∫F dt [N s].
     holding : bool
         True if the load has been the same since the load step before.
-    is_shown : bool
-        True at the onset and at the end of a stage, whose temperatures are always computed.
+    bounds_hold : bool
+        True at the onset and at the end of a stage's hold, whose temperatures are always computed.
 
     Examples
     --------
@@ -61,7 +61,7 @@ class LoadStep:
     index: int
     impulse: float
     holding: bool = False
-    is_shown: bool = False
+    bounds_hold: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,7 +75,7 @@ class MeasuredLoad:
                 f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "
                 "it must have two columns of equal length, and at least two rows"
             )
-        if defect := fault(times, loads):
+        if defect := find_fault(times, loads):
             row, reason = defect
             raise InputError(f"load record, row {row} (counted from 0): {reason}")
         content = np.array([times, loads]).tobytes() + repr(self.reference_load).encode()
@@ -219,14 +219,12 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
         filtered = clamped
     # Shares of the load's travel and of time. Noise within the dead band adds no travel.
     travel_share, time_share = np.array(travel) / travel[-1], (times - begin) / (end - begin)
-    if (
-        np.abs(travel_share - time_share).max() < EQUAL_TIME_LIMIT
-    ):  # steps of equal duration need fewer heat kernels
+    if np.abs(travel_share - time_share).max() < EQUAL_TIME_LIMIT:
         return None
     return (travel_share + time_share) / 2, times
 
 
-def fault(times: Array, loads: Array) -> tuple[int, str] | None:
+def find_fault(times: Array, loads: Array) -> tuple[int, str] | None:
     """Find the first reading that is not finite, or not later than the one before it.
 
     Returns its index and the reason, or None. `times` are in s, `loads` in N.

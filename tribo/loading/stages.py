@@ -112,7 +112,7 @@ class Stages:
         corners = [
             (load_step.time, load_step.normal_load / self.loads[-1])
             for load_step in load_steps
-            if load_step.is_shown
+            if load_step.bounds_hold
         ]
         return ((0.0, 0.0), *dict.fromkeys(corners))
 
@@ -175,7 +175,7 @@ def _hold_steps(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
 
 
 def _step_after(
-    begin: LoadStep, number: int, load: float, duration: float, is_shown: bool, holding: bool
+    begin: LoadStep, number: int, load: float, duration: float, bounds_hold: bool, holding: bool
 ) -> LoadStep:
     """Load step `number` steps and `duration` [s] after `begin`, at `load` [N]."""
     return LoadStep(
@@ -185,5 +185,5 @@ def _step_after(
         begin.index + number,
         begin.impulse + (begin.normal_load + load) / 2 * duration,
         holding,
-        is_shown,
+        bounds_hold,
     )

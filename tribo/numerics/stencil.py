@@ -43,7 +43,8 @@ class Neighbourhood:
     >>> kernel = np.zeros((4, 4))
     >>> kernel[0, 0], kernel[0, 1], kernel[0, 3] = 1.0, 0.2, 0.2
     >>> near = Neighbourhood(Convolution(grid, np.fft.rfft2(kernel).real))
-    >>> apply = near.on(np.array([0, 1, 3, 10]))  # (0, 3) is next to (0, 0); (2, 2) is alone
+    >>> nodes = np.array([0, 1, 3, 10])  # (0, 3) is next to (0, 0); (2, 2) has no neighbours
+    >>> apply = near.stencil_on(nodes)
     >>> apply(near.influence, np.array([1.0, 2.0, 0.0, 1.0])).round(6)
     array([1.4, 2.2, 0.2, 1. ])
     """
@@ -68,7 +69,7 @@ class Neighbourhood:
             self.inverse = np.zeros((3, 2))
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
-    def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
+    def stencil_on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
         """Return a function that applies a stencil to values at `nodes`, ascending flat indices.
 
         The function takes the stencil and the values, and returns new values at the same nodes,

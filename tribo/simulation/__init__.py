@@ -22,14 +22,14 @@ from tribo.simulation.pins import Ball as Ball
 from tribo.simulation.pins import Crowned as Crowned
 from tribo.simulation.pins import Cylinder as Cylinder
 from tribo.simulation.pins import Pin as Pin
-from tribo.simulation.point import heated as heated
+from tribo.simulation.point import add_temperature as add_temperature
 from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point import stages_of as stages_of
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
 from tribo.simulation.point_warnings import warnings as warnings
-from tribo.simulation.ramp_cache import Note as Note
 from tribo.simulation.ramp_cache import RampCache as RampCache
+from tribo.simulation.ramp_cache import Recorder as Recorder
 from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.stage_window import widen_window as widen_window
 from tribo.simulation.state import Heat as Heat

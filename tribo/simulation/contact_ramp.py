@@ -29,7 +29,7 @@ from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.loading_step import advance, start
 from tribo.simulation.parts_of_steps import step_parts
 from tribo.simulation.passing import solve_positions
-from tribo.simulation.ramp_cache import Note, RampCache
+from tribo.simulation.ramp_cache import RampCache, Recorder
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 
@@ -66,7 +66,7 @@ def contacts(
     velocity: float,
     ramp_cache: RampCache | None = None,
     requested: Container[int] = (),
-    note: Note | None = None,
+    recorder: Recorder | None = None,
 ) -> Iterator[State]:
     """Contact states during the loading to `normal_load` [N] and during its hold.
 
@@ -83,7 +83,7 @@ def contacts(
         `normal_load` are added to it.
     requested : container of int, optional
         Indices of further steps, `LoadStep.index`, whose states shall have `State.is_requested`.
-    note : Note, optional
+    recorder : Recorder, optional
         Value to record after each increment of the ramp below `normal_load`, on the finest grid.
         The last states with `State.is_requested` have the recorded values as `State.course`.
 
@@ -108,12 +108,12 @@ def contacts(
             yield _independent_state(levels, normal_load, velocity, load_step)
         return
     has_stages = isinstance(scene.loading, Stages)
-    on_finest = range(MOST_STEPS + 1) if note and not has_stages else requested
+    on_finest = range(MOST_STEPS + 1) if recorder and not has_stages else requested
     advance_step = partial(_advance_shared, levels, velocity, on_finest)
     key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
-    if has_stages or (note and load_steps[-1].on_trunk):
+    if has_stages or (recorder and load_steps[-1].on_trunk):
         last = yield from _reach_shared_end(
-            ramp_cache, key, start(scene), load_steps, advance_step, note
+            ramp_cache, key, start(scene), load_steps, advance_step, recorder
         )
         if last.is_requested or not last.pressure.any():
             yield last
@@ -128,8 +128,8 @@ def contacts(
             load_steps,
         )
     )
-    memo = ramp_cache.last(contact_key(scene, normal_load, velocity, requested))
-    new_states = ramp_cache.reach(key, start(scene), shared_steps, advance_step, note)
+    memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
+    new_states = ramp_cache.reach(key, start(scene), shared_steps, advance_step, recorder)
     state, course = yield from new_states
     state = state.history or state
     if "ends" in memo:  # solved for a scene that differs only in thermal constants
@@ -152,15 +152,15 @@ def _reach_shared_end(
     begin: State,
     load_steps: Sequence[LoadStep],
     advance: Callable[[State, LoadStep], State],
-    note: Note | None,
+    recorder: Recorder | None,
 ) -> Generator[State, None, State]:
     """Yield the states that are new to `ramp_cache`; return the last state.
 
     Higher loads continue from the last state, which is that of a stage, or of a ramp at the end of
     a step.
     """
-    yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, note)
-    last_step = ramp_cache.reach(key, begin, load_steps, advance, note)
+    yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, recorder)
+    last_step = ramp_cache.reach(key, begin, load_steps, advance, recorder)
     while True:
         try:
             next(last_step)
@@ -178,12 +178,12 @@ def _advance_shared(
 ) -> State:
     """Compute a shared step on the coarsest grid and, if it is requested, on the finest."""
     begin, after = _last_part(levels, velocity, before.history or before, load_step)
-    if not (load_step.is_shown or load_step.index in requested):
+    if not (load_step.bounds_hold or load_step.index in requested):
         return after
     try:
         finest = _solve_requested(levels, begin, after, load_step, velocity)
     except TriboError:
-        if load_step.is_shown:
+        if load_step.bounds_hold:
             raise
         return after  # the ramp continues, since the ends of points do not need this contact
     if finest.history is None:

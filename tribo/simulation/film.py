@@ -26,8 +26,8 @@ from tribo.simulation.state import State
 from tribo.simulation.temperature import refined_scene
 from tribo.types import Array, Mask
 
-SHARE = 0.2
-"""Share of the load that a film carries at most, within the model."""
+FILM_SHARE = 0.2
+"""Largest share of the load that a film carries within the model."""
 _CONTACT_SHARE = 0.02  # of the highest pressure, above which the smooth contact touches
 _INNER_SHARE = 0.9  # share of the half-width within which gaps are averaged
 _INLET_LENGTH = 30.0  # end of the inlet over that of the window
@@ -67,7 +67,7 @@ def film_inlet(scene: Scene, state: State) -> tuple[float, float]:
         (x[::step], pin[::step], touches[::step]),
         state.normal_load / length / (scene.grid.spacing[0] * step),
     )
-    film = SHARE * np.interp(x, x[::step], displacement)
+    film = FILM_SHARE * np.interp(x, x[::step], displacement)
     mean_gap = _mean_gap(scene, state, film, np.abs(x) <= _INNER_SHARE * half_width)
     inlet = _inlet_integral(np.abs(x[::step]), gap, half_width, mean_gap, scene.pin.radius)
     return inlet, state.normal_load / length / (2 * half_width)
@@ -110,7 +110,7 @@ def _mean_gap(scene: Scene, state: State, film: Array, inner_rows: Mask) -> floa
     separation = separation_at(scene, None) + state.wear_depth + film[:, None]
     yields = dry_pressure >= scene.hardness
     elastic_sum = float(dry_pressure.sum(where=~yields))
-    reduced_sum = elastic_sum - SHARE * float(dry_pressure.sum())
+    reduced_sum = elastic_sum - FILM_SHARE * float(dry_pressure.sum())
     # Yielding summits keep their pressure, and other pressures fall in proportion. This is within
     # 1 % of the solution.
     if reduced_sum > 0:
@@ -119,9 +119,9 @@ def _mean_gap(scene: Scene, state: State, film: Array, inner_rows: Mask) -> floa
         gap = solid(pressure, rows=(int(rows[0]), int(rows[-1]) + 1)) + separation
         gap -= gap.mean(where=(pressure > 0) & ~yields)
     else:
-        load = (1 - SHARE) * float(dry_pressure.sum()) * scene.grid.element_area
+        load = (1 - FILM_SHARE) * float(dry_pressure.sum()) * scene.grid.element_area
         rough = solve_contact(
-            solid, separation, load, scene.hardness, _TOLERANCE, (1 - SHARE) * dry_pressure
+            solid, separation, load, scene.hardness, _TOLERANCE, (1 - FILM_SHARE) * dry_pressure
         )
         pressure, gap = rough.pressure, rough.gap
     return float(np.where(pressure > 0, 0.0, np.maximum(gap, 0.0))[inner_rows].mean())
@@ -180,5 +180,5 @@ def film_excess(
         * math.exp(0.875 * sliding)
     )
     inlet_pressure = 12 * eta * thinning**1.4 * speed * inlet
-    carrying_pressure = -math.expm1(-SHARE * alpha * pressure) / alpha
+    carrying_pressure = -math.expm1(-FILM_SHARE * alpha * pressure) / alpha
     return math.log(inlet_pressure / carrying_pressure) if inlet_pressure > 0 else -math.inf

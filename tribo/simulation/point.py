@@ -14,7 +14,7 @@ from dataclasses import replace
 from tribo.errors import InputError
 from tribo.simulation.contact_ramp import contacts
 from tribo.simulation.point_warnings import touched_edges
-from tribo.simulation.ramp_cache import Note, RampCache
+from tribo.simulation.ramp_cache import RampCache, Recorder
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.temperature import heat
@@ -105,8 +105,8 @@ def stages_of(
             return None
         return replace(contact, heat=heat(scene, contact, velocity, is_sampled=True))
 
-    note = Note(("stages", scene, velocity), add_requested_heat)
-    states = list(contacts(scene, normal_load, velocity, ramp_cache, note=note))
+    recorder = Recorder(("stages", scene, velocity), add_requested_heat)
+    states = list(contacts(scene, normal_load, velocity, ramp_cache, recorder=recorder))
     # Without wear a stage depends on no other, and there is no course.
     heated_states = states[-1].course or map(add_requested_heat, states)
     stage_states = [state for state in heated_states if state is not None]
@@ -119,7 +119,7 @@ def stages_of(
     return stage_states
 
 
-def heated(scene: Scene, contact: State, velocity: float) -> State:
+def add_temperature(scene: Scene, contact: State, velocity: float) -> State:
     """Copy of a state from `contacts` with its contact temperature at a sliding velocity [m/s].
 
     The copy also has the sliding distance at this velocity. Its temperature, `State.heat`, is None
@@ -133,7 +133,7 @@ def heated(scene: Scene, contact: State, velocity: float) -> State:
     >>> import tribo
     >>> *_, contact = contacts(scene, normal_load=10.0, velocity=0.065)
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.13)
-    >>> heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
+    >>> add_temperature(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
     True
     """
     temperature = heat(scene, contact, velocity) if contact.is_requested else None

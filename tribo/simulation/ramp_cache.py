@@ -21,11 +21,11 @@ MOST_BYTES = 2**28
 """Default limit of the total size of the states in a cache [B]."""
 
 
-class Note(NamedTuple):
-    """A value to record after each increment of a ramp: its name, and a function of the state."""
+class Recorder(NamedTuple):
+    """Records a value of the state after each increment of a ramp, under a name."""
 
     name: Hashable
-    make: Callable[[State], Any]
+    record: Callable[[State], Any]
 
 
 @dataclass(slots=True, eq=False)
@@ -35,7 +35,7 @@ class _Trunk:
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far
     nbytes: int = 0
-    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # by name, one per increment
+    records: dict[Hashable, list[Any]] = field(default_factory=dict)  # by name, one per increment
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     @property
@@ -50,7 +50,7 @@ class _Trunk:
         `recorded`, it needs the states after all later steps, too.
         """
         if increments and self.dropped >= min(increments, recorded + 1):
-            self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
+            self.states, self.count, self.nbytes, self.records = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
         """Keep the state after the next step; drop older states if memory exceeds `limit` [B]."""
@@ -96,7 +96,7 @@ class RampCache:
             self._trunks.clear()
             self._last = None, {}
 
-    def last(self, key: Hashable) -> dict[Hashable, Any]:
+    def memo(self, key: Hashable) -> dict[Hashable, Any]:
         """Memo of the last point's contact; a new dictionary if `key` is not that of this point."""
         with self._lock:
             if self._last[0] != key:
@@ -113,22 +113,22 @@ class RampCache:
         begin: State,
         load_steps: Sequence[LoadStep],
         advance: Callable[[State, LoadStep], State],
-        note: Note | None = None,
+        recorder: Recorder | None = None,
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
         """Continue a cached ramp up to the last of its `load_steps`, and yield the new states.
 
         The ramp starts from the state `begin`, and is cached by `key`. `load_steps` are the ends of
         its steps: times with their loads. `advance` computes a state from the state one step
-        earlier. Returns the state at the last load step, and a tuple of the value that `note`
-        recorded at each load step; the tuple is empty without a `note`.
+        earlier. Returns the state at the last load step, and a tuple of the value that `recorder`
+        recorded at each load step; the tuple is empty without a `recorder`.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
             self._trunks.move_to_end(key)
         with trunk.lock:  # wait for a ramp that another thread computes
-            recorded = len(trunk.notes.get(note.name, ())) if note else len(load_steps)
+            recorded = len(trunk.records.get(recorder.name, ())) if recorder else len(load_steps)
             trunk.clear_if_dropped(len(load_steps), recorded)
-            notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
+            records: list[Any] = trunk.records.setdefault(recorder.name, []) if recorder else []
             state = begin
             for index, load_step in enumerate(load_steps, 1):
                 if trunk.dropped < index <= trunk.count:
@@ -137,9 +137,9 @@ class RampCache:
                     state = advance(state, load_step)
                     trunk.add(state, self._limit)
                     yield state
-                if note and len(notes) < index:
-                    notes.append(note.make(state))
-            result = state, tuple(notes[: len(load_steps)])
+                if recorder and len(records) < index:
+                    records.append(recorder.record(state))
+            result = state, tuple(records[: len(load_steps)])
         self._drop_oldest()
         return result
 

@@ -254,7 +254,7 @@ class Scene:
         for load_step in load_steps:
             # Also at the start of a hold, since later warming depends on the load until then.
             reaches = is_ramp and load_step.normal_load == normal_load and not load_step.holding
-            if load_step.index in requested or load_step.is_shown or reaches:
+            if load_step.index in requested or load_step.bounds_hold or reaches:
                 yield replace(
                     load_step, on_trunk=load_step.on_trunk and load_step.index in requested
                 )

@@ -114,8 +114,8 @@ class State:
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
     course : tuple
-        Values that a `tribo.simulation.ramp_cache.Note` recorded at the shared steps of the ramp
-        before this state; empty unless `is_requested`.
+        Values that a `tribo.simulation.Recorder` recorded at the shared steps of the ramp before
+        this state; empty unless `is_requested`.
 
     Examples
     --------

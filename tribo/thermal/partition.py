@@ -212,7 +212,7 @@ def _iterate_flux(
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
     if tolerance >= _SINGLE_TOLERANCE:
         total_map = _faster_map(total_map, float(neighbourhood.influence[1, 0]))
-    precondition = functools.partial(neighbourhood.on(nodes), neighbourhood.inverse)
+    precondition = functools.partial(neighbourhood.stencil_on(nodes), neighbourhood.inverse)
     return _conjugate_residuals(
         _node_map(total_map, nodes),
         precondition,

@@ -1,6 +1,6 @@
 """Quantiles of the temperature over the contact area, which decide between mild and severe wear.
 
-Wear turns severe where more than a given share of the real contact area is hotter than the
+Wear becomes severe where more than a given share of the real contact area is hotter than the
 critical temperature. An equivalent condition, of a smooth quantity, is that the quantile of the
 temperature that this share exceeds lies above the critical temperature.
 """

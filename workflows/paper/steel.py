@@ -13,7 +13,7 @@ from pipeline import Sweep, boundary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import known_critical_temperature
-from tribo.simulation import contacts, heated
+from tribo.simulation import add_temperature, contacts
 from tribo.types import Array
 
 from .labels import label_ends
@@ -83,7 +83,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
         *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
-            end = end_at(other, heated(other.scene, contact, row.velocity), row.friction)
+            end = end_at(other, add_temperature(other.scene, contact, row.velocity), row.friction)
             found.append(float(celsius_of(end, sweep.conditions.critical_area_fraction)))
     study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
     return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
