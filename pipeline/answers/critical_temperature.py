@@ -8,9 +8,8 @@ contains the model's bias; on another rig the bias is added.
 
 from __future__ import annotations
 
-import functools
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -20,9 +19,13 @@ from scipy.special import logsumexp
 from pipeline.answers.conditions import ConditionValues, override_conditions
 from pipeline.answers.posterior import (
     LEAST_BIAS,
+    MAX_CHANGE,
+    NEGLIGIBLE_PAIR,
+    CriticalTemperature,
     Outcome,
     Posterior,
     Prior,
+    change_of_y,
     log_prior_scatter,
     update,
 )
@@ -38,7 +41,6 @@ from tribo.types import Array
 _PRIOR_MEDIAN = 120.0  # of Tc − bulk temperature [K]
 _NODES = np.linspace(-4, 4, 801)  # of ln((Tc − bulk)/120 K)
 _SCATTERS, _BIASES, _FARTHEST = 100, 101, 7.0  # nodes; sinh(7) scales of the bias are 550
-_MAX_CHANGE = 40.0  # largest change of y, also if Tc is not above a bulk temperature
 _BOUND = 0.05  # likelihood over its maximum, at the bound by tests of a single outcome
 _GRID_BIASES, _GRID_SCATTERS, _GRID_SCALE = (
     241,
@@ -46,88 +48,15 @@ _GRID_BIASES, _GRID_SCATTERS, _GRID_SCALE = (
     6.0,
 )  # nodes; biases about 0.3 widths apart in the middle
 _MIN_WIDTH = 0.01  # smallest width of these nodes
-_BIN_WIDTH = 0.25  # difference of biases over the scatter, within which they are merged
-_NEGLIGIBLE = 1e-11  # largest weight of an omitted pair of node and bias
-
-
-@dataclass(frozen=True, eq=False)
-class CriticalTemperature:
-    """Critical temperature inferred from tests; `temperature` is its median on this rig [K]."""
-
-    temperature: float
-    spread: float  # standard deviation on this rig [K]
-    at_least: float  # bounds by tests of a single outcome [K]; NaN if there are both outcomes
-    at_most: float
-    evidence: Evidence  # y of the tests at `temperature`
-    bulk: float  # bulk temperature of the scene [K]
-    nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
-    logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
-    weights: Array  # of each node and bias; their sum is 1
-    _at_bulk: dict[float, Posterior] = field(default_factory=dict, repr=False)
-
-    def at_bulk(self, bulk: float) -> Posterior:
-        """Bias and scatter of points at a bulk temperature [K], with y at `temperature`.
-
-        A change of Tc changes y by another amount than at the scene's bulk temperature. Biases
-        that differ by less than `_BIN_WIDTH` scatters are merged, and their variance is added to
-        that of the scatter.
-        """
-        if bulk == self.bulk:
-            return self.nodes
-        if bulk not in self._at_bulk:
-            self._at_bulk[bulk] = self._posterior_at(bulk)
-        return self._at_bulk[bulk]
-
-    def _posterior_at(self, bulk: float) -> Posterior:
-        biases = _change(self.temperature, self._temperatures, bulk) + self._biases
-        is_significant = self.weights > _NEGLIGIBLE
-        biases = np.clip(biases[is_significant], -_MAX_CHANGE, _MAX_CHANGE)
-        weights = self.weights[is_significant]
-        scatter, inverse = np.unique(self.nodes.scatter, return_inverse=True)
-        scatter_index = np.broadcast_to(inverse[:, None], is_significant.shape)[is_significant]
-        bins = np.floor(biases / (_BIN_WIDTH * scatter[scatter_index])).astype(int)
-        first_bin, bin_count = bins.min(), np.ptp(bins) + 1
-        keys = scatter_index * bin_count + bins - first_bin
-        groups, inverse = np.unique(keys, return_inverse=True)
-        weights, first_moments, second_moments = (
-            np.bincount(inverse, weights * biases**power).astype(float) for power in range(3)
-        )
-        is_kept = weights > _NEGLIGIBLE
-        weights, means = weights[is_kept], first_moments[is_kept] / weights[is_kept]
-        variances = np.maximum(second_moments[is_kept] / weights - means**2, 0.0)
-        group_scatter = scatter[groups[is_kept] // bin_count]
-        return replace(
-            self.nodes, bias=means, scatter=np.hypot(group_scatter, np.sqrt(variances)),
-            weights=weights / weights.sum(),
-        )  # fmt: skip
-
-    @functools.cached_property
-    def spread_with_bias(self) -> float:
-        """Standard deviation of the critical temperature on another rig [K]."""
-        mean = (self.weights * self.logs).sum()
-        variance = (self.weights * np.square(self.logs - mean)).sum()
-        return float((self.temperature - self.bulk) * math.sqrt(variance))
-
-    @property
-    def _biases(self) -> Array:
-        """Bias of each node and bias."""
-        return self.nodes.bias[:, None] + self.logs
-
-    @property
-    def _temperatures(self) -> Array:
-        return self.bulk + (self.temperature - self.bulk) * np.exp(self.logs)
-
-
-def _change(start: float, temperatures: Array, bulk: float) -> Array:
-    """Change of y at a bulk temperature for critical temperatures other than `start` [K]."""
-    above = np.maximum(temperatures - bulk, 1e-300)
-    return np.asarray(np.minimum(math.log(start - bulk) - np.log(above), _MAX_CHANGE))
 
 
 def critical_temperature_of(
     case: CaseResults, specimen: Specimen, oil: Conditions
-) -> CriticalTemperature:
-    """Infer Tc from the tests of a case; `oil` has all conditions but the critical temperature."""
+) -> tuple[CriticalTemperature, Evidence]:
+    """Infer Tc from the tests of a case; also return the tests with their y at this Tc.
+
+    `oil` has all conditions but the critical temperature.
+    """
     bulk = case.sweep.conditions.bulk_temperature
     bulks = [test.case.conditions.bulk_temperature for test in case.sweep.tests]
     start = max([bulk, oil.bulk_temperature, *bulks]) + _PRIOR_MEDIAN
@@ -158,10 +87,11 @@ def critical_temperature_of(
     if any(test_bulk != bulk for _, test_bulk in outcomes.pairs):
         nodes = _reweighted_nodes(nodes, outcomes, bulk, max(spread, _MIN_WIDTH), prior)
     logs, joint_weights = _joint(nodes, outcomes, bulk, temperature, prior)
-    return CriticalTemperature(
-        temperature, median_excess * spread, at_least, at_most, final_evidence, bulk,
+    critical = CriticalTemperature(
+        temperature, median_excess * spread, at_least, at_most, bulk,
         replace(nodes, weights=joint_weights.sum(axis=1)), logs, joint_weights,
     )  # fmt: skip
+    return critical, replace(final_evidence, critical=critical)
 
 
 class _TestOutcomes:
@@ -184,7 +114,7 @@ class _TestOutcomes:
         weights = log_prior_scatter(v, prior)
         logs = np.zeros((len(temperatures), len(biases), len(v)))
         for outcome, bulk in self.pairs:
-            change = _change(self.start, temperatures, bulk)
+            change = change_of_y(self.start, temperatures, bulk)
             logs += outcome.log_likelihood((change[:, None] + biases)[..., None], np.exp(v))
         return np.asarray(logsumexp(logs + weights - logsumexp(weights), axis=2))
 
@@ -215,8 +145,8 @@ def _reweighted_nodes(
     nodes: Posterior, outcomes: _TestOutcomes, bulk: float, width: float, prior: Prior
 ) -> Posterior:
     """Nodes weighted by tests at the scene's bulk temperature, dense within a `width`."""
-    v = np.linspace(math.log(0.1 * prior.scatter), math.log(_MAX_CHANGE), _GRID_SCATTERS)
-    reach = math.asinh(_MAX_CHANGE / (_GRID_SCALE * width))
+    v = np.linspace(math.log(0.1 * prior.scatter), math.log(MAX_CHANGE), _GRID_SCATTERS)
+    reach = math.asinh(MAX_CHANGE / (_GRID_SCALE * width))
     u = np.linspace(-reach, reach, _GRID_BIASES)[:, None]
     bias, scatter = _GRID_SCALE * width * np.sinh(u), np.exp(v)
     logs = np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(bias**2 / WORTH)
@@ -225,7 +155,7 @@ def _reweighted_nodes(
         if test_bulk == bulk:
             logs += outcome.log_likelihood(bias, scatter)
     weights = np.exp(logs - logs.max())
-    is_kept = weights > _NEGLIGIBLE * weights.sum()
+    is_kept = weights > NEGLIGIBLE_PAIR * weights.sum()
     bias, scatter = (np.broadcast_to(array, is_kept.shape)[is_kept] for array in (bias, scatter))
     return replace(nodes, bias=bias, scatter=scatter, weights=weights[is_kept])
 
@@ -247,7 +177,7 @@ def _joint(
     temperatures = bulk + (temperature - bulk) * np.exp(logs)
     for outcome, test_bulk in outcomes.pairs:
         if test_bulk != bulk:
-            total_bias = _change(temperature, temperatures, test_bulk) + biases
+            total_bias = change_of_y(temperature, temperatures, test_bulk) + biases
             joint += outcome.log_likelihood(total_bias, nodes.scatter[:, None])
     joint += np.log(nodes.weights)[:, None]
     weights = np.exp(joint - joint.max())
@@ -281,7 +211,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     conditions_of_case = override_conditions(
         replace(case.sweep.conditions, critical_temperature=None), conditions
     )
-    critical = critical_temperature_of(
+    critical, _ = critical_temperature_of(
         case, specimen_of(case, conditions_of_case), conditions_of_case
     )
     values = {

@@ -6,12 +6,12 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.answers.conditions import Operation, evaluate_by_bulk
-from pipeline.answers.posterior import Outcome, Posterior, Prior, update
+from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
@@ -21,9 +21,6 @@ from pipeline.sweep.conditions import Conditions, allowable_rise, with_test_cond
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
-
-if TYPE_CHECKING:
-    from pipeline.answers.critical_temperature import CriticalTemperature
 
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 _MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test

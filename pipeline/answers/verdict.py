@@ -8,6 +8,7 @@ verdict stands against a test that rules it out, or that has no result yet.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import IntFlag
@@ -15,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.answers import words
 from pipeline.answers.conditions import Operation, evaluate_by_bulk, override_conditions
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.discretization_error import velocity_error
@@ -25,6 +25,7 @@ from pipeline.answers.results import CaseResults
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, ruled_out
 from pipeline.constants import DECIDED, FARTHEST
+from pipeline.quantities import UNITS
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo import WarningKind
 from tribo.types import Array, Mask
@@ -35,6 +36,7 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
+_TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
 class Flag(IntFlag):
@@ -73,11 +75,11 @@ class JudgedCase:
                 c.critical_area_fraction,
                 c.corrections,
             )
-            critical = self._cached(
+            critical, evidence = self._cached(
                 critical_key, lambda: critical_temperature_of(self.case, specimen, c)
             )
             c = replace(c, critical_temperature=critical.temperature)
-            return VerdictModel(self, c, specimen, replace(critical.evidence, critical=critical))
+            return VerdictModel(self, c, specimen, evidence)
         oil_key = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
         evidence = self._cached(
             ("evidence", *oil_key, c.corrections), lambda: evidence_of(self.case, specimen, c)
@@ -260,8 +262,8 @@ class VerdictModel:
         is_inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
         for k in np.flatnonzero(~is_inside).tolist():
             load, velocity = values[:, k].tolist()
-            reasons[k] = words.outside(ranges, load=load, velocity=velocity)
-        reasons[np.isnan(rise) & (reasons == "")] = words.TOO_FEW
+            reasons[k] = outside_reason(ranges, load=load, velocity=velocity)
+        reasons[np.isnan(rise) & (reasons == "")] = _TOO_FEW
         return reasons
 
     def critical(self, axis: str, points: Operation) -> dict[str, Any]:
@@ -314,3 +316,16 @@ class VerdictModel:
         """Relative errors of critical velocities by part (4, k)."""
         parts = rise_errors(self.specimen, self.promised, loads, velocities)
         return velocity_errors(self.field, parts, self.promised, loads, velocities)
+
+
+def outside_reason(ranges: Mapping[str, tuple[float, float]], **point: float) -> str:
+    """Reason that a load and a velocity are unknown; empty if they lie within `ranges`."""
+    parts = []
+    for name, value in point.items():
+        (low, high), unit = ranges[name], UNITS[name]
+        if not (low <= value <= high and value > 0):
+            range_text = f"({low:g} to {high:g} {unit})"
+            parts.append(f"{name} {value:g} {unit} is outside the sweep {range_text}")
+    is_possible = all(0 < value < math.inf for value in point.values())
+    advice = "add it to the scene, and run it again" if is_possible else "give a value inside it"
+    return f"{', '.join(parts)}; {advice}" if parts else ""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,8 @@ from pipeline.answers.scene_words import (
     warning_lines,
 )
 from pipeline.answers.specimen import specimen_of
-from pipeline.answers.tests import waiting_text
+from pipeline.answers.tests import Evidence, waiting_text
+from pipeline.answers.verdict import VerdictModel
 from pipeline.constants import LEAST_STATED
 from pipeline.quantities import UNITS, display
 from pipeline.store.schema import PLANE
@@ -29,13 +30,8 @@ from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-if TYPE_CHECKING:
-    from pipeline.answers.tests import Evidence
-    from pipeline.answers.verdict import VerdictModel
-
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
 POINT_CONDITIONS = "given for each point"
-TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 _MAX_NAMED = 6  # rows that a line lists
 _NUMBER = tuple("0123456789+-−.")
 _MIN_SHIFT = 0.05  # relative shift of the boundary by tests above which it is stated
@@ -115,19 +111,6 @@ def model_error(evidence: Evidence) -> str:
     tests = f"{count} test{'s' * (count > 1)} and " * bool(count)
     text = f"{' to '.join(signed)} % of the temperature rise (90 % range, from {tests}the prior)"
     return text.replace("-", "−")
-
-
-def outside(ranges: Mapping[str, tuple[float, float]], **point: float) -> str:
-    """Reason that a load and a velocity are unknown; empty if they lie within `ranges`."""
-    parts = []
-    for name, value in point.items():
-        (low, high), unit = ranges[name], UNITS[name]
-        if not (low <= value <= high and value > 0):
-            range_text = f"({low:g} to {high:g} {unit})"
-            parts.append(f"{name} {value:g} {unit} is outside the sweep {range_text}")
-    is_possible = all(0 < value < math.inf for value in point.values())
-    advice = "add it to the scene, and run it again" if is_possible else "give a value inside it"
-    return f"{', '.join(parts)}; {advice}" if parts else ""
 
 
 # One point or one boundary: from codes to text

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from pipeline.answers.conditions import in_array
 from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
 from pipeline.answers.scene_words import heating_words
-from pipeline.answers.verdict import conditions_of
-from pipeline.answers.words import outside
+from pipeline.answers.verdict import conditions_of, outside_reason
 from pipeline.figures import style
 from pipeline.quantities import shown_in
 from pipeline.store.schema import COLUMNS
@@ -121,7 +120,7 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
     """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
     axis_values, indices = case.loads if axis == "load" else case.velocities, list[int]()
     for value in wanted_values(axis, values):
-        if refusal := outside({axis: (axis_values[0], axis_values[-1])}, **{axis: value}):
+        if refusal := outside_reason({axis: (axis_values[0], axis_values[-1])}, **{axis: value}):
             raise InputError(refusal)
         indices.append(int(np.abs(axis_values - value).argmin()))
     return indices
