@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import zarr
@@ -27,8 +27,6 @@ from pipeline.store.schema import Variable, attributes_of, path_of
 
 if TYPE_CHECKING:
     from zarr.core.array_spec import ArraySpec
-
-    from pipeline.store.place import StorePlace
 
 Document = dict[str, Any]
 """Content of a JSON document."""
@@ -144,15 +142,25 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
+class Location(Protocol):
+    """Location of a store, with its Zarr store."""
+
+    @property
+    def zarr(self) -> Store: ...  # noqa: D102
+
+    def sync(self) -> None:
+        """Wait until what was written is kept."""
+
+
 def write_arrays(
-    location: StorePlace, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
+    location: Location, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
 ) -> None:
     """Write parts of arrays; a part is (name of the array, slices of whole chunks, values)."""
     sync(_all(arrays[name].async_array.setitem(where, values) for name, where, values in parts))
     location.sync()
 
 
-def write_documents(location: StorePlace, documents: Mapping[str, Document]) -> None:
+def write_documents(location: Location, documents: Mapping[str, Document]) -> None:
     """Create or replace documents of a store, by key."""
     make = default_buffer_prototype().buffer.from_bytes
     contents = {key: make(json.dumps(document).encode()) for key, document in documents.items()}
@@ -160,7 +168,7 @@ def write_documents(location: StorePlace, documents: Mapping[str, Document]) -> 
     location.sync()
 
 
-def read_document(location: StorePlace, key: str) -> bytes | None:
+def read_document(location: Location, key: str) -> bytes | None:
     """Content of the document `key`; None if there is none."""
     content = sync(location.zarr.get(key, default_buffer_prototype()))
     return None if content is None else content.to_bytes()

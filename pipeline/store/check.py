@@ -3,39 +3,20 @@
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.layout import Group, blocks
+from pipeline.store.layout import blocks, checksums
 from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, is_coordinate, path_of
-from tribo.types import Indices, Mask
+from pipeline.store.store import Damage, Store
+from tribo.types import Indices
 
-if TYPE_CHECKING:
-    from pipeline.store.store import Store
-
-_OF_POINT = ("message", "warning_flags")  # also stored for failed points
 _MAX_FIELD_BYTES = 2**25  # bytes of fields read at once
 _THREADS = 8  # concurrent requests to an object store
-
-Index = tuple[int, ...]
-
-
-@dataclass
-class Damage:
-    """Damaged points with the fault of each, and damaged files by key.
-
-    The entry of a file is a part for `write_arrays`, with values that replace it.
-    """
-
-    points: dict[Index, str] = field(default_factory=dict)
-    files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
 
 
 class Checked(NamedTuple):
@@ -109,35 +90,6 @@ def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str
         return "" if is_whole else "its values are not those that were written"
 
     return [fault(row) for row in range(len(where))]
-
-
-def checksums(
-    group: Group, where: Indices, values: Mapping[str, Any], done: Mask
-) -> NDArray[np.uint32]:
-    """CRC-32 of each point: of its scene, load, velocity and stored values.
-
-    It detects files that were exchanged. Points that failed have no results.
-    """
-    sums = np.zeros(len(where), np.uint32)
-    names = sorted(values.keys() - {"checksum", "wall_time"})
-    has_fields = group.with_fields[tuple(where.T)]
-    for number, point in enumerate(group.points_at(tuple(where.T))):
-        is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
-        crc = zlib.crc32(is_of.encode())
-        for name in names:
-            is_record = name in _OF_POINT
-            if not (is_record or done[number]) or (name in FIELDS and not has_fields[number]):
-                continue
-            stored = values[name][number]
-            if stored is None:
-                continue
-            if name == "message":
-                stored = str(stored).encode()
-            elif group.is_stepped(name):
-                stored = stored[-int(values["steps"][number]) :]
-            crc = zlib.crc32(stored, crc)
-        sums[number] = crc
-    return sums
 
 
 def find_damage(store: Store, progress: Report = silent) -> Damage:

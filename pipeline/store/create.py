@@ -29,7 +29,7 @@ import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
-from pipeline.store.check import Checked, Damage, Index, checked_points, mend
+from pipeline.store.check import Checked, checked_points, mend
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
@@ -48,7 +48,7 @@ from pipeline.store.place import (
 from pipeline.store.resume import join, mismatches
 from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING
-from pipeline.store.store import Store
+from pipeline.store.store import Damage, Index, Store
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import choose_stored_steps, points
 from pipeline.sweep.points_of_tests import NO_TEST

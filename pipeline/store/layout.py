@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
@@ -38,6 +40,7 @@ Axes = dict[str, list[Any]]
 """Values along each dimension, and of coordinates along another dimension."""
 Slices = tuple[slice, ...]
 
+_OF_POINT = ("message", "warning_flags")  # also stored for failed points
 _MAX_BYTES, _MAX_POINTS = 2**22, 1024  # limits of a chunk
 
 
@@ -218,3 +221,32 @@ def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], 
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
         if mask[block].any():
             yield chunk, block
+
+
+def checksums(
+    group: Group, where: Indices, values: Mapping[str, Any], done: Mask
+) -> NDArray[np.uint32]:
+    """CRC-32 of each point: of its scene, load, velocity and stored values.
+
+    It detects files that were exchanged. Points that failed have no results.
+    """
+    sums = np.zeros(len(where), np.uint32)
+    names = sorted(values.keys() - {"checksum", "wall_time"})
+    has_fields = group.with_fields[tuple(where.T)]
+    for number, point in enumerate(group.points_at(tuple(where.T))):
+        is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
+        crc = zlib.crc32(is_of.encode())
+        for name in names:
+            is_record = name in _OF_POINT
+            if not (is_record or done[number]) or (name in FIELDS and not has_fields[number]):
+                continue
+            stored = values[name][number]
+            if stored is None:
+                continue
+            if name == "message":
+                stored = str(stored).encode()
+            elif group.is_stepped(name):
+                stored = stored[-int(values["steps"][number]) :]
+            crc = zlib.crc32(stored, crc)
+        sums[number] = crc
+    return sums

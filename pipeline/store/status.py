@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.progress import Report, silent
-from pipeline.store.check import Damage, Index, find_damage
+from pipeline.store.check import find_damage
 from pipeline.store.lock import holder_of
 from pipeline.store.place import PathLike, io_errors, place_of
 from pipeline.store.root import read_root, stale_documents
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
-from pipeline.store.store import Store, opened
+from pipeline.store.store import Damage, Index, Store, opened
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.points_of_tests import NO_TEST

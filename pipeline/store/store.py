@@ -9,14 +9,14 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.store.arrays import open_arrays, write_arrays
-from pipeline.store.check import Damage, Index, checksums
-from pipeline.store.layout import Group, Slices
+from pipeline.store.layout import Group, Slices, checksums
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
     Bucket,
@@ -48,6 +48,19 @@ from tribo.types import Indices, Mask
 
 _LONGEST = 2000  # characters of a message, which stays readable
 _THREADS = 8  # concurrent requests to an object store
+
+Index = tuple[int, ...]
+
+
+@dataclass
+class Damage:
+    """Damaged points with the fault of each, and damaged files by key.
+
+    The entry of a file is a part for `write_arrays`, with values that replace it.
+    """
+
+    points: dict[Index, str] = field(default_factory=dict)
+    files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
 
 
 class Store:
