@@ -1,6 +1,5 @@
 """One point of the diagram: loading with wear and friction heat."""
 
-from tribo.simulation.cache import forget_contacts as forget_contacts
 from tribo.simulation.cache import forget_kernels as forget_kernels
 from tribo.simulation.conditions import Conditions as Conditions
 from tribo.simulation.contact_ramp import contact_key as contact_key

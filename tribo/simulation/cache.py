@@ -135,11 +135,6 @@ def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
     return _contacts.get(key, compute)
 
 
-def forget_contacts() -> None:
-    """Free the cached contacts, for example before their computation is timed."""
-    _contacts.clear()
-
-
 def forget_kernels() -> None:
     """Empty all caches of simulations, and free this thread's buffers for Fourier transforms.
 

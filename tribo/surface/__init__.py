@@ -10,6 +10,5 @@ from tribo.surface.topography import average_roughness as average_roughness
 from tribo.surface.topography import block_average as block_average
 from tribo.surface.topography import block_sample as block_sample
 from tribo.surface.topography import correlation_lengths as correlation_lengths
-from tribo.surface.topography import rms_height as rms_height
 from tribo.surface.topography import rms_slope as rms_slope
 from tribo.surface.topography import self_affine as self_affine

@@ -125,17 +125,6 @@ def _mean_distance(heights: Array, out: Array) -> float:
     return float(np.abs(out, out=out).mean())
 
 
-def rms_height(heights: Array) -> float:
-    """Rq, the standard deviation of the heights [m].
-
-    Examples
-    --------
-    >>> f"{rms_height(np.sin(np.linspace(0, 2 * np.pi, 64, endpoint=False))[None, :]):.6f}"
-    '0.707107'
-    """
-    return float(heights.std())
-
-
 def rms_slope(heights: Array, spacing: tuple[float, float]) -> float:
     """Root mean square of the gradient, from central differences on a surface that repeats.
 
