@@ -267,7 +267,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _store(command)
 
     command = add(
-        "boundary", "pipeline.cli.verdicts:boundary",
+        "boundary", "pipeline.cli.stores:boundary",
         "print the boundary between mild and severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
     )  # fmt: skip
@@ -283,7 +283,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _judgement(command)
 
     command = add(
-        "margin", "pipeline.cli.verdicts:margin",
+        "margin", "pipeline.cli.stores:margin",
         "print verdict, probability and errors for one operating point, a table of them, or the "
         "cases of the sweep",
         f"results/scene.zarr {_LOAD_AND_VELOCITY}",

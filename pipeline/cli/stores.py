@@ -1,16 +1,28 @@
-"""The commands ``irg status`` and ``irg verify``."""
+"""The commands on a store that print: ``irg status``, ``verify``, ``boundary`` and ``margin``."""
 
 from __future__ import annotations
 
 import argparse
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
 
 import pipeline
+from pipeline.answers import words
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.cli.output import DONE, SOME_FAILED, Result, working
-from pipeline.frames import frame_of, records
+from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
+from pipeline.answers.scene_words import named_value
+from pipeline.answers.verdict import UNKNOWN
+from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
+from pipeline.cli.output import DONE, SOME_FAILED, Result, pluralized, working, wrapped
+from pipeline.frames import frame_of, records, some_rows, without_columns
 from pipeline.store.place import REMEDY, StoreError
 from pipeline.store.status import states
+from tribo import InputError
 
+_MAX_ROWS = 8  # most rows of a printed table; --all, --json and files have all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
 
@@ -56,3 +68,81 @@ def verify(options: argparse.Namespace) -> Result:
     if check.is_clean:
         return Result(document, text, pipeline.points_with_warnings(options.store), [frame])
     return Result(document, [*text, REMEDY], frames=[frame], code=SOME_FAILED)
+
+
+def margin(options: argparse.Namespace) -> Result:
+    """Answer ``irg margin``: judge one operating point, or each row of a table."""
+    points = operating_points_in(options)
+    ds, conditions = dataset_in(options), conditions_in(options)
+    with working("evaluating operating points"):
+        margins = pipeline.margin(ds, points or options.load, options.velocity, **conditions)
+    if options.load is None:
+        text = _rows_text(margins, options.all)
+    elif (margins["verdict"] == UNKNOWN).all():
+        raise InputError(str(margins["reason"].values.flat[0]))
+    else:
+        text = _point_text(margins)
+    warned = pipeline.points_with_warnings(ds)
+    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(margins)])
+
+
+def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
+    """Lines on one point, for each of several conditions."""
+    lines, sizes = list[str | pd.DataFrame](), margins.sizes
+    for index in np.ndindex(*sizes.values()):
+        margin = margins.isel(dict(zip(sizes, index, strict=True)))
+        conditions = [named_value(margin[dim]) for dim in sizes]
+        lines += [f"{', '.join(conditions)}:"] * bool(conditions)
+        lines += words.margin_lines(margin)
+    return [*lines, *words.common_lines(margins)]
+
+
+def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
+    """The rows with the least margins, and lines on all of them."""
+    verdicts, counts = np.unique(
+        words.code_text(margins["verdict"]).astype(str), return_counts=True
+    )
+    verdict_counts = ", ".join(
+        f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True)
+    )
+    count = pluralized(int(counts.sum()), "operating point", "operating points")
+    frame = margin_frame(margins)
+    printed = frame if has_all else frame.sort_values("temperature margin [K]").head(_MAX_ROWS)
+    omitted = len(frame) - len(printed)
+    return [
+        f"{count}: {verdict_counts}",
+        *words.conditions_lines(margins),
+        *words.not_included_lines(margins),
+        "",
+        printed,
+        "",
+        *[f"{omitted} more rows: use --all, or -o TABLE.csv"] * bool(omitted),
+        *words.reason_lines(margins),
+        *words.row_warnings(margins),
+        words.model_error_line(margins),
+        *words.common_lines(margins),
+    ]
+
+
+def boundary(options: argparse.Namespace) -> Result:
+    """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
+    ds, conditions = dataset_in(options), conditions_in(options)
+    warned = pipeline.points_with_warnings(ds)
+    if options.by == "test":
+        results = pipeline.compare_tests(ds, **conditions)
+        if not results.sizes["test"]:
+            raise InputError("the scene has no tests; add [[tests]] to it")
+        table = without_columns(answer_frame(results))
+        text: list[Any] = ["tests, each at its own conditions", table, *words.common_lines(results)]
+        return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
+    with working("computing the boundary"):
+        results = pipeline.boundary(ds, **conditions)
+    rows = without_columns(boundary_frame(results, options.by))
+    printed = rows if options.all else some_rows(rows, _MAX_ROWS)
+    hint = [f"{len(rows) - len(printed)} more rows: use --all, or -o TABLE.csv"]
+    text = [
+        *words.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
+        *words.boundary_lines(results),
+    ]  # fmt: skip
+    parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
+    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])

@@ -58,7 +58,7 @@ CONFIGURATION = {
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 
-_PRELOAD = ["pipeline.run.preload"]
+_PRELOAD = ["distributed", "scipy.fft", "scipy.linalg", "scipy.special", "pipeline.run.work"]
 _STATIC_ROUTES = ["distributed.http.statics"]  # files of the dashboard; they take no commands
 _START_TIMEOUT = 120.0  # time that workers may take to start [s]
 _CLOSE_TIMEOUT = 60.0  # time after which the processes of an ending cluster are killed [s]
