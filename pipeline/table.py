@@ -37,6 +37,12 @@ _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temper
 _MAX_LISTED = 12  # names that a message lists
 _QUANTITIES = {"N", "m s-1", "K"}
 """SI units of loads, velocities and temperatures; a column with one of them is no label."""
+_SYNONYMS = {
+    "cof": "friction", "mu": "friction", "friction_coefficient": "friction",
+    "coefficient_of_friction": "friction", "speed": "velocity", "sliding_speed": "velocity",
+    "force": "load", "t_oil": "bulk_temperature", "result": "outcome",
+}  # fmt: skip
+"""Headings that are refused, and the name that is suggested for each."""
 
 
 class TableError(InputError):
@@ -124,7 +130,8 @@ class Sheet:
         faults, selected = [*self.faults], list[Column]()
         names = {column.name for column in self.columns}
         for column in self.columns:
-            hint = did_you_mean(column.name, {*known} - names)
+            name = _SYNONYMS.get(column.name.lower(), column.name)
+            hint = did_you_mean(name, {*known} - names)
             if column.name in known or (labels and column.is_label and not hint):
                 selected.append(column)
                 continue
