@@ -65,8 +65,10 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
 
     if options.quiet:
         output.QUIET.set()
-    is_run = options.command == "run"  # only this command stores results before its end
-    saved_words = "; finished points are saved" * is_run
+    saved, interrupted = "", "interrupted"
+    if options.command == "run":  # only this command stores results before its end
+        saved = "; finished points are saved"
+        interrupted = f"interrupted{saved}: run the same command again to continue"
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.print_note(f"note: {message}")
@@ -77,8 +79,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             return int(result.code)
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
-            resume_words = ": run the same command again to continue" * is_run
-            output.print_error(f"interrupted{saved_words}{resume_words}")
+            output.print_error(interrupted)
         return output.INTERRUPTED
     except TriboError as error:
         output.print_error(str(error))
@@ -89,9 +90,9 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if is_lack_of_memory(error):
-            cause = "out of memory, or at the limit of threads and processes for this user"
             output.print_error(
-                f"{cause} (ulimit -a){saved_words}: use fewer workers or a coarser grid"
+                "out of memory, or at the limit of threads and processes for this user (ulimit -a)"
+                f"{saved}: use fewer workers or a coarser grid"
             )
             return output.WRONG_USE
         # Zarr raises a RuntimeError for a damaged chunk.
@@ -100,7 +101,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         reason = str(error)
         if isinstance(error, FileNotFoundError) and error.filename is None:  # by os.getcwd
             reason = "the working directory was deleted; change to another one"
-        output.print_error(f"cannot continue: {reason}{saved_words}")
+        output.print_error(f"cannot continue: {reason}{saved}")
         with suppress(OSError, ValueError, AttributeError):
             # Keep Python from flushing stdout again at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -109,8 +110,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         *_, (frame, _) = walk_tb(error.__traceback__)
         if not frame.f_globals["__name__"].startswith("dask."):
             raise
-        reason = textwrap.shorten(str(error.args[0]), _MAX_REASON, placeholder=" …")
-        output.print_error(f"a setting of Dask ({_DASK_SETTINGS}) is wrong: {reason}{saved_words}")
+        reason = textwrap.shorten(" ".join(map(str, error.args)), _MAX_REASON, placeholder=" …")
+        output.print_error(f"a setting of Dask ({_DASK_SETTINGS}) is wrong: {reason}{saved}")
         return output.WRONG_USE
     finally:
         output.QUIET.clear()
