@@ -42,11 +42,8 @@ _PRIOR_MEDIAN = 120.0  # of Tc − bulk temperature [K]
 _NODES = np.linspace(-4, 4, 801)  # of ln((Tc − bulk)/120 K)
 _SCATTERS, _BIASES, _FARTHEST = 100, 101, 7.0  # nodes; sinh(7) scales of the bias are 550
 _BOUND = 0.05  # likelihood over its maximum, at the bound by tests of a single outcome
-_GRID_BIASES, _GRID_SCATTERS, _GRID_SCALE = (
-    241,
-    50,
-    6.0,
-)  # nodes; biases about 0.3 widths apart in the middle
+_GRID_BIASES, _GRID_SCATTERS = 241, 50  # nodes
+_GRID_SCALE = 6.0  # scale of the biases over a width; they are 0.3 widths apart in the middle
 _MIN_WIDTH = 0.01  # smallest width of these nodes
 
 
@@ -224,8 +221,8 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
             critical.spread,
             "standard deviation on this rig (model bias excluded)",
         ),
-        "at_least": (critical.at_least, "lower bound by mild tests alone"),
-        "at_most": (critical.at_most, "upper bound by severe tests alone"),
+        "at_least": (critical.at_least, "lower bound, by tests that were only mild"),
+        "at_most": (critical.at_most, "upper bound, by tests that were only severe"),
     }
     return xr.Dataset(
         {k: ((), value, {"units": "K", "long_name": name}) for k, (value, name) in values.items()}

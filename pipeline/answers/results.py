@@ -406,7 +406,7 @@ def _require_sweep(ds: xr.Dataset) -> None:
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
     if "step" not in ds.dims and any(name in ds for name in COLUMNS):
-        raise InputError("step is no dimension; select a list instead: ds.sel(step=[0])")
+        raise InputError("step is a single value; select a list instead: ds.sel(step=[0])")
     for name in PLANE:
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():

@@ -42,7 +42,7 @@ _COLOUR_MAP_END = 0.8  # end of the colour map used for several cases
 _NODES = 96, 48  # least numbers of velocities and loads of the drawn grid
 _MAX_LOG_RATIO = 50.0  # largest |y| of a figure
 _EDGE_OFFSET = 1e-6  # distance of a probability from the limit of a region
-_DOT_SIZE = 0.6  # size of the mark of a simulated point over the usual one
+_DOT_SIZE = 0.6  # size of the mark of a simulated point over that of other marks
 _ERROR: dict[str, Any] = {"color": "#C8C8C8"}
 _NAMES = (
     (MILD, "mild wear\n(I and II)", BLUE),
@@ -52,7 +52,7 @@ _NAMES = (
 COMPUTED = "computed boundary, numerical error"
 """Label in legends."""
 _LABEL_WIDTH = 0.3  # width of the numbers of an operating point over that of a figure
-_EDGE_HEIGHT = 0.08  # of an edge of a figure that numbers would cross, over the figure's height
+_EDGE_HEIGHT = 0.08  # distance from an edge within which numbers would cross it, over the height
 _MAX_LABELLED = 6  # most operating points that are labelled with their numbers
 _NAME_ASPECT = 3.0  # width of a name over its height
 _MIN_CLEARANCE = 0.1  # least distance of a name from the edge of its region, over the width
@@ -76,8 +76,8 @@ def diagram(
     boundary with tests, if there are any; the computed boundary has a band of numerical error. Dots
     are simulated points. `realization`, the seed of a surface, chooses one of several surface
     realizations. Of several cases only the boundaries are drawn, each in its own colour. `log`
-    makes both axes logarithmic. `load` and `velocity` of an operating point are
-    marked, in SI or as text with a unit; lists of equal length are pairs.
+    makes both axes logarithmic. The operating point of `load` and `velocity`, in SI or as text with
+    a unit, is marked; lists of equal length are pairs.
     """
     operating_points = _operating_points(load, velocity)
     if not {*PLANE} <= {*ds["status"].dims}:
@@ -117,8 +117,10 @@ def diagram(
         caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
     _set_axes(axes, case, marked, log)
     _mark_operating_points(axes, operating_points)
-    surface = f", of which surface sampling {realization}" * (realization is not None)
-    style.write_title(axes, style.as_text(sweep_of(ds).title) + surface)
+    title = style.as_text(sweep_of(ds).title)
+    if realization is not None:
+        title = f"{title}, surface realization {realization}"
+    style.write_title(axes, title)
     legend |= tests_entry
     notes = [*words.not_included_lines(boundary)][:1] + split_notes(
         words.attribute_texts(boundary, "notes")
@@ -366,9 +368,8 @@ def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None
         x_fraction, y_fraction = axes.transAxes.inverted().transform(
             axes.transData.transform((velocity, load))
         )
-        is_low = (
-            x_fraction + y_fraction < 1
-        )  # boundaries fall from the upper left to the lower right
+        # Boundaries fall from the upper left to the lower right.
+        is_low = x_fraction + y_fraction < 1
         to_left = x_fraction > _LABEL_WIDTH if is_low else x_fraction > 1 - _LABEL_WIDTH
         is_below = y_fraction > 1 - _EDGE_HEIGHT or (is_low and y_fraction > _EDGE_HEIGHT)
         axes.annotate(

@@ -199,7 +199,7 @@ def _require_step(drawn: DrawnCase, point: PointIndex, step: int) -> None:
     steps = (known_steps - drawn.case.ds.sizes["step"] + 1).tolist()
     if "step" not in drawn.case.ds["pressure"].dims and step:
         raise InputError(
-            f"step is {step}, and the store has the fields at the end of each point alone; set "
+            f"step is {step}, and the store has only the fields at the end of each point; set "
             "'fields = \"steps\"' under [sweep] in the scene, and run it into another store"
         )
     if step not in steps:

@@ -28,7 +28,7 @@ Kind = Literal["diagram", "rows", "ramp", "fields", "tests"]
 
 
 class PlotOptions(ConditionValues, total=False):
-    """Options of the kinds of figures, and conditions to judge by."""
+    """Options of the kinds of figures, and conditions."""
 
     realization: int
     log: bool
@@ -84,15 +84,15 @@ def plot(
 
         - all but tests and rows: ``realization``, seed of the surface to draw. By default the
           first; a diagram shows the specimen of all.
-        - diagram: ``log``, True for logarithmic axes; ``load`` and
-          ``velocity`` of an operating point to mark, or lists of equal length for several.
-        - ramp, fields: ``load`` in N, or text with a unit; a ramp takes several. The
-          nearest load of the sweep is drawn, by default the highest.
+        - diagram: ``log``, True for logarithmic axes; ``load`` and ``velocity`` of an operating
+          point to mark, or lists of equal length for several.
+        - ramp, fields: ``load`` in N, or text with a unit; a ramp takes several. The nearest load
+          of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the boundary at that load.
         - fields: ``step``, counted back from the end of the point, which is 0.
 
-        Of a sweep also conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+        For a sweep, also conditions as in `pipeline.margin`, such as ``friction=0.12``.
 
     Returns
     -------

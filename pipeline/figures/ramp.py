@@ -1,4 +1,4 @@
-"""Contact, wear and temperature as the load grows, and temperature over velocity."""
+"""Contact, wear and temperature of points as their load grows."""
 
 from __future__ import annotations
 

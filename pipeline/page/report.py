@@ -138,7 +138,7 @@ def report(
     command : str, optional
         Command that wrote the report, to be stated in it.
     **conditions
-        Conditions to judge by, as in `pipeline.margin`, such as ``friction=0.12``.
+        Conditions as in `pipeline.margin`, such as ``friction=0.12``.
 
     Returns
     -------

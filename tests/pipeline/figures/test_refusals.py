@@ -82,7 +82,7 @@ REFUSALS = {
     "load": (plot("fields", load=74.0), "load 74 N is outside the sweep (200 to 750 N); add it"),
     "no number": (plot("fields", load=float("nan")), "load is nan; give a number"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the store has no fields"),
-    "step": (plot("fields", step=-1), "the store has the fields at the end of each point alone"),
+    "step": (plot("fields", step=-1), "the store has only the fields at the end of each point"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) has not been simulated yet"),
 }  # fmt: skip

@@ -146,7 +146,7 @@ def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, tiny_store)
     assert pipeline.plot(path, "fields", load="600 N", step=-2)
     with pytest.raises(InputError, match="the point has the steps -4 to 0"):
         pipeline.plot(path, "fields", step=1)
-    with pytest.raises(InputError, match="at the end of each point alone"):
+    with pytest.raises(InputError, match="only the fields at the end of each point"):
         pipeline.plot(tiny_store, "fields", step=-1)
 
 
