@@ -100,22 +100,21 @@ def infer(options: argparse.Namespace) -> Result:
     ds = computed_dataset(store)
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
     result = {str(name): value.item() for name, value in values.items()}
-    temperature_words = (
-        f" {display(result['critical_temperature'], '°C', 4)}; standard deviation "
-        f"{result['spread_another_rig']:.2g} K for another rig, {result['spread_this_rig']:.2g} K "
-        "for this one"
-    )
-    for bound in ("at_least", "at_most"):
-        if not math.isnan(result[bound]):
-            temperature_words = (
-                f": {bound.replace('_', ' ')} {display(result[bound], '°C', 3)} (95 %)"
-            )
     count = pluralized(tests.sizes["test"], "test", "tests")
+    if not math.isnan(result["at_least"]):
+        bound = display(result["at_least"], "°C", 3)
+        finding = f"critical temperature: at least {bound} (95 %), from {count}"
+    elif not math.isnan(result["at_most"]):
+        bound = display(result["at_most"], "°C", 3)
+        finding = f"critical temperature: at most {bound} (95 %), from {count}"
+    else:
+        median = display(result["critical_temperature"], "°C", 4)
+        finding = (
+            f"critical temperature {median}; standard deviation {result['spread_another_rig']:.2g} "
+            f"K for another rig, {result['spread_this_rig']:.2g} K for this one, from {count}"
+        )
     frame = answer_frame(tests)
-    text = [
-        f"critical temperature{temperature_words}, from {count}", "", without_columns(frame),
-        *words.common_lines(tests),
-    ]  # fmt: skip
+    text = [finding, "", without_columns(frame), *words.common_lines(tests)]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 
 
@@ -131,13 +130,16 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
     value, lowest, highest = (shown_in(limit, "mm³/(N m)") for limit in astuple(rate))
     longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
+    basis = (
+        f"for {end.time:.3g} s of sliding before the width was measured; each further second at "
+        f"full load lowers the rate by about {100 * longer:.2g} %"
+    )
+    if options.duration is None:
+        basis = f"{basis}; use --duration if the test ran longer"
     text = [
         f"specific wear rate {value:.3g} mm³/(N m); {lowest:.3g} to {highest:.3g} if the width "
         "is off by half an element",
-        f"for {end.time:.3g} s of sliding before the width was measured; each further second at "
-        f"full load lowers the rate by about {100 * longer:.2g} %"
-        + "; use --duration if the test ran longer"
-        * (options.duration is None),
+        basis,
     ]
     document = asdict(rate) | {"duration": end.time}
     heads = *(f"{name} [mm³/(N m)]" for name in asdict(rate)), "duration [s]"
