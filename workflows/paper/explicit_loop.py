@@ -18,9 +18,10 @@ EXPLICIT_LIMIT = 2.0
 
 
 def explicit_loop(scene: Scene, normal_load: float, velocity: float) -> Array:
-    """Pressure [Pa] that the loop computes at a load [N], shape ``scene.grid.shape``.
+    """Pressure [Pa] that the loop computes after a ramp to a load [N], shape ``scene.grid.shape``.
 
-    The `velocity` is that of sliding [m/s].
+    The `velocity` is that of sliding [m/s]. Contacts are solved to a residual of 1e-8, since the
+    loop amplifies their errors where it is unstable.
     """
     grid, wear = scene.grid, _archard_wear(scene)
     solid = _solid(scene, grid)

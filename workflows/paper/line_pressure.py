@@ -92,10 +92,8 @@ def fig4(study: Study) -> Report:
 
 def _pressure(sweep: Sweep, kernel: ElasticKernel, periodic: bool = True) -> Array:
     """Contact pressure [Pa] of each element (x, y), with or without periodic images along y."""
-    scene = sweep.scene
-    (nx, ny), (dx, dy), block = (
-        scene.pixels.shape, scene.pixels.spacing, scene.fidelity.pixels_per_element
-    )  # fmt: skip
+    scene, block = sweep.scene, sweep.scene.fidelity.pixels_per_element
+    (nx, ny), (dx, dy) = scene.pixels.shape, scene.pixels.spacing
     grid = Grid((nx // block, ny // block), (dx * block, dy * block), (False, periodic))
     solid = ElasticHalfSpace(grid, contact_modulus(scene.pin.material, scene.disk), kernel)
     load = sweep.loads[-1] / scene.pin.windows(grid)
