@@ -16,7 +16,7 @@ LIMIT = 1200.0
 SCATTER = 0.02  # of ln(rise), from realization to realization
 
 
-def heat(load, x, generator):
+def log_rise_ratio(load, x, generator):
     """Return ln(rise/limit): increasing, curved, and slightly rough."""
     slope, bend, level = generator.uniform([0.4, -0.06, -0.6], [0.9, 0.06, 0.6])
     middle = np.log(1.5)
@@ -35,8 +35,8 @@ class Specimen:
 
     def y(self, load, x, realization=None):
         """ln(rise/limit) of a realization or of the mean of all."""
-        log_rise = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
-        return log_rise + (0.0 if realization is None else self.offsets[realization])
+        log_ratio = log_rise_ratio(np.log(load / 400.0), x, np.random.default_rng(self.shape))
+        return log_ratio + (0.0 if realization is None else self.offsets[realization])
 
     def search(self, accuracy, promised=0.0, realizations=256, **more):
         conditions = Conditions(0.1, 298.15, 418.15)
