@@ -40,8 +40,8 @@ _SPARE_TASKS = 16  # tasks without a worker, for which an adaptive cluster start
 _MAX_DEATHS = 3  # deaths of its workers after which a point has failed
 _MAX_SHARED_DEATHS = 2  # deaths of its workers after which a point is computed without other tasks
 _KILLED_MESSAGE = (
-    "{} workers died; the last one was computing only this point, which may need more memory than "
-    "it had; use fewer workers, or reduce window.pixels"
+    "{} workers died; the last one was computing only this point: {}; use fewer workers, or reduce "
+    "window.pixels"
 )
 
 
@@ -50,7 +50,7 @@ class _Job:
     task: Task
     worker: str
     is_alone: bool = False
-    has_killed: bool = False  # True if its worker died, by this or another task
+    deaths: int = 0  # of its workers, by this or another task; `worker` is the last one
 
 
 class TaskQueue:
@@ -125,7 +125,8 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                 slots += [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
             jobs = [_Job(queue.take(worker or object()), worker) for worker in slots if queue]
             if suspect_tasks and not (jobs or tasks):
-                jobs = [_Job(suspect_tasks.popleft(), ANYWHERE, is_alone=True)]
+                worker = workers[0] if workers else ANYWHERE
+                jobs = [_Job(suspect_tasks.popleft(), worker, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
                 for job, result in tasks.ended(watch.present):
@@ -136,11 +137,11 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         writer.add([record])
                         recent_times.append(record.wall_time if record.data else recent_times[-1])
                         continue
-                    deaths[point] += job.has_killed
+                    deaths[point] += job.deaths
                     if job.is_alone and deaths[point] >= _MAX_DEATHS:
-                        writer.add(
-                            [PointRecord(point, None, _KILLED_MESSAGE.format(deaths[point]))]
-                        )
+                        cause = watch.cause_of_death(job.worker)
+                        message = _KILLED_MESSAGE.format(deaths[point], cause)
+                        writer.add([PointRecord(point, None, message)])
                     elif deaths[point] >= _MAX_SHARED_DEATHS:
                         suspect_tasks.append(job.task)
                     else:
@@ -169,10 +170,10 @@ class _Tasks:
 
     def submit(self, jobs: list[_Job]) -> None:
         """Submit tasks to Dask, grouped by worker, which takes half the time."""
-        groups = defaultdict[str, list[_Job]](list)
+        groups = defaultdict[tuple[str, bool], list[_Job]](list)
         for job in jobs:
-            groups[job.worker].append(job)
-        for worker, group in groups.items():
+            groups[job.worker, job.is_alone].append(job)
+        for (worker, is_alone), group in groups.items():
             points = [job.task.point for job in group]
             futures = self._client.map(
                 simulate_point,
@@ -184,7 +185,8 @@ class _Tasks:
                 ],
                 pure=False,
                 workers=worker or None,
-                allow_other_workers=bool(worker),
+                # Dask would give a task that kills its workers to four of them.
+                allow_other_workers=bool(worker) and not is_alone,
             )
             self.running.update(zip(futures, group, strict=True))
             self._ended.update(futures)
@@ -209,16 +211,17 @@ class _Tasks:
         for future, result in self._ended.next_batch(block=False):
             if (job := self.running.pop(future, None)) is None:
                 continue  # taken back
-            job.has_killed = future.status == "error" and isinstance(result[1], KilledWorker)
-            if future.status == "error" and not job.has_killed:
-                raise ExecutionError(f"{CANNOT}: {result[1]}")
+            if future.status == "error":
+                if not isinstance(error := result[1], KilledWorker):
+                    raise ExecutionError(f"{CANNOT}: {error}")
+                job.deaths, job.worker = error.allowed_failures + 1, error.last_worker.address
             future.release()
             yield job, result if isinstance(result, bytes) else None
         for future, job in [*self.running.items()]:
             if job.worker and job.worker not in present:
                 del self.running[future]
                 future.release()
-                job.has_killed = True
+                job.deaths = 1
                 yield job, None
 
     def release(self) -> None:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from distributed import Client
@@ -44,6 +45,7 @@ class Watch:
         self._heartbeats: dict[str, tuple[float, float]] = {}
         self._checked: set[str] = set()
         self._is_own = is_own  # then workers run this program, on this machine
+        self._initial_kills = _count_memory_kills()
 
     def __call__(self) -> list[str]:
         """Addresses of the workers that take tasks.
@@ -152,6 +154,17 @@ class Watch:
             return float(sum(self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT).values()))
         return 0.0
 
+    def cause_of_death(self, worker: str) -> str:
+        """Why a worker has died, as far as the scheduler and the kernel have noted it."""
+        ask = self._client.scheduler.events
+        limit = self._patience
+        events = self._client.sync(ask, topic="worker-restart-memory", callback_timeout=limit)
+        if any(event["worker"] == worker for _, event in events or ()):
+            return "its worker reached its memory limit"
+        if self._is_own and _count_memory_kills() > self._initial_kills:
+            return "the kernel killed a process for lack of memory"
+        return "it crashed, or was killed from outside"
+
     def say(self, words: str) -> None:
         """Report a message to the user once."""
         if words not in self._reported:
@@ -171,3 +184,11 @@ class Watch:
             yield
         except _LOST_ERRORS as error:
             raise ExecutionError(_LOST) from error
+
+
+def _count_memory_kills() -> int:
+    """Number of processes that the kernel has killed for lack of memory; 0 if it does not count."""
+    with suppress(OSError, ValueError, KeyError):
+        lines = Path("/proc/vmstat").read_text().splitlines()
+        return int(dict(line.split() for line in lines)["oom_kill"])
+    return 0

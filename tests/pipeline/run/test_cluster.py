@@ -324,14 +324,14 @@ def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
         outcome = run_sweep(HUNGRY, path, client=client)
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)
-    assert "may need more memory than it had" in failed.message
+    assert "its worker reached its memory limit" in failed.message
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0)
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
     (failed,) = outcome.failed
-    words = "3 workers died; the last one was computing only this point, which may need more"
+    words = "3 workers died; the last one was computing only this point: it crashed, or was killed"
     assert failed.message.startswith(words)
     assert (failed.load, outcome.done) == (250.0, 2)
     assert verify_store(path).is_clean
