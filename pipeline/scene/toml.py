@@ -32,8 +32,15 @@ class Document(NamedTuple):
     entries: dict[str, Any]
     files: dict[str, Path]  # by path, also those of tables
 
-    def under(self, file: Path, entries: dict[str, Any]) -> Document:
-        """The document overridden by the entries of a file."""
+    def under(self, file: Path, entries: dict[str, Any], faults: Faults) -> Document:
+        """The document overridden by the entries of a file.
+
+        Empty tables over entries of the document are added to `faults`, and left out.
+        """
+        for path, value in [*flat(entries)]:
+            if value == {} and entry_at(self.entries, path):
+                faults.append(Fault(path, "the table is empty; fill it or remove it", file))
+                entries = replace_value(entries, path, None)
         paths = (table_path for path, _ in flat(entries) for table_path in _with_tables(path))
         files = self.files | dict.fromkeys(paths, file)
         return Document(file, merged(self.entries, entries), files)
@@ -73,7 +80,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
-    document = Document(path, {}, {}).under(path, table)
+    document = Document(path, {}, {}).under(path, table, faults)
     if extends is None:
         if without is not None:
             faults.append(Fault("without", 'nothing to remove: "without" needs "extends"', path))
@@ -95,7 +102,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     base = _leave_out(base, without, path, faults)
     if entry_at(table, "fidelity.preset") is not None:
         base = base.without("fidelity")
-    return base.under(path, table)
+    return base.under(path, table, faults)
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
@@ -111,7 +118,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     if "fidelity.preset" in overrides:
         document = document.without("fidelity")
     for key, value in overrides.items():
-        document = document.under(document.file, replace_value({}, key, value))
+        document = document.under(document.file, replace_value({}, key, value), faults)
     return document
 
 

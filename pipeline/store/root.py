@@ -166,7 +166,7 @@ def find_root(location: StorePlace) -> Root | None:
         return _parsed(location, content)
     is_file = isinstance(location, Folder) and location.path.exists() and not location.path.is_dir()
     if is_file or (keys and not _is_begun(location, keys)):
-        raise StoreError(f"{location} is not a store: {_what_it_is(keys)}")
+        raise StoreError(f"{location} is not a store: {_what_it_is(location, keys)}")
     return None
 
 
@@ -193,7 +193,7 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
     try:
         facts = json.loads(content)["attributes"]
         version, history = facts["format"], facts["history"]
-        is_whole = facts["digest"] == _digest(facts)
+        is_intact = version == FORMAT and facts["digest"] == _digest(facts)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
@@ -202,7 +202,7 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
             "run the scene into another store, or read it with the version that wrote it "
             f"({history[-1]:.200})"
         )
-    if not is_whole:
+    if not is_intact:
         raise is_damaged("it is not what was written")
     try:
         arrays = _read_inputs(location, facts["inputs"], facts["growths"])
@@ -225,13 +225,15 @@ def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> d
         return split_arrays(array[:], variable.attributes)
 
 
-def _what_it_is(keys: set[str]) -> str:
+def _what_it_is(location: StorePlace, keys: set[str]) -> str:
     """Say what is at a path that is no store, and what to do."""
+    if not keys and str(location).endswith(".toml"):
+        return "it is a scene file; run it with irg run, then give the resulting store"
     if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
         return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
     if ROOT in keys:
         return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
-    kind = "a folder with other files" if keys else "no folder"
+    kind = "a folder with other files" if keys else "not a folder"
     return f"it is {kind}; give the folder written by irg run, or a new one"
 
 

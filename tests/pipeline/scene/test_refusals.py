@@ -212,6 +212,8 @@ ENTRIES = {
     "rows": (entry("sweep.along", [{"load": "1 N", "velocity": "1 m/s"},
                                    {"load": "1 N", "velocity": "2 m/s", "flank": "a"}]),
              "sweep.along[1]: not every row has flank"),
+    "empty table": (lambda: scene(text='extends = "first_try"\n[sweep]\nloads = {}\n'),
+                    "sweep.loads: the table is empty; fill it or remove it"),
     "row lacks": (entry("sweep.along", [{"load": "1 N"}]), "sweep.along[0].velocity: missing"),
     "row column": (along("load [N],pin.radius [mm]\n300,3\n"), "no column velocity in"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(

@@ -93,12 +93,20 @@ def foreign():
     return summary("a.zarr")
 
 
+def of_a_scene():
+    Path("a.toml").write_text("[pin]\n")
+    return summary("a.toml")
+
+
+OLD = b'{"attributes": {"format": 3, "history": ["computed by irg-transition 0.1"]}}'
+
 REFUSALS = {
     # paths
     "top": (lambda: place_of("/"), "/ cannot be a store; choose a folder below it"),
     "nothing": (lambda: summary("a.zarr"), "no store at "),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "memory": (lambda: commit("memory://b.zarr", SWEEP, ()), "memory://b.zarr can only be read"),
+    "scene": (of_a_scene, "it is a scene file; run it with irg run"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
     "link": (changed(lambda path: lock_of(path).symlink_to(path), go_on), "cannot be written: "),
@@ -107,7 +115,7 @@ REFUSALS = {
                   "on node7; if that has ended, delete"),
     "being made": (unfinished, "is being created by process"),
     # the root
-    "old": (changed(forged(lambda _, facts: facts.update(format=3))), "has format 3, and this"),
+    "old": (changed(put(FACTS, OLD)), "has format 3, and this"),
     "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
     "digest": (changed(lambda path: (path / FACTS).write_text(
         (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
