@@ -12,7 +12,7 @@ import sys
 import time
 import uuid
 from collections import Counter, defaultdict, deque
-from collections.abc import Collection, Hashable, Iterable, Iterator
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
@@ -49,6 +49,8 @@ _KILLED_MESSAGE = (
 class _Job:
     task: Task
     worker: str
+    process: str | None  # of the worker
+    is_movable: bool = True  # False if Dask must not give it to another worker
     is_alone: bool = False
     deaths: int = 0  # of its workers, by this or another task; `worker` is the last one
 
@@ -123,13 +125,19 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
             adaptive = getattr(client.cluster, "_adaptive", None)
             if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
                 slots += [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
-            jobs = [_Job(queue.take(worker or object()), worker) for worker in slots if queue]
+            processes = watch.processes
+            jobs = [
+                _Job(task, worker, processes.get(worker), is_movable=task.point not in deaths)
+                for worker in slots
+                if queue and (task := queue.take(worker or object()))
+            ]
             if suspect_tasks and not (jobs or tasks):
                 worker = workers[0] if workers else ANYWHERE
-                jobs = [_Job(suspect_tasks.popleft(), worker, is_alone=True)]
+                task = suspect_tasks.popleft()
+                jobs = [_Job(task, worker, processes.get(worker), is_movable=False, is_alone=True)]
             with watch.reached():
                 tasks.submit(jobs)
-                for job, result in tasks.ended(watch.present):
+                for job, result in tasks.ended(processes):
                     point = job.task.point
                     if result is not None:
                         record, program = loaded(result)
@@ -137,7 +145,8 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         writer.add([record])
                         recent_times.append(record.wall_time if record.data else recent_times[-1])
                         continue
-                    deaths[point] += job.deaths
+                    if job.deaths:
+                        deaths[point] += job.deaths
                     if job.is_alone and deaths[point] >= _MAX_DEATHS:
                         cause = watch.cause_of_death(job.worker)
                         message = _KILLED_MESSAGE.format(deaths[point], cause)
@@ -172,8 +181,8 @@ class _Tasks:
         """Submit tasks to Dask, grouped by worker, which takes half the time."""
         groups = defaultdict[tuple[str, bool], list[_Job]](list)
         for job in jobs:
-            groups[job.worker, job.is_alone].append(job)
-        for (worker, is_alone), group in groups.items():
+            groups[job.worker, job.is_movable].append(job)
+        for (worker, is_movable), group in groups.items():
             points = [job.task.point for job in group]
             futures = self._client.map(
                 simulate_point,
@@ -185,8 +194,7 @@ class _Tasks:
                 ],
                 pure=False,
                 workers=worker or None,
-                # Dask would give a task that kills its workers to four of them.
-                allow_other_workers=bool(worker) and not is_alone,
+                allow_other_workers=bool(worker) and is_movable,
             )
             self.running.update(zip(futures, group, strict=True))
             self._ended.update(futures)
@@ -200,11 +208,12 @@ class _Tasks:
             self._cases[key] = new_case.pickled()
         return self._cases[key]
 
-    def ended(self, present: Collection[str]) -> Iterator[tuple[_Job, bytes | None]]:
+    def ended(self, processes: Mapping[str, str]) -> Iterator[tuple[_Job, bytes | None]]:
         """Wait until a task ends, at most a second; yield the jobs that have ended, with results.
 
-        The result is None if the task is lost. `present` has the connected workers. A job
-        whose worker is lost is taken back: without another worker Dask would never run it.
+        The result is None if the task is lost. `processes` has the connected workers. A job
+        whose worker is lost or was restarted is taken back: without another worker Dask would never
+        run it, and one that kills its workers would be run four times.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
@@ -218,7 +227,7 @@ class _Tasks:
             future.release()
             yield job, result if isinstance(result, bytes) else None
         for future, job in [*self.running.items()]:
-            if job.worker and job.worker not in present:
+            if job.worker and processes.get(job.worker) != job.process:
                 del self.running[future]
                 future.release()
                 job.deaths = 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -41,6 +41,7 @@ class Watch:
         self._reported: set[str] = set()
         self._next_look, self._last_running = 0.0, time.monotonic()
         self._workers: list[str] = []
+        self._folders: dict[str, str] = {}
         # By worker, on the clock of the scheduler and on that of this process.
         self._heartbeats: dict[str, tuple[float, float]] = {}
         self._checked: set[str] = set()
@@ -62,6 +63,7 @@ class Watch:
         self._heartbeats = {
             worker: beat for worker, beat in self._heartbeats.items() if worker in infos
         }
+        self._folders = {worker: info["local_directory"] for worker, info in infos.items()}
         self._workers = [worker for worker, info in infos.items() if info["status"] == "running"]
         for worker, info in infos.items():
             if self._heartbeats.get(worker, (0.0, 0.0))[0] != info["last_seen"]:
@@ -92,9 +94,9 @@ class Watch:
         return self._workers
 
     @property
-    def present(self) -> Collection[str]:
-        """Addresses of all connected workers, including those that take no tasks."""
-        return self._heartbeats.keys()
+    def processes(self) -> Mapping[str, str]:
+        """Folder of each connected worker, by its address; a restarted worker has another one."""
+        return self._folders
 
     def _check(self, workers: list[str]) -> None:
         """Require that workers can import this program; otherwise they drop all their tasks."""
