@@ -147,6 +147,7 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         continue
                     if job.deaths:
                         deaths[point] += job.deaths
+                        watch.look_again()  # or the dead worker would get the next task
                     if job.is_alone and deaths[point] >= _MAX_DEATHS:
                         cause = watch.cause_of_death(job.worker)
                         message = _KILLED_MESSAGE.format(deaths[point], cause)

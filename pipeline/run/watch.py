@@ -156,6 +156,10 @@ class Watch:
             return float(sum(self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT).values()))
         return 0.0
 
+    def look_again(self) -> None:
+        """Make the next call look, whenever the last one was."""
+        self._next_look = 0.0
+
     def cause_of_death(self, worker: str) -> str:
         """Why a worker has died, as far as the scheduler and the kernel have noted it."""
         ask = self._client.scheduler.events
