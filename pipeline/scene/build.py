@@ -250,7 +250,7 @@ def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     if math.isnan(values["critical_temperature"] or 0.0):  # from tests
         values["critical_temperature"] = None
     known = {name: value for name, value in values.items() if value is not None}
-    return Conditions(**known).under(scene.loading)
+    return Conditions(**known).with_loading(scene.loading)
 
 
 def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
@@ -266,7 +266,7 @@ def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
 def _track_of(body: Any, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
     """Track of a body that passes under the pin again and again; else None."""
     around = disc_of(body) or track_length(body)
-    return tribo.Track.under(pin, material, around) if around else None
+    return tribo.Track.from_pin(pin, material, around) if around else None
 
 
 def fidelity_of(table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:

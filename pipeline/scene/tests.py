@@ -107,7 +107,9 @@ def _changed_case(built: Built, base: Case) -> Case:
 
 def test_case(case: Case, number: int, entry: Any) -> Case:
     """The case of a test: `case` with the friction and bulk temperature of its `entry`."""
-    conditions = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
+    conditions = replace(case.conditions, critical_temperature=None).with_loading(
+        case.scene.loading
+    )
     if entry.bulk_temperature is not None:
         conditions = replace(conditions, bulk_temperature=entry.bulk_temperature)
     if entry.friction is not None:

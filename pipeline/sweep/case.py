@@ -91,7 +91,7 @@ class Case:
             )
         loading = replace(loading, hold=duration)
         scene = replace(self.scene, loading=loading)
-        return replace(self, scene=scene, conditions=self.conditions.under(loading))
+        return replace(self, scene=scene, conditions=self.conditions.with_loading(loading))
 
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The case with other numerical choices; `preset` is their name, or None."""

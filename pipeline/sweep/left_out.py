@@ -24,7 +24,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
     materials = {"pin_track": pin.material, "track": sweep.scene.disk}
     cold = [name for name in materials if getattr(present, name) is None]
-    return {name: Track.under(pin, materials[name], around) for name in cold}
+    return {name: Track.from_pin(pin, materials[name], around) for name in cold}
 
 
 def has_sharp_ends(sweep: Sweep) -> bool:

@@ -73,7 +73,7 @@ def _case(case, changes):
     scene_fields = {path: value for path, value in changes.items() if path in _SCENE}
     # In one step, because pin and pixels must fit.
     case = replace(case, scene=replace(case.scene, **scene_fields))
-    case = replace(case, conditions=case.conditions.under(case.scene.loading))
+    case = replace(case, conditions=case.conditions.with_loading(case.scene.loading))
     for path, value in changes.items():
         first = path.partition(".")[0]
         if path in scene_fields:
@@ -81,7 +81,7 @@ def _case(case, changes):
         if first in _SCENE:
             case = replace(case, scene=_replaced(case.scene, path, value))
         elif path == "conditions":
-            case = replace(case, conditions=value.under(case.scene.loading))
+            case = replace(case, conditions=value.with_loading(case.scene.loading))
         else:
             case = _replaced(case, "lubricant" if path == "oil" else path, value)
     return case

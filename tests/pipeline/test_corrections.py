@@ -68,7 +68,7 @@ def test_a_critical_temperature_from_tests_contains_it():
 # Corrections for bodies that are no half-spaces
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
-WARM = tribo.Corrections(track=tribo.Track.under(PIN, STEEL, 0.34))
+WARM = tribo.Corrections(track=tribo.Track.from_pin(PIN, STEEL, 0.34))
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
 
 
@@ -105,7 +105,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path):
 
 # Heat stored in the bodies depends on the whole loading history, whichever steps are stored.
 
-TRACK = tribo.Track.under(PIN, STEEL, 0.3)
+TRACK = tribo.Track.from_pin(PIN, STEEL, 0.3)
 STAYS = tribo.Corrections(track=TRACK)
 ROLLING = tribo.Motion(slide_roll_ratio=0.5, track_length=0.3)
 TIMES = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 20.0, 21.0])

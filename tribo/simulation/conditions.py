@@ -104,7 +104,7 @@ class Conditions:
             return math.inf
         return (temperature - self.bulk_temperature) / self.rise_factor
 
-    def under(self, loading: Ramp | Stages | MeasuredLoad) -> Conditions:
+    def with_loading(self, loading: Ramp | Stages | MeasuredLoad) -> Conditions:
         """The conditions with the load history of `loading` added to their corrections, if any."""
-        corrections = self.corrections and self.corrections.under(loading)
+        corrections = self.corrections and self.corrections.with_loading(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)

@@ -67,14 +67,14 @@ class Track:
     disc: Disc | None = None
 
     @classmethod
-    def under(cls, pin: Pin, body: Material, around: float | Disc) -> Self:
+    def from_pin(cls, pin: Pin, body: Material, around: float | Disc) -> Self:
         """The track of a pin on a body; `around` is its length [m], or the disc whose rim it is.
 
         Examples
         --------
         >>> from tribo import Crowned
         >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
-        >>> Track.under(Crowned(10e-3, 50e-3, steel), steel, 0.34).aspect
+        >>> Track.from_pin(Crowned(10e-3, 50e-3, steel), steel, 0.34).aspect
         2.8...
         """
         aspect = pin.hertz(1.0, 1e11).aspect if pin.length is None else 1.0
@@ -122,7 +122,7 @@ class Corrections:
     course: tuple[tuple[float, float], ...] = ()
     rate: float | None = None
 
-    def under(self, loading: Ramp | Stages | MeasuredLoad) -> Self:
+    def with_loading(self, loading: Ramp | Stages | MeasuredLoad) -> Self:
         """Return these corrections with the load course or the load rate of `loading` filled in."""
         if isinstance(loading, Ramp):
             return replace(self, course=(), rate=loading.rate)
@@ -183,7 +183,7 @@ class Corrections:
         pin, disk = self.motion.velocities(sliding) if self.motion else (0.0, sliding)
         return abs(pin), abs(disk)
 
-    def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
+    def apply(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Return `columns` with corrected rises per unit friction coefficient [K].
 
         Each rise becomes rise + `added_rise`. `columns` has variables by name: those of `NEEDED`,
@@ -223,7 +223,7 @@ def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> 
     }
     return {
         name: value[0]
-        for name, value in corrections.under(scene.loading).applied(step_columns).items()
+        for name, value in corrections.with_loading(scene.loading).apply(step_columns).items()
     }
 
 

@@ -65,7 +65,7 @@ def judge(
     >>> point.is_severe, f"{point.governing_temperature:.0f} K = 298 + {point.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
-    conditions = conditions.under(scene.loading)
+    conditions = conditions.with_loading(scene.loading)
     if corrections := conditions.corrections:
         conditions = replace(conditions, corrections=replace(corrections, motion=scene.motion))
     if isinstance(scene.loading, Stages):

@@ -61,4 +61,4 @@ def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Map
     `columns` has ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...), and the
     columns named by `columns_needed`.
     """
-    return conditions.corrections.applied(columns) if conditions.corrections else columns
+    return conditions.corrections.apply(columns) if conditions.corrections else columns

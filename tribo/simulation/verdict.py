@@ -91,7 +91,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     n_quantile). Corrections also need the variables in `tribo.simulation.corrections.NEEDED`.
     """
     corrections = conditions.corrections
-    corrected = corrections.applied(columns) if corrections else columns
+    corrected = corrections.apply(columns) if corrections else columns
     rises = conditions.governing_rise(corrected)
     worst = int(hottest_step(rises, corrected["normal_load"], load))
     rise, quantiles = float(rises[worst]), corrected["rise_quantile"][worst]

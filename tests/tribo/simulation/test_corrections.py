@@ -12,7 +12,7 @@ STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0
 WIDTH, AROUND = 10e-3, 0.314
 PIN = tribo.Cylinder(25e-3, WIDTH, STEEL)
-TRACK = tribo.Track.under(PIN, STEEL, AROUND)
+TRACK = tribo.Track.from_pin(PIN, STEEL, AROUND)
 ROLLING = tribo.Motion(slide_roll_ratio=0.5)  # surfaces at 1.5 and 2.5 times the sliding velocity
 RISE, SHARE = 1505.0, 0.443  # at friction 1
 

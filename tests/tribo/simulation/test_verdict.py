@@ -14,7 +14,7 @@ from tests.helpers.scenes import STEEL
 from tribo.loading import MeasuredLoad
 from tribo.simulation.verdict import hottest_step
 
-TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
+TRACK = tribo.Track.from_pin(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
 WARM = tribo.Corrections(track=TRACK)
 LOADINGS = {
     "ramp": tribo.Ramp(150.0, 750.0),
