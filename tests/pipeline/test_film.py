@@ -53,6 +53,42 @@ def test_a_film_is_outside_from_where_it_carries_a_fifth_of_the_load(name, load,
     assert (computed_excess > 0) == (excess > 0)
 
 
+@pytest.mark.parametrize(
+    ("name", "load", "velocity"),
+    [
+        ("first_try", 750.0, 1.25),
+        ("first_try", 200.0, 3.75),
+        ("oil_a", 700.0, 3.25),
+        ("oil_a", 550.0, 5.75),
+        ("twin_disc", 5000.0, 2.5),
+    ],
+)
+def test_shear_in_the_inlet_thins_the_film_as_by_gupta(name, load, velocity):
+    """Gupta et al., Tribology Transactions 35 (1992); their slip is the slide-roll ratio."""
+    sweep = scene_of(name)
+    scene, oil, bulk = sweep.scene, sweep.lubricant, sweep.conditions.bulk_temperature
+    alpha, eta, pressure = oil.pressure_coefficient, oil.viscosity(bulk), 0.6e9
+    speeds = scene.velocities_at(velocity)
+    mean_speed = (speeds.pin + speeds.disk) / 2
+    isothermal = 12 * alpha * eta * mean_speed / (1 - math.exp(-0.2 * alpha * pressure))
+    excess = film_excess(scene, oil, load, velocity, bulk, 1.0, pressure)
+    factor = (math.exp(excess) / isothermal) ** (1 / 1.4)  # the film goes as (η U)^0.7
+
+    modulus = 2 * contact_modulus(scene.pin.material, scene.disk)
+    hertz = math.sqrt(load / scene.pin.length * modulus / (2 * math.pi * scene.pin.radius))
+    thermosensitivity = math.log(oil.viscosity(bulk - 5) / oil.viscosity(bulk + 5)) / 10
+    thermal_load = thermosensitivity * eta * mean_speed**2 / 0.13
+    slide_roll = abs(speeds.disk - speeds.pin) / mean_speed
+    gupta = (1 - 13.2 * hertz / modulus * thermal_load**0.42) / (
+        1 + 0.213 * (1 + 2.23 * slide_roll**0.83) * thermal_load**0.64
+    )
+    assert 0.5 < factor < 0.95
+    assert factor == pytest.approx(gupta, rel=0.17)
+    # By the slide-roll ratio, twice the slip, the factor is farther away.
+    by_ratio = 1 / (1 + (1 / factor - 1) * math.exp(0.875 * slide_roll / 2))
+    assert abs(factor - gupta) < abs(by_ratio - gupta)
+
+
 def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too():
     sweep = scene_of("first_try")
     soft = replace(sweep.scene, disk=replace(sweep.scene.disk, hardness=1.5e9))
