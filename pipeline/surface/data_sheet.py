@@ -23,6 +23,20 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
 
     RSm is that of profiles of random surfaces in pixels [m].
     """
+    length = correlation_length(ra, rsm, pixel)
+    return roughness_toml(ra, _HURST, (length, length)), [
+        f"assumed: Hurst exponent {_HURST}",
+        "assumed: isotropic, without a lay",
+        f"assumed: RSm is that of profiles of random surfaces in pixels of "
+        f"{display(pixel, 'µm', 3)}",
+    ]
+
+
+def correlation_length(ra: float, rsm: float, pixel: float) -> float:
+    """Correlation length [m] of random surfaces with Ra and RSm [m], in pixels [m].
+
+    Raises an `InputError` if profiles in such pixels cannot have this RSm.
+    """
     grid = Grid((_WINDOW, _WINDOW), (pixel, pixel))
 
     def excess(length: float) -> float:
@@ -44,13 +58,7 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
             f"random surfaces have {display(below, 'µm', 3)} to {display(above, 'µm', 3)}; give "
             f"{'smaller' if rsm < below else 'larger'} pixels, --pixel-size"
         )
-    length = math.exp(float(brentq(lambda x: excess(math.exp(x)), *map(math.log, ends), xtol=0.01)))
-    return roughness_toml(ra, _HURST, (length, length)), [
-        f"assumed: Hurst exponent {_HURST}",
-        "assumed: isotropic, without a lay",
-        f"assumed: RSm is that of profiles of random surfaces in pixels of "
-        f"{display(pixel, 'µm', 3)}",
-    ]
+    return math.exp(float(brentq(lambda x: excess(math.exp(x)), *map(math.log, ends), xtol=0.01)))
 
 
 def mean_spacing(line: Array, step: float, min_height: float) -> float | None:

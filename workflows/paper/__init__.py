@@ -31,6 +31,7 @@ from .load_record import fig8
 from .report import WORDS, Report
 from .resolution import fig6
 from .rivals import rivals
+from .spacing import spacing
 from .steel import steel
 from .study import Study, with_progress
 from .table_4 import table4
@@ -49,7 +50,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
         *(errata, fig2, fig4, fig5, fig6, fig8, fig10),
-        *(table4, table6, heldout, rivals, inverse, steel, contra),
+        *(table4, table6, heldout, rivals, inverse, steel, spacing, contra),
     )
 }
 

@@ -15,10 +15,12 @@ from tribo.analytic import hertz_line_half_width
 from tribo.contact import ElasticHalfSpace
 from tribo.types import Array
 
+from .publication import DISK_DIAMETER, TABLE_4
 from .report import WORDS, Report, texts
 from .study import Study
 
 _ELEMENTS, _WINDOW = 128, 456e-6  # along x, in the plane of the cylinder [m]
+_TRACK = 0.34  # length of the wear track on the disk [m]; the paper prints none
 _LOOPS = {  # by name: sign of the gap, whether the load's factor is inverse, iterations, look
     "corrected": (1.0, False, 8, BLACK, "-"),
     "Eq. (9) as printed": (-1.0, False, 8, VERMILION, "--"),
@@ -37,13 +39,19 @@ def errata(study: Study) -> Report:
     within = {
         name: float(p[np.abs(x) < half_width].sum() / p.sum()) for name, p in pressures.items()
     }
+    heat = _heat_ratios(sweep.scene.disk)
     values = {
         "within": within["Eq. (9) as printed"],
         "within_right": within["corrected"],
         "iterations": _LOOPS["corrected"][2],
         "carried": carried["Eq. (23) as printed"],
         "few": _LOOPS["Eq. (23) as printed"][2],
-        "heat": _heat_ratio(sweep.scene.disk),
+        "heat": heat["outside the root"],
+        "heat_under_root": heat["under the root"],
+        "track": _TRACK,
+        "track_ratio": _TRACK / TABLE_4.measured_width,
+        "disk_diameter": 1e3 * DISK_DIAMETER,
+        "rim_ratio": math.pi * DISK_DIAMETER / TABLE_4.measured_width,
     }
     columns = "iterations", "load / prescribed", "within Hertz's width"
     return Report.of(
@@ -57,7 +65,7 @@ def errata(study: Study) -> Report:
                 for name, how in _LOOPS.items()
             ],
         ),
-        data={"load_carried": carried, "load_within_hertz": within, "heat_ratio": values["heat"]},
+        data={"load_carried": carried, "load_within_hertz": within, "heat_ratio": heat},
         figure=_draw(x, half_width, pressures),
     )
 
@@ -106,16 +114,22 @@ def _iterate(
     return p
 
 
-def _heat_ratio(steel: Material) -> float:
-    """Steady rise in the middle of a square at rest by Eq. (29), over the exact one."""
+def _heat_ratios(steel: Material) -> dict[str, float]:
+    """Steady rise in the middle of a square at rest by Eq. (29), over the exact one.
+
+    Keys state where ρC_p is read: under the root, as printed, or outside.
+    """
     side = 1e-6  # half of the square's [m]; the ratio does not depend on it
     # With s = side/(2 √κ ω), so that the range is finite where the integrand is large.
     integral, _ = quad(lambda s: float((2 * erf(s)) ** 2 / s**2), 0.0, np.inf)
     kappa, heat_capacity = steel.thermal_diffusivity, steel.density * steel.specific_heat
     over_omega = integral * side / (2 * math.sqrt(kappa))
-    printed = over_omega / (4 * heat_capacity * math.sqrt(math.pi * kappa))
     exact = 4 * side * math.log(1 + math.sqrt(2)) / (math.pi * steel.thermal_conductivity)
-    return float(printed / exact)
+    denominators = {
+        "under the root": 4 * math.sqrt(math.pi * kappa * heat_capacity),
+        "outside the root": 4 * heat_capacity * math.sqrt(math.pi * kappa),
+    }
+    return {name: float(over_omega / x / exact) for name, x in denominators.items()}
 
 
 @house_style

@@ -1,8 +1,8 @@
 """Pages of Markdown with the results: the gallery, and the comparison with the paper.
 
 A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
-``figure``, a result with its figure, command and verdicts; and ``findings``, statements named as
-``table4.width``, with their numbers.
+``figure``, a result with its figure, command and verdicts; ``table``, the table of a result; and
+``findings``, statements named as ``table4.width``, with their numbers.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pipeline.frames import markdown_of
 
 from .report import WORDS, Finding, Report, texts
 
-PAGES = "README.md", "REPRODUCING.md"
+PAGES = "README.md", "REPRODUCING.md", "MODEL.md"
 _FOLDER = Path(__file__).parents[1]
 _BLOCK = re.compile(r"(<!-- (\w+): ([\w. ]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 _COLUMNS = "result", "the paper", "computed", "verdict"
@@ -33,7 +33,8 @@ def pages(reports: Sequence[Report]) -> dict[str, str]:
         if kind == "findings":
             lines = _findings(known, names.split(), old.splitlines())
         elif names in known:
-            lines = _figure(known[names])
+            is_table = kind == "table"
+            lines = markdown_of(known[names].table) if is_table else _figure(known[names])
         else:
             return block[0]
         return begin + "\n".join(lines) + "\n" + end

@@ -11,6 +11,8 @@ CYLINDER_PEAK_PRESSURE = 1.01e9
 """Peak pressure in the example of Fig. 4 [Pa]."""
 CYLINDER_HALF_WIDTH = 0.14e-3
 """Half-width of the contact in the example of Fig. 4 [m]."""
+DISK_DIAMETER = 150e-3
+"""Diameter of the disk [m]."""
 LOADING_RATE = 150.0
 """Rate at which the load grows [N/s]."""
 ROOM_CELSIUS = 25.0

@@ -30,6 +30,7 @@ from .transitions import (
 
 _SURFACES = 8
 _LIKE = 0.15  # relative difference of rises that are called alike
+_CONSTANTS = 3  # of the law rise/friction = C Fᵃ Vⁿ
 _DECISIVE = 3.0  # ratio of misfits above which the worse reading is rejected
 
 
@@ -72,6 +73,7 @@ def table6(study: Study) -> Report:
         "hot_bulk": TABLE_6[-1].bulk_celsius,
         "misfit_hot": misfit["100"],
         "misfit_room": misfit["25"],
+        "degrees": len(TABLE_4) + len(TABLE_6) - _CONSTANTS,
         **_levels(mean(at_room)),
         "ratios_white": (TABLE_6.max_celsius - ROOM_CELSIUS) / (mean(white_at_room) - ROOM_CELSIUS),
         "exponents": list(data["velocity_exponent"].values()),
@@ -98,14 +100,14 @@ def table6(study: Study) -> Report:
 
 
 def _misfit(bulk_celsius: float) -> float:
-    """Relative misfit of the paper's temperatures to rise/friction = C Fᵃ Vⁿ."""
+    """Standard deviation of ln(rise) of the paper's temperatures from rise/friction = C Fᵃ Vⁿ."""
     rows = [(row, ROOM_CELSIUS) for row in TABLE_4]
     rows += [(row, min(row.bulk_celsius, bulk_celsius)) for row in TABLE_6]
     logarithms = [math.log((row.max_celsius - bulk) / row.friction) for row, bulk in rows]
     terms = [(1.0, math.log(row.normal_load), math.log(row.velocity)) for row, _ in rows]
     law, *_ = np.linalg.lstsq(np.array(terms), np.array(logarithms), rcond=None)
     off = np.array(logarithms) - np.array(terms) @ law
-    return float(np.sqrt(off @ off / (len(rows) - len(law))))
+    return float(np.sqrt(off @ off / (len(rows) - _CONSTANTS)))
 
 
 def _law(celsius: Array) -> Array:
