@@ -66,12 +66,14 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
 
 def error_in_words(sweep: Sweep) -> str:
-    """Describe the discretization error of a sweep's critical velocity."""
+    """Describe the discretization error of a sweep."""
     error = velocity_error(sweep)
     if error is None:
         return "custom numerical settings: the error of critical velocities is unknown"
-    bound = f"{100 * error:g} % (irg help choosing)"
-    return f"preset {_preset(sweep)}: discretization error of critical velocities at most {bound}"
+    return (
+        f"preset {_preset(sweep)}: discretization error at most {100 * error:g} % of critical "
+        "velocities, more where the rise hardly grows with velocity (irg help choosing)"
+    )
 
 
 def _preset(sweep: Sweep) -> str | None:

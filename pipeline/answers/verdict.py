@@ -315,7 +315,7 @@ class VerdictModel:
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""
         parts = rise_errors(self.specimen, self.promised, loads, velocities)
-        return velocity_errors(self.field, parts, self.promised, loads, velocities)
+        return velocity_errors(self.field, parts, loads, velocities)
 
 
 def outside_reason(ranges: Mapping[str, tuple[float, float]], **point: float) -> str:

@@ -105,8 +105,7 @@ class Search:
     def errors(self) -> Array:
         """Relative errors of `critical` by part (4, n_load), see `velocity_errors`."""
         parts = rise_errors(self.specimen, self.promised, self.loads, self.critical)
-        points = self.loads, self.critical
-        return velocity_errors(self.specimen.field, parts, self.promised, *points)
+        return velocity_errors(self.specimen.field, parts, self.loads, self.critical)
 
     @property
     def _has_realization(self) -> Mask:

@@ -20,6 +20,7 @@ from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import curve_errors, exponents, total
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.specimen import realizations_share
+from pipeline.constants import RISE_SHARE
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed
@@ -159,7 +160,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         )
         error = float(
             total(
-                np.stack([interpolation, surface, np.full_like(interpolation, preset_error)])
+                np.stack([interpolation, surface, RISE_SHARE * preset_error / exponent])
             ).max(initial=0.0)
         )
         seconds = points * seconds_of_point(preset_sweep, median_velocity)
