@@ -28,7 +28,7 @@ def lift(angle: float) -> tuple[float, float]:
 
 
 print("angle [deg],load [N],velocity [m/s],pin.radius [mm],motion.slide_roll_ratio,"
-      "motion.track_length [mm]")  # fmt: skip
+      "motion.pin_track_length [mm],motion.disk_track_length [mm]")  # fmt: skip
 for degrees in ANGLES:
     s, bend = lift(math.radians(degrees))
     radius = RADIUS + s + bend  # of the cam's curvature at the contact
@@ -36,7 +36,7 @@ for degrees in ANGLES:
     cam, tappet = SPEED * radius, SPEED * bend  # velocities of both surfaces past the contact
     sliding = cam - tappet  # = SPEED (RADIUS + s)
     ratio = sliding / ((cam + tappet) / 2)
-    track = 2 * math.pi * abs(bend)  # of the tappet in a turn at this velocity
-    print(
-        f"{degrees},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},{1e3 * track:.1f}"
-    )
+    # Length that passes the contact in a revolution of the camshaft, at the velocity of the body.
+    tracks = [2e3 * math.pi * abs(curvature) for curvature in (bend, radius)]
+    print(f"{degrees},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},"
+          f"{tracks[0]:.1f},{tracks[1]:.1f}")  # fmt: skip

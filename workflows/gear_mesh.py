@@ -27,11 +27,13 @@ places = {
 }  # fmt: skip
 
 print("place,load [N],velocity [m/s],pin.radius [mm],motion.slide_roll_ratio,"
-      "motion.track_length [mm]")  # fmt: skip
+      "motion.pin_track_length [mm],motion.disk_track_length [mm]")  # fmt: skip
 for place, (first, share) in places.items():
     second = whole - first
     radius = first * second / whole
     pinion, wheel = SPEED * first, SPEED * TEETH[0] / TEETH[1] * second  # velocities of the flanks
     ratio = (pinion - wheel) / ((pinion + wheel) / 2)  # the pin is the wheel, the disk the pinion
+    # Length that passes the contact in a revolution of the body, at the velocity of its flank.
+    tracks = [2e3 * math.pi * curvature for curvature in (second, first)]
     print(f"{place},{share * TORQUE / base[0]:.0f},{abs(pinion - wheel):.4f},{1e3 * radius:.3f},"
-          f"{ratio:.4f},{2e3 * math.pi * second:.1f}")  # fmt: skip
+          f"{ratio:.4f},{tracks[0]:.1f},{tracks[1]:.1f}")  # fmt: skip

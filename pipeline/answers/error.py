@@ -69,9 +69,13 @@ def rise_errors(
 def velocity_errors(field: Field, parts: Array, loads: Array, velocities: Array) -> Array:
     """Relative errors of critical velocities by part (4, k), from the `parts` of the rise.
 
-    The error of a velocity is that of the rise over the exponent d ln(rise)/d ln(velocity).
+    The error of a velocity is that of the rise over the exponent d ln(rise)/d ln(velocity). By the
+    preset it is at least the error that the preset promises for velocities.
     """
-    return parts / exponents(field, loads, velocities)
+    exponent = exponents(field, loads, velocities)
+    errors = parts / exponent
+    errors[PRESET] = parts[PRESET] / np.minimum(exponent, RISE_SHARE)
+    return errors
 
 
 def exponents(field: Field, loads: Array, velocities: Array) -> Array:

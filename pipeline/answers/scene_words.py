@@ -139,14 +139,18 @@ def _words(warning: SceneWarning) -> str:
                 "specimen and thus too hot: give its load stages"
             )
         case "cold_tracks":
-            length, bodies = values
-            names = bodies.split()
-            entries = " and ".join(f"{body}.diameter" for body in names)
+            lengths = dict(zip(values[::2], values[1::2], strict=True))
+            tracks = " and ".join(
+                f"the {body} (track of {display(length, 'mm', 3)})"
+                if length != "unknown"
+                else f"the {body} (length of its track unknown: set motion.{body}_track_length)"
+                for body, length in lengths.items()
+            )
+            entries = " and ".join(f"{body}.diameter" for body in lengths)
             return (
-                f"heat from earlier revolutions of the {' and the '.join(names)} is not included; "
-                f"on tracks of {display(length, 'mm', 3)} it warms the contact further: set "
-                f"{entries} and width, or track_length, or enter the bulk temperature of the warm "
-                "tracks"
+                f"heat from earlier revolutions of {tracks} is not included; it warms the contact "
+                f"further: set {entries} and width, or track_length, or enter the bulk "
+                "temperature of the warm tracks"
             )
         case "sharp_ends":
             return (

@@ -26,7 +26,7 @@ from pipeline.quantities import UNITS, display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
-from tribo import Corrections
+from tribo import Corrections, Track
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
@@ -63,9 +63,7 @@ def not_included(model: VerdictModel) -> str:
     """Effects that are not included and may be unsafe, on one line."""
     sweep = model.case.sweep
     parts = ["sharp pin ends (severe wear at 9 to 23 % lower velocity)"] * has_sharp_ends(sweep)
-    if cold_tracks(sweep):
-        warmer = _with_earlier_turns(model)
-        parts.append("heat from earlier revolutions" + f" (severe {warmer})" * bool(warmer))
+    parts += _earlier_revolutions(model)
     parts += ["an oil film that carries load (unknown here)"] * model.lacks_film
     parts.append("uncertain inputs")
     if not model.evidence.specimens:
@@ -82,13 +80,30 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     yield from filter(None, (*lines, unknown))
 
 
-def _with_earlier_turns(model: VerdictModel) -> str:
-    """Critical velocities with heat of earlier revolutions, as text; empty if unknown."""
-    case, tracks = model.case, cold_tracks(model.case.sweep)
+def _earlier_revolutions(model: VerdictModel) -> Iterator[str]:
+    """Heat from earlier revolutions, as text: of bodies with a known track, and of the others."""
+    tracks = cold_tracks(model.case.sweep)
+    names = {"pin_track": "pin", "track": "disk"}
+    known = {name: track for name, track in tracks.items() if track}
+    if known:
+        bodies = " and ".join(f"the {names[name]}" for name in known)
+        warmer = _with_earlier_turns(model, known)
+        yield f"heat from earlier revolutions of {bodies}" + f" (severe {warmer})" * bool(warmer)
+    for name in tracks.keys() - known.keys():
+        entry = f"motion.{names[name]}_track_length"
+        yield f"heat from earlier revolutions of the {names[name]} (unknown; set {entry})"
+
+
+def _with_earlier_turns(model: VerdictModel, tracks: Mapping[str, Track]) -> str:
+    """Critical velocities with heat of earlier revolutions of `tracks`, as text; empty if unknown.
+
+    Keys are those of `Corrections`.
+    """
+    case = model.case
     if not {*NEEDED} <= {*case.ds}:
         return ""
     corrections = model.conditions.corrections or Corrections()
-    corrections = replace(corrections, motion=case.sweep.scene.motion, **tracks)
+    corrections = replace(corrections, motion=case.sweep.scene.motion, **dict[str, Any](tracks))
     conditions = replace(model.conditions, corrections=corrections)
     field = specimen_of(case, conditions).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))

@@ -160,7 +160,13 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         )
         error = float(
             total(
-                np.stack([interpolation, surface, RISE_SHARE * preset_error / exponent])
+                np.stack(
+                    [
+                        interpolation,
+                        surface,
+                        preset_error * RISE_SHARE / np.minimum(exponent, RISE_SHARE),
+                    ]
+                )
             ).max(initial=0.0)
         )
         seconds = points * seconds_of_point(preset_sweep, median_velocity)

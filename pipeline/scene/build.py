@@ -86,7 +86,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     make = partial(_make, tables, faults)
     parts = {
         "pixels": make(grid_of, "window", "pin"),
-        "motion": make(motion_of, "motion", "pin"),
+        "motion": make(motion_of, "motion", "pin", "disk"),
         "wear": make(lambda wear: tribo.Wear(**vars(wear)), "wear"),
         "loading": make(partial(loading_of, files, faults), "loading", "sweep.loads"),
         "roughness": make(partial(roughness_of, files, faults), "disk.roughness", "window", AREAS),
@@ -159,9 +159,13 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
     return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, is_line))
 
 
-def motion_of(table: MotionTable, pin: Any) -> tribo.Motion:
-    """Motion; the track length is taken from `pin` if not given."""
-    return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
+def motion_of(table: MotionTable, pin: Any, disk: Any) -> tribo.Motion:
+    """Motion; lengths of tracks that are not given are those of the bodies."""
+    return tribo.Motion(
+        slide_roll_ratio=table.slide_roll_ratio,
+        pin_track_length=table.pin_track_length or track_length(pin),
+        disk_track_length=table.disk_track_length or track_length(disk),
+    )
 
 
 def loading_of(

@@ -18,6 +18,7 @@ from pipeline.words import did_you_mean, quoted
 from tribo.simulation.pins import sizes_of
 
 _BODY_SIZES = "diameter", "width", "track_length"
+_TRACK_KEYS = "diameter", "track_length"
 _LENGTH_TOLERANCE = 0.01  # relative difference allowed between two lengths of one track
 # Least length of a track in contact widths, so that a pass is short compared with the time between
 # passes.
@@ -131,16 +132,23 @@ def _unfit_sizes(scene: Any) -> Misfits:
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 
-@_check("motion", "pin.diameter", "pin.track_length")
+@_check("motion", *(f"{body}.{key}" for body in ("pin", "disk") for key in _TRACK_KEYS))
 def _unfit_track(scene: Any) -> Misfits:
-    track, motion = track_length(scene.pin), scene.motion
-    key = "pin.diameter" if scene.pin.diameter else "pin.track_length"
-    if track and motion is None:
-        problem = "has no effect: a stationary pin has no earlier revolutions; remove it"
-        yield key, f"{problem}, or give a [motion]"
-    elif track and (length := motion.track_length) and abs(length / track - 1) > _LENGTH_TOLERANCE:
-        problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
-        yield "motion.track_length", f"{display(length, 'mm')} {problem}"
+    for name in ("pin", "disk"):
+        body = getattr(scene, name)
+        key = f"{name}.diameter" if body.diameter else f"{name}.track_length"
+        if not (track := track_length(body)):
+            continue
+        if scene.motion is None:
+            if name == "pin":
+                problem = "has no effect: a stationary pin has no earlier revolutions; remove it"
+                yield key, f"{problem}, or give a [motion]"
+            continue
+        path = f"{name}_track_length"
+        length = getattr(scene.motion, path)
+        if length and abs(length / track - 1) > _LENGTH_TOLERANCE:
+            problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
+            yield f"motion.{path}", f"{display(length, 'mm')} {problem}"
 
 
 @_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _BODY_SIZES))

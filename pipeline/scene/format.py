@@ -238,9 +238,13 @@ class MotionTable(Declared):
     slide_roll_ratio: A[float, Share(usual=(-20, 20)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."]
-    track_length: A[float | None, Quantity("314 mm"),
-        "Length over which the wear of the pin spreads; by default the pin's `track_length`, or "
-        "the circumference of its radius."] = None
+    pin_track_length: A[float | None, Quantity("314 mm"),
+        "Length of the track around the pin, over which its wear spreads; by default that of "
+        "`[pin]`, or the circumference of its radius."] = None
+    disk_track_length: A[float | None, Quantity("314 mm"),
+        "Length of the track around the disk; by default that of `[disk]`. With the length of a "
+        "body, each answer states the effect of the heat of its earlier revolutions, which the "
+        "scene leaves out."] = None
 
 WEAR_PATTERN = kind_of(get_type_hints(tribo.Wear)["pattern"])
 
@@ -288,7 +292,8 @@ class Model(Declared):
         f"much as four tests. {LATER}"] = 0.055
     rise: A[float, Share(above=-1, usual=(0, 0.5)),
         "Known heating outside the model, as a fraction of the rise by friction, such as a pin "
-        f'holder or a surface film: "+6 %" multiplies this rise by 1.06. {LATER}'] = 0.0
+        "holder, a surface film, or a reciprocating contact on its own track, which is not "
+        f'modelled: "+6 %" multiplies this rise by 1.06. {LATER}'] = 0.0
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],

@@ -155,9 +155,11 @@ def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
 def _cold_tracks(sweep: Sweep) -> Warnings:
     """Warning that the heat of earlier turns of a track is left out."""
     if tracks := cold_tracks(sweep):
-        bodies = ["pin" if name == "pin_track" else "disk" for name in tracks]
-        length = next(iter(tracks.values())).length
-        yield SceneWarning("cold_tracks", "", (length, " ".join(bodies)))
+        bodies = {"pin_track": "pin", "track": "disk"}
+        values = list[float | str]()
+        for name, track in tracks.items():
+            values += [bodies[name], track.length if track else "unknown"]
+        yield SceneWarning("cold_tracks", "", tuple(values))
 
 
 def _fresh_specimens(sweep: Sweep) -> Warnings:

@@ -99,7 +99,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path):
     scene = pipeline.load_scene(tmp_path / "plain.toml", overrides=entries)
     corrections = scene.conditions.corrections
     assert corrections.pin_track.length == pytest.approx(np.pi * 0.1) == scene.scene.track_length
-    assert corrections.track.length == 0.4
+    assert corrections.track.length == 0.4 == scene.scene.motion.disk_track_length
     assert corrections.motion == scene.scene.motion
 
 
@@ -107,7 +107,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path):
 
 TRACK = tribo.Track.from_pin(PIN, STEEL, 0.3)
 STAYS = tribo.Corrections(track=TRACK)
-ROLLING = tribo.Motion(slide_roll_ratio=0.5, track_length=0.3)
+ROLLING = tribo.Motion(slide_roll_ratio=0.5, pin_track_length=0.3)
 TIMES = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 20.0, 21.0])
 LOADS = np.array([0.0, 500.0, 500.0, 100.0, 100.0, 0.0, 400.0, 750.0])
 RECORD = tribo.MeasuredLoad(TIMES, LOADS)

@@ -27,6 +27,23 @@ def test_predicted_critical_velocity_is_within_15_percent_of_the_measured_one(lo
     assert governing_temperature(PAPER, load, 1.15 * MEASURED[load]) > critical
 
 
+@pytest.mark.parametrize(
+    ("name", "pin_turn", "disk_turn"),
+    [  # 2170 rpm of the pinion with 16 teeth, which is the disk, and a wheel of 24; 1000 rpm
+        ("gear_mesh", 60 / 2170 * 24 / 16, 60 / 2170),
+        ("cam_tappet", 0.06, 0.06),
+    ],
+)
+def test_each_body_of_a_row_returns_after_a_revolution_of_its_shaft(name, pin_turn, disk_turn):
+    sweep = pipeline.load_scene(name)
+    assert len(sweep.cases) > 4
+    for case, row in zip(sweep.cases, sweep.case_table.rows, strict=True):
+        motion = case.scene.motion
+        speeds = motion.velocities(row["velocity"])
+        assert motion.pin_track_length / abs(speeds.pin) == pytest.approx(pin_turn, rel=2e-3)
+        assert motion.disk_track_length / abs(speeds.disk) == pytest.approx(disk_turn, rel=2e-3)
+
+
 def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
     store = folder_with_results / "results" / "first_try.zarr"
     summary = pipeline.summary(store)

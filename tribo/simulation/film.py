@@ -162,8 +162,8 @@ def film_excess(
     four conditions, the factor is 0.82, 0.91, 0.89 and 0.45 here, and 0.78, 0.90, 0.88 and 0.51
     by their formula. The slide–roll ratio over the mean velocity, twice this slip, makes the factor
     smaller and the difference larger: 0.57 under the pin of the paper at 200 N and 3.75 m/s, where
-    this slip gives 0.76 and their formula 0.80. It lowers the result by 0.3 to 0.6 for a pin at rest,
-    and fewer points outside the model.
+    this slip gives 0.76 and their formula 0.80. It also lowers the
+    result by 0.3 to 0.6 for a pin at rest, so that fewer points are outside the model.
     """
     pin, disk = scene.velocities_at(velocity)
     speed = abs(pin + disk) / 2

@@ -51,9 +51,12 @@ class Motion:
         Sliding over entrainment velocity, s = (u₂ − u₁)/ū. If it is positive, the disk is faster,
         if negative, the pin. Beyond ±2 the bodies move in opposite directions. At 2 the pin is at
         rest.
-    track_length : float, optional
-        Length of the track around the pin [m]; 2π times its radius if not given. It is needed if
-        the pin's radius is the reduced radius of two discs.
+    pin_track_length : float, optional
+        Length of the track around the pin [m], over which its wear spreads; 2π times its radius if
+        not given. It is needed if the pin's radius is the reduced radius of two discs.
+    disk_track_length : float, optional
+        Length of the track around the disk [m]. No step of a simulation depends on it. It states
+        how much heat of earlier revolutions a scene leaves out.
 
     Examples
     --------
@@ -62,15 +65,19 @@ class Motion:
     """
 
     slide_roll_ratio: float
-    track_length: float | None = None
+    pin_track_length: float | None = None
+    disk_track_length: float | None = None
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.slide_roll_ratio):
             raise InputError(f"slide_roll_ratio is {self.slide_roll_ratio!r}; it must be finite")
         if self.slide_roll_ratio == 0:
             raise InputError("slide_roll_ratio is 0: pure rolling has no sliding velocity")
-        if self.track_length is not None:
-            require_positive(track_length=self.track_length)
+        lengths = {
+            "pin_track_length": self.pin_track_length,
+            "disk_track_length": self.disk_track_length,
+        }
+        require_positive(**{name: x for name, x in lengths.items() if x is not None})
 
     def velocities(self, sliding: float) -> Velocities:
         """Velocities of pin and disk [m/s].

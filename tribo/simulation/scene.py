@@ -100,8 +100,8 @@ class Scene:
             )
         if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
             raise InputError(
-                f"track_length is {self.track_length:g} m; it must be at least that of the window "
-                f"along x, {self.pixels.size[0]:g} m"
+                f"pin_track_length is {self.track_length:g} m; it must be at least that of the "
+                f"window along x, {self.pixels.size[0]:g} m"
             )
 
     def __repr__(self) -> str:
@@ -113,7 +113,7 @@ class Scene:
     @property
     def track_length(self) -> float:
         """Length of the track around a pin that rolls [m]."""
-        track_length = self.motion.track_length if self.motion else None
+        track_length = self.motion.pin_track_length if self.motion else None
         return 2 * math.pi * self.pin.radius if track_length is None else track_length
 
     def velocities_at(self, sliding: float) -> Velocities:

@@ -68,7 +68,9 @@ def test_status_and_verify_count_the_points_of_the_dataset(store, tmp_path, irg)
     output = irg("status", copy, code=1)
     assert "9 points: 7 done, 1 failed, 1 pending" in output
     assert output.count(": out of memory\n") == output.count("failed: ") == 1
-    assert f"discretization error at most {100 * PRESET_BOUNDS['standard']:g} % of critical" in output
+    assert (
+        f"discretization error at most {100 * PRESET_BOUNDS['standard']:g} % of critical" in output
+    )
     ds = xr.open_zarr(copy, chunks=None)
     flags = ds["warning_flags"].where(ds["status"] == 1, 0).values.astype(int)
     by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]

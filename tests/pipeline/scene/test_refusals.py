@@ -173,7 +173,7 @@ ENTRIES = {
                   "one pixel cannot be rough"),
     "crown": (entry("pin.shape", "crowned", without="pin.length"),
               "pin.crown_radius: missing; required for a crowned pin"),
-    "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
+    "short track": (entry("motion", {"slide_roll_ratio": 1, "pin_track_length": "0.1 mm"}),
                     "it must be at least that of the window along x"),
     "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk (25 °C)"),
     "far": (entry("temperature.bulk", "1e9 degC"), 'degC" is outside the allowed range, which is'),

@@ -187,13 +187,22 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, is_warned):
 
 # Missing entries, and tests with another loading history
 
-ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
+ROLLING = {"motion": {"slide_roll_ratio": 0.5, "pin_track_length": "314 mm"}}
 BALL_OF = {"without": ["pin.length"], "pin.shape": "ball"}
 COLD = "heat from earlier revolutions of the "
 SHARP = "pin.length: the pin's sharp ends are not modelled; severe"
 LEFT_OUT = [
-    (ROLLING, "cold_tracks", COLD + "pin and the disk is not included"),
-    (ROLLING | {"disk.track_length": "314 mm"}, "cold_tracks", COLD + "pin is not included"),
+    (
+        ROLLING,
+        "cold_tracks",
+        COLD + "pin (track of 314 mm) and the disk (length of its track unknown: set "
+        "motion.disk_track_length) is not included",
+    ),
+    (
+        ROLLING | {"disk.track_length": "314 mm"},
+        "cold_tracks",
+        COLD + "pin (track of 314 mm) is not included",
+    ),
     ({"motion": {"slide_roll_ratio": 2}}, "cold_tracks", None),
     (ROLLING | {"pin.track_length": "314 mm", "disk.track_length": "314 mm"}, "cold_tracks", None),
     ({}, "sharp_ends", SHARP),

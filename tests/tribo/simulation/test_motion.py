@@ -116,7 +116,7 @@ def test_a_ball_that_rolls_wears_a_groove_around_itself():
         pixels=Grid((40, 48), (12e-6, 12e-6), periodic=(False, False)),
         loading=Ramp(150.0, 150.0),
         wear=Wear(1e-14, "local"),
-        motion=Motion(slide_roll_ratio=0.5, track_length=2e-3),
+        motion=Motion(slide_roll_ratio=0.5, pin_track_length=2e-3),
         fidelity=Fidelity(pixels_per_element=1, increments=20, contact_tolerance=1e-6),
     )
     coarse = end(scene, 1.0, 150.0)
