@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -81,7 +79,7 @@ def spacing(study: Study) -> Report:
 
 
 @house_style
-def _draw(lengths: Array, change: Array, loads: Sequence[float], chosen: float) -> Figure:
+def _draw(lengths: Array, change: Array, loads: Array, chosen: float) -> Figure:
     figure = Figure(figsize=(7.4, 4.2))
     axes = figure.subplots()
     for load, row, colour in zip(loads, change.T, _COLOURS, strict=True):
