@@ -45,10 +45,11 @@ def status(options: argparse.Namespace) -> Result:
         warned = pipeline.points_with_warnings(options.store)
     except StoreError as error:  # points are counted nevertheless
         text.append(f"points with warnings could not be counted: {error}")
-    words = "running now, " * bool(state.running)
-    words += "done" if state.done == state.total else counts
+    progress = "done" if state.done == state.total else counts
+    if state.running:
+        progress = f"running now, {progress}"
     numbers = state.total, state.done, len(state.failed), state.pending
-    frame = frame_of(_HEADS, [(state.name, words, *numbers, sweep.preset, state.title)])
+    frame = frame_of(_HEADS, [(state.name, progress, *numbers, sweep.preset, state.title)])
     return Result(text=text, warned=warned, frames=[frame], code=SOME_FAILED if failed else DONE)
 
 
