@@ -74,7 +74,10 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
                 yield key, f"does not fit {keys}; leave it out"
         if len(ends) > 1 and not ends["mild"] < ends["severe"]:
             low, high = (display(ends[outcome], "N") for outcome in ("severe", "mild"))
-            yield "severe_at", f"{low} is not above mild_up_to, {high}; exchange them"
+            yield (
+                "severe_at",
+                f"{low} is not above mild_up_to ({high}); give the load of a later stage",
+            )
         return
     for key in ("load", "outcome"):
         if getattr(test, key) is None:

@@ -15,7 +15,7 @@ from tribo.constants import STEPS_OF_HOLD, STEPS_OF_LATER_RAMP
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.loading.ramp import MOST_STEPS, LoadStep
 
-_LEVEL_ROUNDING = 1e-9  # relative difference up to which levels are equal
+_LOAD_ROUNDING = 1e-9  # relative difference up to which loads are equal
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class Stages:
         """
         require_positive(normal_load=normal_load)
         for number, load in enumerate(self.loads, 1):
-            if math.isclose(load, normal_load, rel_tol=_LEVEL_ROUNDING):
+            if math.isclose(load, normal_load, rel_tol=_LOAD_ROUNDING):
                 return number
         raise InputError(
             f"load is {normal_load:g} N, which is not a load stage; choose from {self.text}"
