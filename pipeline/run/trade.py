@@ -154,21 +154,10 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
         preset_sweep = sweep.with_fidelity(fidelity, name)
-        preset_error, median_velocity = (
-            velocity_error(preset_sweep) or math.nan,
-            float(np.median(critical)),
-        )
-        error = float(
-            total(
-                np.stack(
-                    [
-                        interpolation,
-                        surface,
-                        preset_error * RISE_SHARE / np.minimum(exponent, RISE_SHARE),
-                    ]
-                )
-            ).max(initial=0.0)
-        )
+        preset_error = velocity_error(preset_sweep) or math.nan
+        preset_errors = preset_error * RISE_SHARE / np.minimum(exponent, RISE_SHARE)
+        errors = total(np.stack([interpolation, surface, preset_errors]))
+        error, median_velocity = float(errors.max(initial=0.0)), float(np.median(critical))
         seconds = points * seconds_of_point(preset_sweep, median_velocity)
         yield Measured(None, name, points, seconds, error)
         if name == "standard" and choose_stored_steps(sweep).steps == "course":

@@ -122,10 +122,8 @@ def _harmonic(heights: Array) -> Array:
         neighbour_i, neighbour_j = i + step_i, j + step_j
         is_inside = (neighbour_i >= 0) & (neighbour_j >= 0)
         is_inside &= (neighbour_i < heights.shape[0]) & (neighbour_j < heights.shape[1])
-        rows_inside, neighbour = (
-            hole_numbers[is_inside],
-            (neighbour_i[is_inside], neighbour_j[is_inside]),
-        )
+        rows_inside = hole_numbers[is_inside]
+        neighbour = neighbour_i[is_inside], neighbour_j[is_inside]
         degree[rows_inside] += 1
         known_sum[rows_inside] += np.where(is_hole[neighbour], 0.0, heights[neighbour])
         rows.append(rows_inside[is_hole[neighbour]])
