@@ -216,9 +216,14 @@ class CaseResults:
         if name not in self._arrays:
             if name not in self.ds:
                 raise InputError(f"the dataset lacks {name}; keep all of its variables")
-            _require_unit(self.ds[name])
-            values = self.ds[name].transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
-            self._arrays[name] = values.astype(float) if values.dtype.kind == "f" else values
+            _require_unit(variable := self.ds[name])
+            # Times are equal for all realizations.
+            sizes = self.ds["status"].sizes.items()
+            variable = variable.expand_dims({k: n for k, n in sizes if k not in variable.dims})
+            values = variable.transpose(*_SPECIMEN, *_INNER, missing_dims="ignore").values
+            self._arrays[name] = (
+                values.astype(float, copy=False) if values.dtype.kind == "f" else values
+            )
         return self._arrays[name]
 
     @property
@@ -382,10 +387,9 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
         if not coordinate.ndim and key not in (*COORDINATES, "realization")
     }
     ds = ds.reset_coords([key for key in PROGRESS if key in ds.coords])
-    if missing_dims := [dim for dim in _SPECIMEN if dim not in ds["status"].dims]:
-        # `expand_dims` reads all values, but fields are large, and no answer needs all of them.
-        fields = {key: ds[key].variable for key in FIELDS if key in ds}
-        ds = ds.drop_vars(fields).expand_dims(missing_dims).assign(fields)
+    # `expand_dims` reads all values, but fields are large, and no answer needs them.
+    ds = ds.drop_vars(FIELDS, errors="ignore")
+    ds = ds.expand_dims([dim for dim in _SPECIMEN if dim not in ds["status"].dims])
     is_moving = ds["velocity"] > 0
     if is_moving.any() and not is_moving.all():
         ds = ds.isel(velocity=np.flatnonzero(is_moving))

@@ -17,7 +17,8 @@ from pipeline.answers.scene_words import heating_words
 from pipeline.answers.verdict import conditions_of, outside_reason
 from pipeline.figures import style
 from pipeline.quantities import shown_in
-from pipeline.store.schema import COLUMNS
+from pipeline.store.read import fields_of
+from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.conditions import Conditions, allowable_rise
 from pipeline.units import in_si
 from tribo import InputError
@@ -148,7 +149,7 @@ def fields(
     counts back from the end of the point, which is 0. In a figure as narrow as a journal's column
     the panels are stacked.
     """
-    if "pressure" not in ds:
+    if (stored := fields_of(ds)) is None:
         raise InputError(
             "the store has no fields; set 'fields = true' under [sweep], and run the scene into "
             "another store"
@@ -157,15 +158,9 @@ def fields(
     point, *more_points = chosen_points(drawn, load, velocity)
     if more_points:
         raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
-    _require_step(drawn, point, step)
-    coords, surface = drawn.case.ds.coords, drawn.case.sweep.surface_with_fields
-    if any(dim in coords and coords[dim].item() != label for dim, label in surface):
-        raise InputError(
-            "no fields are stored for this point: a store keeps those of one surface realization; "
-            "leave out the realization"
-        )
-    images = _surface_fields(drawn, point, step)
-    x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
+    _require_step(drawn, stored, point, step)
+    images = _surface_fields(drawn, _point_fields(drawn, stored, point, step), point, step)
+    x, y = (shown_in(stored[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
     panel = 1.4 + height
@@ -193,11 +188,11 @@ def fields(
     return figure
 
 
-def _require_step(drawn: DrawnCase, point: PointIndex, step: int) -> None:
+def _require_step(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step: int) -> None:
     """Raise an `InputError` unless the fields at a `step` of a point are stored."""
     known_steps = np.flatnonzero(np.isfinite(drawn.values("contact_fraction")[point]))
     steps = (known_steps - drawn.case.ds.sizes["step"] + 1).tolist()
-    if "step" not in drawn.case.ds["pressure"].dims and step:
+    if "step" not in stored["pressure"].dims and step:
         raise InputError(
             f"step is {step}, and the store has only the fields at the end of each point; set "
             "'fields = \"steps\"' under [sweep] in the scene, and run it into another store"
@@ -206,12 +201,33 @@ def _require_step(drawn: DrawnCase, point: PointIndex, step: int) -> None:
         raise InputError(f"step is {step}; the point has the steps {steps[0]} to 0")
 
 
-def _surface_fields(drawn: DrawnCase, point: PointIndex, step: int) -> tuple[Array, ...]:
+def _point_fields(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step: int) -> xr.Dataset:
+    """Fields (x, y) at a step of a point; `InputError` if they are not stored."""
+    case, coords = drawn.case, drawn.case.ds.coords
+    surface = case.sweep.surface_with_fields
+    if any(dim in coords and coords[dim].item() != label for dim, label in surface):
+        raise InputError(
+            "no fields are stored for this point: a store keeps those of one surface realization; "
+            "leave out the realization"
+        )
+    load, velocity = case.loads[point[0]], case.velocities[point[1]]
+    labels = {**dict(case.name), "load": load, "velocity": velocity, "step": step}
+    dims = stored["pressure"].dims
+    try:
+        fields = stored[[*FIELDS]].sel({dim: labels[dim] for dim in dims if dim in labels})
+    except KeyError as error:
+        raise InputError(
+            f"no fields are stored for {drawn.words(point)}; choose a load and a velocity of the "
+            "sweep"
+        ) from error
+    return fields.transpose("x", "y", ...).squeeze([dim for dim in fields.dims if dim not in "xy"])
+
+
+def _surface_fields(
+    drawn: DrawnCase, step_fields: xr.Dataset, point: PointIndex, step: int
+) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
     conditions = drawn.conditions
-    indexers = {"load": point[0], "velocity": point[1], "step": step - 1}
-    step_fields = drawn.case.ds.isel(indexers, missing_dims="ignore")
-    step_fields = step_fields.transpose("x", "y", ...)
     rise = step_fields["rise"].values
     if conditions.corrections:
         columns = {name: drawn.values(name)[point] for name in columns_needed(conditions)}

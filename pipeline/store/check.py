@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -40,14 +41,17 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
     )
     everywhere = [*blocks(np.ones(store.flags.shape, bool), store.block_of("message"))]
     for count, (_, block) in enumerate(everywhere, 1):
+        parts = [tuple(itertools.compress(block, store.group.has_dims(name))) for name in columns]
         with ThreadPoolExecutor(_THREADS) as threads:
-            arrays = threads.map(lambda name, block=block: store.try_read(name, block), columns)
-            read = dict(zip(columns, arrays, strict=True))
+            read = dict(zip(columns, threads.map(store.try_read, columns, parts), strict=True))
         within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
         for indices in np.split(within, range(max(max_points, 1), len(within), max(max_points, 1))):
             if not len(indices):
                 continue
-            values = {k: None if v is None else v[tuple(indices.T)] for k, v in read.items()}
+            values = {
+                name: None if v is None else v[tuple(store.group.point_indices(name, indices).T)]
+                for name, v in read.items()
+            }
             where = indices + [part.start for part in block]
             values |= {name: _read_fields(store, name, where) for name in fields}
             yield Checked(where, values, _faults(store, where, values))

@@ -19,7 +19,7 @@ import re
 import shlex
 import shutil
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -30,7 +30,7 @@ import numpy as np
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
 from pipeline.store.check import Checked, checked_points, mend
-from pipeline.store.files import PARTIAL, sync
+from pipeline.store.files import PARTIAL, link_files, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     NEW,
@@ -47,7 +47,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.resume import join, mismatches
 from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
-from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING
+from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, path_of
 from pipeline.store.store import Damage, Index, Store
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import choose_stored_steps, points
@@ -113,8 +113,11 @@ def _opened(
         )
     lines = [*(before.history if before else ()), f"computed by {versions()}"]
     lines += [note] if note else []
-    growths = before.plane.growths if before else 0
-    root = Root.from_sweep(join(before.sweep if before else None, sweep), lines, growths)
+    growths, field_growths = (
+        (before.plane.growths, before.plane.field_growths) if before else (0, 0)
+    )
+    joined = join(before.sweep if before else None, sweep)
+    root = Root.from_sweep(joined, lines, growths, field_growths)
     if before and _have_the_same_points(before, root):
         store = Store(location, root, lock, None if isinstance(location, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
@@ -127,7 +130,8 @@ def _opened(
             _update(location, root)
     elif isinstance(location, Folder):
         if before:  # open datasets must not read values of other points
-            root = Root.from_sweep(root.sweep, lines, growths + 1)
+            field_growths += not root.plane.continues_fields_of(before.plane)
+            root = Root.from_sweep(root.sweep, lines, growths + 1, field_growths)
         store = _moved_in(location, before, root, lock, progress)
     elif before:
         raise _no_room(location, "on an object store a plane is fixed")
@@ -151,10 +155,16 @@ def _have_the_same_points(root: Root, other: Root) -> bool:
     ]
 
 
-def _fill(location: StorePlace, root: Root, before: StorePlace | None = None) -> None:
+def _fill(
+    location: StorePlace,
+    root: Root,
+    before: StorePlace | None = None,
+    stored: Collection[str] = (),
+) -> None:
     """Write all of a store without points; what makes it one comes last.
 
-    Attributes that users gave to the store `before` stay.
+    Attributes that users gave to the store `before` stay. The files of the variables `stored` are
+    in place.
     """
     documents = root.documents()
     for key, document in documents.items():
@@ -166,7 +176,9 @@ def _fill(location: StorePlace, root: Root, before: StorePlace | None = None) ->
     for group in root.groups:
         flags = np.full([group.sizes[dim] for dim in group.dims], PENDING, np.int8)
         parts = [("status", ..., flags)]
-        parts += [(name, ..., values) for name, values in group.coordinates.items()]
+        parts += [
+            (name, ..., values) for name, values in group.coordinates.items() if name not in stored
+        ]
         write_arrays(location, open_arrays(location.zarr, group.arrays, group.prefix), parts)
     write_documents(location, last)
 
@@ -201,12 +213,17 @@ def _moved_in(
     new, old = location.sibling(NEW), location.sibling(OLD)
     if location.path.exists() and (foreign_files := sorted(_not_of(before, location))):
         raise _no_room(location, f"{foreign_files[0]}, which is not of this program, would be lost")
+    # Growth by realizations leaves fields as they are.
+    continues = before and root.plane.continues_fields_of(before.plane)
+    stored = [*before.plane.fields] if before and continues else []
     with io_errors(new, "written"):
-        _fill(new, root, location if before else None)
+        for path in map(path_of, stored):
+            link_files(location.path / path, new.path / path, _CHUNK)
+        _fill(new, root, location if before else None, stored)
     if before:
         store, other = Store(new, root, lock, Damage()), Store(location, before, None, Damage())
         for group, other_group in zip(store.groups, other.groups, strict=False):
-            _, unsound, lost = _take(group, other_group, (DONE, FAILED))
+            _, unsound, lost = _take(group, other_group, (DONE, FAILED), stored)
             if lost:
                 raise _no_room(location, f"{lost} of its points, which are done, would be lost")
             if unsound:
@@ -259,10 +276,13 @@ def copy_points(store: Store, other: Store) -> int:
     return sum(_take(group, other_group, (DONE,))[0] for group, other_group in pairs)
 
 
-def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int, int]:
+def _take(
+    store: Store, other: Store, states: tuple[int, ...], stored: Collection[str] = ()
+) -> tuple[int, int, int]:
     """Copy pending points that have one of the `states` in `other`.
 
-    Return the numbers of points copied, damaged in `other`, and not pending in `store`.
+    The files of the variables `stored` are in place. Return the numbers of points copied, damaged
+    in `other`, and not pending in `store`.
     """
     if (
         choose_stored_steps(store.sweep) != choose_stored_steps(other.sweep)
@@ -296,7 +316,7 @@ def _take(store: Store, other: Store, states: tuple[int, ...]) -> tuple[int, int
                 for name, stored in checked.values.items()
                 if name in names and stored is not None
             }
-            store.write(np.array(targets), values, flags[rows])
+            store.write(np.array(targets), values, flags[rows], stored)
         copied += len(rows)
     return copied, unsound, lost
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 from pathlib import Path
 
 PARTIAL = ".irg-partial"
@@ -41,6 +42,22 @@ def write_file(path: Path, content: bytes) -> None:
     except BaseException:
         begun.unlink(missing_ok=True)
         raise
+
+
+def link_files(source: Path, target: Path, pattern: re.Pattern[str]) -> None:
+    """Give the files of a folder whose names match a second name in the folder `target`.
+
+    If the disk has no hard links, the files are copied. A store replaces its files and never
+    changes them, so the two names are independent.
+    """
+    make_folder(target)
+    for file in source.iterdir():
+        if pattern.fullmatch(file.name):
+            try:
+                (target / file.name).hardlink_to(file)
+            except OSError:
+                write_file(target / file.name, file.read_bytes())
+    sync(target)
 
 
 def make_folder(folder: Path) -> None:

@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
     DIM,
+    FIELD_REALIZATION,
     FIELDS,
     INPUTS,
+    OF_FIELDS,
     PLANE,
     TEST_STEP,
     Variable,
     inputs_variable,
     is_coordinate,
+    is_in_fields,
     is_of_points,
     path_of,
     variables_of,
@@ -56,6 +59,7 @@ class Group:
     inputs: Mapping[str, Array] = field(default_factory=dict)
     prefix: str = ""
     growths: int = 0  # how often the store replaced a smaller one
+    field_growths: int = 0  # how often its fields did; more realizations leave them as they are
 
     @property
     def step(self) -> str:
@@ -82,7 +86,7 @@ class Group:
             steps_of_points = (
                 stored_steps.select(*labels) for labels in itertools.product(ramps, sweep.loads)
             )
-        values = {
+        values: dict[str, Any] = {
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
             **rows,
@@ -118,23 +122,46 @@ class Group:
         """Dimensions of the points."""
         return self.variables["status"].dims
 
-    def on_surface_with_fields(self, values: Any) -> Any:
-        """View of `values` of all points at those on the surface realization that has fields."""
-        surface = {
-            dim: self.axes[dim].index(label) for dim, label in self.sweep.surface_with_fields
-        }
-        return values[tuple(surface.get(dim, slice(None)) for dim in self.dims)]
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions of the points."""
+        return tuple(self.sizes[dim] for dim in self.dims)
 
     @cached_property
     def with_fields(self) -> Mask:
         """True at points with fields; the shape is that of the points."""
-        mask = np.zeros([self.sizes[dim] for dim in self.dims], bool)
-        self.on_surface_with_fields(mask)[...] = bool(self.sweep.fields)
+        mask, surface = np.zeros(self.shape, bool), dict(self.sweep.surface_with_fields)
+        at = [
+            self.axes[dim].index(surface[dim]) if dim in surface else slice(None)
+            for dim in self.dims
+        ]
+        mask[tuple(at)] = bool(self.sweep.fields)
         return mask
+
+    # A variable may lack some of the dimensions of points: times are equal for all realizations,
+    # and fields are stored for one of them.
+
+    def has_dims(self, name: str) -> list[bool]:
+        """True for each of `dims` that a variable has."""
+        return [dim in self.variables[name].dims for dim in self.dims]
 
     def point_indices(self, name: str, where: Indices) -> Indices:
         """Indices of points, shape (n, n_dim), along those of `dims` that a variable has."""
-        return where[:, [dim in self.variables[name].dims for dim in self.dims]]
+        return where[:, self.has_dims(name)]
+
+    def values_at(self, name: str, points: Mask) -> Mask:
+        """True at the values of a variable that belong to any of some points."""
+        (missing,) = np.nonzero(np.logical_not(self.has_dims(name)))
+        return (points & self._with_values(name)).any(axis=tuple(missing.tolist()))
+
+    def points_at_values(self, name: str, values: Mask) -> Mask:
+        """True at the points that some values of a variable belong to."""
+        (missing,) = np.nonzero(np.logical_not(self.has_dims(name)))
+        return np.expand_dims(values, tuple(missing.tolist())) & self._with_values(name)
+
+    def _with_values(self, name: str) -> Mask:
+        """True at points that have values of a variable."""
+        return self.with_fields if name in FIELDS else np.ones(self.shape, bool)
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
@@ -143,8 +170,19 @@ class Group:
         for name, variable in self.variables.items():
             chunk = dict.fromkeys(block, 1) if name in FIELDS else block
             chunk = {} if is_coordinate(name) or name == "status" else chunk
-            documents[name] = array_document(variable, self.sizes, chunk, self.growths)
+            growths = self.field_growths if is_in_fields(name) else self.growths
+            documents[name] = array_document(variable, self.sizes, chunk, growths)
         return documents
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """Dimensions of the variables of the group of fields, with the values of coordinates."""
+        names = filter(is_in_fields, self.variables)
+        return {name: (self.variables[name].dims, self.coordinates.get(name)) for name in names}
+
+    def continues_fields_of(self, before: Group) -> bool:
+        """True if the chunks of all fields of a smaller group have the same keys in this one."""
+        return before.fields.items() <= self.fields.items()
 
     def _block(self) -> dict[str, int]:
         """Number of points in a chunk along each dimension, except of fields."""
@@ -153,7 +191,7 @@ class Group:
             for name, variable in self.variables.items()
             if not (name in FIELDS or is_coordinate(name))
         )
-        return chunk_sizes({dim: self.sizes[dim] for dim in self.dims}, max_bytes)
+        return chunk_sizes(dict(zip(self.dims, self.shape, strict=True)), max_bytes)
 
     def paths(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by path in the store."""
@@ -163,6 +201,10 @@ class Group:
     def coordinates(self) -> dict[str, Any]:
         """Values of coordinates, and of the arrays from the scene's files, by name."""
         values: dict[str, Any] = {**self.axes}
+        for _, label in self.sweep.surface_with_fields if self.sweep.fields else ():
+            values[FIELD_REALIZATION] = label
+        copies = {f"{OF_FIELDS}/{name}": labels for name, labels in self.axes.items()}
+        values |= {name: labels for name, labels in copies.items() if name in self.variables}
         if self.inputs:
             values[INPUTS] = np.concatenate([array.ravel() for array in self.inputs.values()])
         return values

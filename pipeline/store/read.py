@@ -19,10 +19,12 @@ from pipeline.store.schema import (
     FAILED,
     FIELDS,
     INPUTS,
+    OF_FIELDS,
     PROGRESS,
     RECORDS,
     TEST_STEP,
     attributes_of,
+    is_in_fields,
     variable_of_tests,
 )
 from pipeline.store.store import Store, opened
@@ -48,45 +50,77 @@ class _Backend(BackendEntrypoint):
 
 
 def store_dataset(store: Store) -> xr.Dataset:
-    """Present state of an open store as a dataset; data are read when they are used."""
-    return _dataset_of(store).assign_coords(_test_coordinates(store))
+    """Present state of an open store as a dataset; data are read when they are used.
+
+    It has the fields if the store has a single realization. Otherwise, a dataset in which another
+    realization is selected would have the fields of the first.
+    """
+    ds = _dataset_of(store).assign_coords(_test_coordinates(store))
+    has_realizations = any(ds.sizes[dim] > 1 for dim, _ in store.sweep.surface_with_fields)
+    return ds if has_realizations else ds.assign(_fields_of(store).variables)
+
+
+def fields_of(ds: xr.Dataset) -> xr.Dataset | None:
+    """The fields of a dataset, or else those of its store; None if neither has any."""
+    if FIELDS.keys() <= ds.variables.keys():
+        return ds
+    store = _store_of(ds)
+    return _fields_of(store) if store and store.sweep.fields else None
 
 
 def completed(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with its sweep and the results of tests, which plain xarray leaves in the store.
 
-    `xarray.open_zarr` and `sel` keep the path of the store; a dataset without it is returned as it
-    is.
+    A dataset without a store is returned as it is.
     """
-    source = ds.encoding.get("source")
-    if "sweep" in ds.attrs or source is None or "status" not in ds.variables:
+    store = None if "sweep" in ds.attrs else _store_of(ds)
+    if store is None:
         return ds
-    store = opened(source)
     with_tests = ds.assign_coords(_test_coordinates(store))
     return with_tests.assign_attrs(sweep=json.dumps(store.root.plain))
 
 
+def _store_of(ds: xr.Dataset) -> Store | None:
+    """The store that a dataset was read from, whose path `sel` keeps; None if it is not known."""
+    if "status" not in ds.variables:
+        return None
+    location = ds.variables["status"].encoding.get("store", ds.encoding.get("source"))
+    return opened(location) if location else None
+
+
 def _dataset_of(store: Store) -> xr.Dataset:
-    """Points of a store as a dataset whose data are read when they are used."""
-    group = store.group
-    present: dict[str, Any] = {**group.coordinates, "status": store.flags}
-    coords = {*group.coordinates, *PROGRESS} - {INPUTS}
-    variables = {}
-    for name, variable in group.variables.items():
-        if name == "checksum":
-            continue
-        values = present.get(name)
-        if values is None:
-            values = indexing.LazilyIndexedArray(_Masked(store, name))
-        elif name in group.axes:
-            values = np.array(values, object if variable.dtype == "str" else variable.dtype)
-        attributes = attributes_of(variable)
-        attributes.pop("coordinates", None)
-        variables[name] = xr.Variable(variable.dims, values, attributes)
+    """Points of a store without fields, as a dataset whose data are read when they are used."""
+    names = [k for k in store.group.variables if k != "checksum" and not is_in_fields(k)]
+    variables = {name: _variable_of(store, name) for name in names}
     variables["status"].encoding["store"] = str(store.location)
     # Answers need the sweep, which stays in the attributes of datasets made from this one.
-    dataset_attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
-    return xr.Dataset(variables, attrs=dataset_attributes).set_coords(coords & {*variables})
+    attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
+    coords = {*store.group.coordinates, *PROGRESS} - {INPUTS}
+    return xr.Dataset(variables, attrs=attributes).set_coords(coords & {*variables})
+
+
+def _fields_of(store: Store) -> xr.Dataset:
+    """The group of fields of a store as a dataset whose data are read when they are used."""
+    group = store.group
+    variables = {
+        name.removeprefix(f"{OF_FIELDS}/"): _variable_of(store, name) for name in group.fields
+    }
+    return xr.Dataset(variables).set_coords(variables.keys() - FIELDS.keys())
+
+
+def _variable_of(store: Store, name: str) -> xr.Variable:
+    """A stored variable, which is read when it is used, or a coordinate with its values."""
+    variable = store.group.variables[name]
+    if name == "status":
+        values: Any = store.flags
+    elif name in store.group.coordinates:
+        dtype = object if variable.dtype == "str" else variable.dtype
+        values = np.array(store.group.coordinates[name], dtype)
+    else:
+        values = indexing.LazilyIndexedArray(_Masked(store, name))
+    attributes = attributes_of(variable)
+    attributes.pop("coordinates", None)
+    return xr.Variable(variable.dims, values, attributes)
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
@@ -109,9 +143,8 @@ class _Masked(BackendArray):
     def __init__(self, store: Store, name: str) -> None:
         self._store, self._name = store, name
         self._array = array = store.arrays[name]
-        self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
-        if name in FIELDS:
-            self._mask = store.group.on_surface_with_fields(self._mask)
+        states = (DONE, FAILED) if name in RECORDS else (DONE,)
+        self._mask = store.group.values_at(name, np.isin(store.flags, states))
         self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
@@ -149,16 +182,11 @@ class _Masked(BackendArray):
             values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
         lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done
         if lost.any():
-            is_lost_point = np.zeros_like(self._store.flags, bool)
-            is_lost = (
-                self._store.group.on_surface_with_fields(is_lost_point)
-                if self._name in FIELDS
-                else is_lost_point
-            )
+            is_lost, store = np.zeros_like(self._mask), self._store
             is_lost[np.ix_(*map(np.atleast_1d, at))] = lost
-            first, *more_points = map(
-                self._store.group.to_text, self._store.points_where(is_lost_point)
-            )
+            is_lost_point = store.group.points_at_values(self._name, is_lost)
+            points = store.points_where(is_lost_point & (store.flags == DONE))
+            first, *more_points = map(store.group.to_text, points)
             problem = f"is missing at {first}"
             if more_points:
                 problem += f" and at {len(more_points)} more"

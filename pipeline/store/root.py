@@ -30,6 +30,7 @@ from pipeline.store.schema import (
     DIM,
     FORMAT,
     INPUTS,
+    OF_FIELDS,
     OF_TESTS,
     inputs_variable,
     is_coordinate,
@@ -66,9 +67,10 @@ class Root:
         sweep: Sweep,
         history: Sequence[str],
         growths: int = 0,
+        field_growths: int = 0,
         stored: Any = None,
     ) -> Root:
-        """Root of the store of a sweep; `growths` is that of its groups.
+        """Root of the store of a sweep; `growths` and `field_growths` are those of its groups.
 
         `stored` has the sweep's plain data and arrays if they were read from a store.
         """
@@ -76,7 +78,7 @@ class Root:
         if sweep.tests or sweep.former:
             test_sweep = sweep_of_tests(sweep, judges_holds(sweep))
             tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths)
-        plane = Group(sweep, arrays, growths=growths)
+        plane = Group(sweep, arrays, growths=growths, field_growths=field_growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
     @property
@@ -107,7 +109,7 @@ class Root:
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
-            "growths": self.plane.growths,
+            "growths": [self.plane.growths, self.plane.field_growths],
             "inputs": sizes_of(self.plane.inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
@@ -116,6 +118,8 @@ class Root:
         documents = dict[str, Document]()
         for group in self.groups:
             documents |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
+        if self.sweep.fields:
+            documents[OF_FIELDS] = _group({})
         if self.tests:
             documents[OF_TESTS] = _group({})
         documents[ABOUT] = _group(facts)
@@ -205,9 +209,11 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
     if not is_intact:
         raise is_damaged("it is not what was written")
     try:
-        arrays = _read_inputs(location, facts["inputs"], facts["growths"])
+        growths, field_growths = facts["growths"]
+        arrays = _read_inputs(location, facts["inputs"], growths)
         sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
-        return Root.from_sweep(sweep, history, facts["growths"], (facts["sweep"], arrays))
+        stored = facts["sweep"], arrays
+        return Root.from_sweep(sweep, history, growths, field_growths, stored)
     except StoreError:
         raise
     except TriboError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +33,11 @@ class Variable(NamedTuple):
     attributes: Mapping[str, Any] = {}
 
 
+FIELD_REALIZATION = "field_realization"
+"""Scalar coordinate of fields: the label of the surface realization that they are of.
+
+It is not called ``realization``, since xarray gives a group the dimensions of the root.
+"""
 PLANE = ("load", "velocity")
 """Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
 _STEP = (*PLANE, "step")
@@ -55,13 +60,14 @@ COORDINATES = {
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
+    FIELD_REALIZATION: Variable((), "1", "realization that the fields are of", "int64"),
 }
 PROGRESS = {
     "time": Variable(_STEP, "s", "time since the start of the ramp"),
     "normal_load": Variable(_STEP, "N", "normal load on the pin"),
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
 }
-"""Results at each step that are coordinates of the dataset."""
+"""Results at each step that are coordinates of the dataset, equal for all realizations."""
 COLUMNS = {
     **PROGRESS,
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
@@ -115,8 +121,9 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
-ABOUT, OF_TESTS = "about", "tests"
-"""Zarr groups: facts of the store, points of tests."""
+ABOUT, OF_FIELDS, OF_TESTS = "about", "fields", "tests"
+"""Zarr groups: facts of the store, fields with their coordinates, points of tests."""
+_IN_FIELDS = ("x", "y", FIELD_REALIZATION, *FIELDS)
 VARIABLES = COORDINATES | RECORDS | COLUMNS | SAMPLING | FILM | FIELDS
 """All variables that a store may have."""
 DATA = COLUMNS | SAMPLING | FILM | FIELDS
@@ -145,7 +152,13 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 def path_of(name: str) -> str:
     """Path of a variable in a store; what is for programs is in ``about``."""
-    return f"{ABOUT}/{name}" if name in ("message", "checksum") else name
+    group = ABOUT if name in ("message", "checksum") else OF_FIELDS if name in _IN_FIELDS else ""
+    return f"{group}/{name}" if group else name
+
+
+def is_in_fields(name: str) -> bool:
+    """True for a variable of the group ``fields``."""
+    return path_of(name).startswith(f"{OF_FIELDS}/")
 
 
 def is_coordinate(name: str) -> bool:
@@ -195,26 +208,25 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     absent = {*ROWS}  # the case table has these columns
     placed = frozenset(table)
     if not sweep.fields:
-        absent |= {"x", "y", *FIELDS}
+        absent |= {*_IN_FIELDS}
+    if not sweep.surface_with_fields:
+        absent |= {FIELD_REALIZATION}
+    without_seeds = tuple(dim for dim in front if dim not in dict(sweep.surface_with_fields))
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue
+        outer = without_seeds if name in (*PROGRESS, *FIELDS) else front
         inner = tuple(dim for dim in variable.dims if dim not in placed)
-        table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
-    if sweep.fields:
-        surface, steps = dict(sweep.surface_with_fields), ("step",) * (sweep.fields == "steps")
-        for name, field in FIELDS.items():
-            *outer, x, y = (dim for dim in table[name].dims if dim not in surface)
-            words = [f"{field.long_name} on {dim} {label}" for dim, label in surface.items()]
-            table[name] = field._replace(
-                dims=(*outer, *steps, x, y),
-                long_name=words[0] if words else field.long_name,
-                attributes=surface,
-            )
-    columns = [name for name in placed if table[name].dims != (name,)]
-    along = [*sorted(columns), *PROGRESS]
-    status, names = table["status"], {"coordinates": " ".join(along)}  # by the CF conventions
-    table["status"] = status._replace(attributes={**status.attributes, **names})
+        table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
+    columns = sorted(name for name in placed if table[name].dims != (name,))
+    table["status"] = _with_coordinates(table["status"], (*columns, *PROGRESS))
+    for name in FIELDS if sweep.fields else ():
+        *outer, x, y = table[name].dims
+        steps = ("step",) * (sweep.fields == "steps")
+        names = *columns, *(FIELD_REALIZATION,) * bool(sweep.surface_with_fields)
+        table[name] = _with_coordinates(table[name]._replace(dims=(*outer, *steps, x, y)), names)
+        # The group has its own copy of each coordinate, so that it can be opened without the root.
+        table |= {f"{OF_FIELDS}/{name}": table[name] for name in (*outer, *steps, *columns)}
     if TEST_POINT not in sweep.case_table.axes:
         return table
     return {
@@ -223,6 +235,12 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         )
         for name, variable in table.items()
     }
+
+
+def _with_coordinates(variable: Variable, names: Sequence[str]) -> Variable:
+    """The variable with the names of coordinates that are no dimensions, by the CF conventions."""
+    added = {"coordinates": " ".join(names)} if names else {}
+    return variable._replace(attributes={**variable.attributes, **added})
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:

@@ -6,7 +6,7 @@ Data are written before the status: all data of a point that is done are on the 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -93,7 +93,7 @@ class Store:
 
     def _read_flags(self) -> Any:
         """Read the statuses; if they are lost and `damage` is collected, all points are pending."""
-        shape = tuple(self.group.sizes[dim] for dim in self.dims)
+        shape = self.group.shape
         flags = self.try_read("status", tuple(slice(0, n) for n in shape))
         if flags is not None and (flags >= 0).all():
             return flags
@@ -205,21 +205,32 @@ class Store:
                     stacked[(row, slice(-steps[row], None)) if step_shape else row] = table[name]
         return values | {"steps": steps}
 
-    def write(self, where: Indices, values: Mapping[str, Any], states: NDArray[np.int8]) -> None:
+    def write(
+        self,
+        where: Indices,
+        values: Mapping[str, Any],
+        states: NDArray[np.int8],
+        stored: Collection[str] = (),
+    ) -> None:
         """Write the values of points by variable, then their statuses once the values are on disk.
 
         `where` has the index of each point, shape (n, n_dim). A field is None at points without
-        it.
+        it. The files of the variables `stored` have these values already.
         """
         values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
-        has_fields, chunks = self.group.with_fields[tuple(where.T)], []
-        for name, point_values in values.items():
+        has_fields, has_results = self.group.with_fields[tuple(where.T)], states == DONE
+        chunks, before = [], np.isin(self.flags, (DONE, FAILED))
+        for name in values.keys() - {*stored}:
+            point_values, written = values[name], self.group.values_at(name, before)
             at, rows = self.group.point_indices(name, where), dict[Index, list[int]]()
             for row, chunk in enumerate((at // self.block_of(name)).tolist()):
-                if name not in FIELDS or (has_fields[row] and point_values[row] is not None):
+                # A point that failed must not replace times that it shares with others.
+                is_empty = name in DATA and not has_results[row]
+                is_empty |= name in FIELDS and (not has_fields[row] or point_values[row] is None)
+                if not is_empty:
                     rows.setdefault(tuple(chunk), []).append(row)
             chunks += [
-                (name, chunk, rows_of_chunk, at, point_values)
+                (name, chunk, rows_of_chunk, at, point_values, written)
                 for chunk, rows_of_chunk in rows.items()
             ]
         with ThreadPoolExecutor(_THREADS) as threads:
@@ -229,12 +240,15 @@ class Store:
         self.set_flags(flags)
 
     def _changed(
-        self, name: str, chunk: Index, rows: Sequence[int], at: Indices, values: Any
+        self, name: str, chunk: Index, rows: Sequence[int], at: Indices, values: Any, written: Mask
     ) -> tuple[str, Slices, Any]:
-        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`."""
+        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`.
+
+        `written` is True at values of the variable that have been written before.
+        """
         array, sizes = self.arrays[name], self.block_of(name)
         block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-        if name not in FIELDS and np.isin(self.flags[block], (DONE, FAILED)).any():
+        if name not in FIELDS and written[block].any():
             chunk_values = self.read(name, block)
         else:  # the chunk has no results yet, and may be damaged
             ends = [min(part.stop, n) for part, n in zip(block, array.shape, strict=False)]

@@ -64,7 +64,7 @@ def dataset():
     heads = "variable", "dimensions", "unit", "meaning"
     return "\n".join(
         f"## {title}\n\n" + _table(heads, [
-            [f"`{name}`", ", ".join(variable.dims), variable.units or "", variable.long_name]
+            [f"`{name}`", ", ".join(variable.dims) or "–", variable.units or "", variable.long_name]
             for name, variable in variables.items()
         ])
         for title, variables in _VARIABLES.items()

@@ -92,7 +92,7 @@ refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refu
     "figures",
     REFUSALS,
     {
-        "fields.fields InputError": "tests/pipeline/run/test_goal.py",
+        "fields._point_fields InputError": "tests/pipeline/run/test_goal.py",
         "fields._require_step InputError": "tests/pipeline/store/test_dataset.py, with steps",
     },
 )

@@ -6,6 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.store.schema import DONE, NOT_NEEDED
@@ -64,12 +65,16 @@ def test_the_stated_error_is_below_the_goal_with_the_ends_of_few_points(small):
 
 def test_further_realizations_have_one_point_a_load_and_no_fields(small):
     mask, ds = done(small), pipeline.open_sweep(small)
+    fields = xr.open_zarr(small, group="fields", chunks=None)
     assert (mask[1:].sum(axis=-1) <= 1).all()
     assert mask[0].any(axis=-1).all()
-    assert np.array_equal(np.isfinite(ds["pressure"].values).any(axis=(2, 3)), mask[0])
+    assert np.array_equal(np.isfinite(fields["pressure"].values).any(axis=(2, 3)), mask[0])
     assert pipeline.verify_store(small).is_clean
     with pytest.raises(InputError, match="no fields are stored for this point"):
         pipeline.plot(small, "fields", realization=1)
+    moved = ds.assign_coords(load=1.01 * ds["load"])
+    with pytest.raises(InputError, match="choose a load and a velocity of the sweep"):
+        pipeline.plot(moved, "fields")
 
 
 class KilledError(Exception):

@@ -7,6 +7,7 @@ import os
 import stat
 import threading
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,6 +37,7 @@ from tests.helpers.stores import (
     opened,
     record,
 )
+from tests.pipeline.conftest import commit_all
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
 LARGER = tiny.full(loads=(150.0, 700.0, 1500.0), velocities=(0.5, 2.0))
@@ -138,7 +140,7 @@ def test_points_with_fields_are_taken_over_by_a_larger_store_and_by_a_new_one(pa
 
 def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_store_grows(path):
     def opened_plainly():
-        datasets = [xr.open_zarr(path, group=group) for group in (None, "about")]
+        datasets = [xr.open_zarr(path, group=group) for group in (None, "about", "fields")]
         return [ds.drop_vars("wall_time", errors="ignore") for ds in datasets]
 
     first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
@@ -147,12 +149,12 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
     for load in (200.0, 100.0):  # indices of points change, and change back
         commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
         reopened = [ds.load() for ds in opened_plainly()]
-        for plane, about in opened_before:
-            for old in (*plane.data_vars.values(), *about.data_vars.values()):
+        for datasets in opened_before:
+            for old in (variable for ds in datasets for variable in ds.data_vars.values()):
                 with pytest.raises((RuntimeError, ValueError), match=r"checksum|decompression"):
                     old.compute()
         for point in points(first):
-            rise = reopened[0]["rise"].sel(load=point.load, velocity=point.velocity)
+            rise = reopened[2]["rise"].sel(load=point.load, velocity=point.velocity)
             np.testing.assert_array_equal(rise, record(point).data["rise"])
         opened_before.append(opened_plainly())
     assert verify_store(path).is_clean
@@ -181,15 +183,55 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
         store.commit(rest)
     ds = open_sweep(path)
     expected = run_point(more, Point(150.0, 0.5, (("realization", 1),))).fields["rise"]
-    assert ds["rise"].dims == ("load", "velocity", "x", "y")
-    assert ds["rise"].attrs["realization"] == 1
-    assert ds["rise"].attrs["long_name"].endswith("coefficient on realization 1")
-    assert [file.name for file in path.glob("rise/c.*")] == ["c.0.0.0.0"]
-    np.testing.assert_array_equal(ds["rise"].squeeze(), expected.astype(np.float32))
+    fields = xr.open_zarr(path, group="fields", chunks=None)
+    assert fields["rise"].dims == ("load", "velocity", "x", "y")
+    assert fields["rise"].coords["field_realization"].item() == 1
+    assert [file.name for file in path.glob("fields/rise/c.*")] == ["c.0.0.0.0"]
+    np.testing.assert_array_equal(fields["rise"].squeeze(), expected.astype(np.float32))
+    with pytest.raises(KeyError):  # it would show realization 7 beside the fields of 1
+        ds.sel(realization=7)["rise"]
+    with pytest.raises(KeyError, match="not a valid dimension"):
+        fields.sel(realization=7)
     assert verify_store(path).is_clean
     pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
     with pytest.raises(tribo.InputError, match="a store keeps those of one surface realization"):
         pipeline.plot(ds.sel(realization=7), "fields", load="150 N", velocity="0.5 m/s")
+
+
+@pytest.mark.parametrize("seeds", [(3,), None])
+def test_growth_by_realizations_leaves_the_files_of_fields(path, monkeypatch, seeds):
+    axes = {"loads": (150.0, 600.0), "velocities": (0.5,)}
+
+    def inodes():
+        return {
+            (file.name, file.stat().st_ino, file.stat().st_mtime_ns)
+            for file in path.glob("fields/*/c*")
+        }
+
+    sweep = tiny.full(**axes, **{"case_table": surfaces(seeds)} if seeds else {})
+    commit_all(path, sweep)
+    before, old = inodes(), xr.open_zarr(path, group="fields", chunks=None)
+    number = 3 if seeds else sweep.scene.roughness.seed
+    more = tiny.full(**axes, case_table=surfaces((number, number + 1, number + 2)))
+    with writing(path, more):
+        assert before <= inodes()
+        assert len(inodes() - before) == (seeds is None)  # the seed of the fields
+    now = xr.open_zarr(path, group="fields")
+    xr.testing.assert_equal(
+        old.load().drop_vars("field_realization", errors="ignore"),
+        now.drop_vars("field_realization"),
+    )
+    assert now["field_realization"].item() == number
+    assert verify_store(path).is_clean
+
+    def refused(*_):
+        raise OSError(errno.EPERM, "no hard links")
+
+    monkeypatch.setattr(Path, "hardlink_to", refused)
+    fewer = tiny.full(**axes, case_table=surfaces((number + 3,)))
+    with writing(path, fewer):
+        assert verify_store(path).is_clean
+    assert len(inodes()) == len(before) + (seeds is None)
 
 
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):

@@ -15,7 +15,8 @@ from pipeline.run.serial import run_serial
 from pipeline.shipped import WORKFLOWS
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
-from pipeline.sweep.plan import points
+from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.plan import PointRecord, points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test, changed, rows
@@ -65,9 +66,7 @@ PLAIN = {
     "concat": lambda ds: xr.concat([ds.isel(load=[0]), ds.isel(load=slice(1, None))], "load"),
     "interp": lambda ds: ds.compute().interp(load=200.5),
     "mean": lambda ds: ds.mean("load"),
-    "map_blocks": lambda ds: (whole := ds.chunk().unify_chunks()).map_blocks(
-        lambda d: d * 1, template=whole
-    ),
+    "map_blocks": lambda ds: (chunked := ds.chunk()).map_blocks(lambda d: d * 1, template=chunked),
 }
 
 
@@ -102,8 +101,7 @@ def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(rows_store):
 
 def test_plain_xarray_works_on_a_half_done_sweep_of_rows(rows_store):
     for ds in (xr.open_zarr(rows_store), pipeline.open_sweep(rows_store)):
-        # Fails if chunks along an axis differ in length: a field has a chunk for each point.
-        assert ds.drop_vars(FIELDS).chunks is not None
+        assert ds.chunks is not None  # fails if chunks along an axis differ in length
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
         for work in PLAIN.values():
             assert work(ds).load().data_vars
@@ -113,17 +111,75 @@ def test_plain_xarray_selects_the_field_of_a_point_and_one_not_computed_has_no_f
     point = Point(600.0, 1.5)
     commit(path, SWEEP, [point])
     plane = xr.open_zarr(path, chunks=None)
-    nearest = plane.sel(load=590.0, velocity=1.6, method="nearest")
+    fields = xr.open_zarr(path, group="fields", chunks=None)
     for name in FIELDS:
-        assert nearest[name].dims == ("x", "y")
-        np.testing.assert_array_equal(nearest[name], record(point).data[name])
-        assert plane[name].notnull().any(("x", "y")).sum() == 1
-        assert [file.name for file in (path / name).glob("c.*")] == ["c.2.2.0.0"]
+        field = fields[name].sel(load=590.0, velocity=1.6, method="nearest")
+        assert field.dims == ("x", "y")
+        np.testing.assert_array_equal(field, record(point).data[name])
+        np.testing.assert_array_equal(
+            fields[name].sel(load=600.0, velocity=1.5), record(point).data[name]
+        )
+        assert fields[name].notnull().any(("x", "y")).sum() == 1
+        assert [file.name for file in (path / "fields" / name).glob("c.*")] == ["c.2.2.0.0"]
+    nearest = plane.sel(load=590.0, velocity=1.6, method="nearest")
     assert {"time", "normal_load", "sliding_distance"} < {*plane.coords}
     assert nearest["sliding_distance"].values.tolist() == [
         1.5 * time for time in nearest["time"].values
     ]
     assert plane["time"].notnull().sum() == len(record(point).data["time"])
+
+
+def test_a_tree_and_open_sweep_join_fields_with_the_plane(path):
+    commit(path, SWEEP, [Point(600.0, 1.5), Point(150.0, 0.5)])
+    tree = xr.open_datatree(path, engine="zarr", chunks=None)
+    ds, fields = pipeline.open_sweep(path), xr.open_zarr(path, group="fields", chunks=None)
+    for joined in (ds, xr.merge([tree.to_dataset(), fields])):
+        hot = joined["rise"].max(("x", "y"))
+        np.testing.assert_allclose(hot, joined["max_rise"].sel(step=0), rtol=1e-6)
+        assert hot.notnull().sum() == 2
+    inherited = tree.sel(load=600.0, velocity=1.5)["fields/pressure"]
+    np.testing.assert_array_equal(inherited, ds["pressure"].sel(load=600.0, velocity=1.5))
+    assert "x" not in tree.to_dataset().coords
+
+
+def test_each_operation_of_xarray_works_on_fields_with_and_without_chunks(rows_store):
+    work = {
+        **PLAIN,
+        "step": lambda ds: ds.max(("x", "y")),
+        "where": lambda ds: ds.where(ds["x"] > 0),
+    }
+    for chunks in (None, {}):
+        fields = xr.open_zarr(rows_store, group="fields", chunks=chunks)
+        assert (fields.chunk() if chunks is None else fields).chunks
+        assert fields.coords["ramp"].values.tolist() == ["slow", "fast"]
+        for name, operation in work.items():
+            assert operation(fields).load().data_vars.keys() == {*FIELDS}, name
+
+
+def test_means_over_realizations_keep_the_times_of_steps(path):
+    sweep = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), case_table=surfaces((1, 2)))
+    commit_all(path, sweep)
+    for ds in (xr.open_zarr(path, chunks=None), pipeline.open_sweep(path)):
+        mean = ds["max_rise"].mean("realization").sel(load=600.0, velocity=0.5)
+        alone = run_point(sweep, Point(600.0, 0.5, (("realization", 2),))).columns
+        for name in ("time", "normal_load", "sliding_distance"):
+            assert mean[name].values.tobytes() == alone[name].tobytes()
+        assert mean.notnull().all()
+
+
+def test_a_point_that_fails_leaves_the_times_that_it_shares_with_other_realizations(path):
+    sweep = tiny.full(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)))
+    first, second = points(sweep)
+    result = run_point(sweep, first)
+    with writing(path, sweep) as store:
+        store.commit([result.record(with_fields=True)])
+        store.commit([PointRecord(second, None, "no convergence"), result.record(with_fields=True)])
+    assert pipeline.verify_store(path).is_clean
+    ds = pipeline.open_sweep(path)
+    assert ds["time"].squeeze().values.tobytes() == result.columns["time"].tobytes()
+    with writing(path, sweep) as store:
+        store.forget([first])
+    assert pipeline.open_sweep(path)["time"].isnull().all()
 
 
 def test_fields_at_steps_are_those_of_each_step_and_of_the_end(path, tiny_store):

@@ -72,7 +72,7 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
         requests.clear()
         store.commit([record(OTHER)])
         assert len(requests) <= 60
-    request("put_object", f"{address}/pressure/c.0.0.0.0", Body=b"\x28\xb5\x2f\xfd nonsense")
+    request("put_object", f"{address}/fields/pressure/c.0.0.0.0", Body=b"\x28\xb5\x2f\xfd nonsense")
     request("put_object", f"{address}/load/c.0", Body=b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
     output = irg("verify", address, code=1)

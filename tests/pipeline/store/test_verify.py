@@ -168,7 +168,7 @@ def test_a_store_that_is_half_done_is_as_sound_as_a_whole_one(path):
     assert resumed(path, SWEEP)[0].computed == 8
 
 
-@pytest.mark.parametrize("name", ["rise/c.0.0.0.0", "status/c.0.0"])
+@pytest.mark.parametrize("name", ["fields/rise/c.0.0.0.0", "status/c.0.0"])
 def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name):
     """The file may be sound: here it is a link that cannot be read for a while."""
     (copy / name).unlink()
@@ -181,7 +181,7 @@ def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name
 
 
 def test_the_command_names_what_is_damaged(copy, irg):
-    (copy / "rise/c.1.1.0.0").unlink()
+    (copy / "fields/rise/c.1.1.0.0").unlink()
     document = irg("verify", copy, "--json", code=1)
     assert document["points"]["damaged"] == 1
     (record,) = document["damaged"]
@@ -196,7 +196,7 @@ def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
     sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
-    (path / "pressure/c.0.0.0.0").unlink()
+    (path / "fields/pressure/c.0.0.0.0").unlink()
     cut(path / "realization" / "c.0")
     verification = pipeline.verify_store(path)
     assert list(map(str, verification.damaged)) == [
