@@ -168,8 +168,10 @@ class Group:
         """Zarr metadata of the arrays, by name."""
         block, documents = self._block(), dict[str, Document]()
         for name, variable in self.variables.items():
-            chunk = dict.fromkeys(block, 1) if name in FIELDS else block
-            chunk = {} if is_coordinate(name) or name == "status" else chunk
+            is_axis = variable.dims == (name.rpartition("/")[2],)
+            chunk = {} if is_coordinate(name) or name == "status" else block
+            if is_in_fields(name) and not is_axis:  # Dask demands the same chunks in a group
+                chunk = dict.fromkeys(block, 1)
             growths = self.field_growths if is_in_fields(name) else self.growths
             documents[name] = array_document(variable, self.sizes, chunk, growths)
         return documents

@@ -67,7 +67,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(tiny_store
     with writing(copy, SWEEP) as store:
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
-    (copy / "pressure" / "c.2.1.0.0").write_bytes(b"1")
+    (copy / "fields" / "pressure" / "c.2.1.0.0").write_bytes(b"1")
     messages = Heard()
     outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
     assert messages == [f"{copy} had 2 damaged points or files, which are computed again"]

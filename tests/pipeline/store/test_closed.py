@@ -19,7 +19,7 @@ from tests.helpers import tiny
 from tests.helpers.stores import commit, lock_of
 
 SWEEP = tiny.full()
-FIELD, CHUNK = "rise/c.0.0.0.0", "mean_rise/c.0.0.0"
+FIELD, CHUNK = "fields/rise/c.0.0.0.0", "mean_rise/c.0.0.0"
 KEY = "a private key"
 
 

@@ -153,7 +153,7 @@ def test_each_operation_of_xarray_works_on_fields_with_and_without_chunks(rows_s
         assert (fields.chunk() if chunks is None else fields).chunks
         assert fields.coords["ramp"].values.tolist() == ["slow", "fast"]
         for name, operation in work.items():
-            assert operation(fields).load().data_vars.keys() == {*FIELDS}, name
+            assert operation(fields).compute().data_vars.keys() == {*FIELDS}, name
 
 
 def test_means_over_realizations_keep_the_times_of_steps(path):
