@@ -220,7 +220,7 @@ def _point_fields(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step:
             f"no fields are stored for {drawn.words(point)}; choose a load and a velocity of the "
             "sweep"
         ) from error
-    return fields.transpose("x", "y", ...).squeeze([dim for dim in fields.dims if dim not in "xy"])
+    return fields.squeeze([dim for dim in fields.dims if dim not in ("x", "y")]).transpose("x", "y")
 
 
 def _surface_fields(

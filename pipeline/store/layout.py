@@ -152,7 +152,7 @@ class Group:
     def values_at(self, name: str, points: Mask) -> Mask:
         """True at the values of a variable that belong to any of some points."""
         (missing,) = np.nonzero(np.logical_not(self.has_dims(name)))
-        return (points & self._with_values(name)).any(axis=tuple(missing.tolist()))
+        return np.asarray((points & self._with_values(name)).any(axis=tuple(missing.tolist())))
 
     def points_at_values(self, name: str, values: Mask) -> Mask:
         """True at the points that some values of a variable belong to."""

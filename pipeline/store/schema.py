@@ -223,8 +223,9 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     for name in FIELDS if sweep.fields else ():
         *outer, x, y = table[name].dims
         steps = ("step",) * (sweep.fields == "steps")
-        names = *columns, *(FIELD_REALIZATION,) * bool(sweep.surface_with_fields)
-        table[name] = _with_coordinates(table[name]._replace(dims=(*outer, *steps, x, y)), names)
+        field = table[name]._replace(dims=(*outer, *steps, x, y))
+        seed = (FIELD_REALIZATION,) * bool(sweep.surface_with_fields)
+        table[name] = _with_coordinates(field, (*columns, *seed))
         # The group has its own copy of each coordinate, so that it can be opened without the root.
         table |= {f"{OF_FIELDS}/{name}": table[name] for name in (*outer, *steps, *columns)}
     if TEST_POINT not in sweep.case_table.axes:
