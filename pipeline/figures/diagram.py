@@ -29,7 +29,7 @@ from pipeline.constants import DECIDED
 from pipeline.figures import style
 from pipeline.figures.fields import QuantityLike, wanted_values
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
-from pipeline.figures.tests import UNDECIDED_LABEL, mark_tests
+from pipeline.figures.tests import UNDECIDED_LABEL, mark_tests, velocities_at_friction
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from pipeline.words import split_notes
@@ -73,11 +73,12 @@ def diagram(
     """Draw the transition diagram.
 
     The load–velocity plane is shaded by the verdict of `pipeline.margin`. The heavy line is the
-    boundary with tests, if there are any; the computed boundary has a band of numerical error. Dots
-    are simulated points. `realization`, the seed of a surface, chooses one of several surface
-    realizations. Of several cases only the boundaries are drawn, each in its own colour. `log`
-    makes both axes logarithmic. The operating point of `load` and `velocity`, in SI or as text with
-    a unit, is marked; lists of equal length are pairs.
+    boundary with tests, if there are any; the computed boundary has a band of numerical error.
+    Dots are simulated points. Tests at another friction than that of the boundary are also drawn as
+    they would lie at its friction, with open marks. `realization`, the seed of a surface, chooses
+    one of several surface realizations. Of several cases only the boundaries are drawn, each in its
+    own colour. `log` makes both axes logarithmic. The operating point of `load` and `velocity`, in
+    SI or as text with a unit, is marked; lists of equal length are pairs.
     """
     operating_points = _operating_points(load, velocity)
     if not {*PLANE} <= {*ds["status"].dims}:
@@ -97,7 +98,10 @@ def diagram(
             "boundary prints their transitions"
         )
     bulk = float(boundary["bulk_temperature"].values.flat[0])
-    tests, tests_entry, caption = mark_tests(axes, case, bulk)
+    friction = float(boundary["friction"].values.flat[0])
+    has_line = is_plane and not case_dimensions and friction > 0
+    moved = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
+    tests, tests_entry, caption = mark_tests(axes, case, bulk, friction, moved)
     marked = [*tests, *operating_points]
     lines = [f"conditions: {text}" for text in words.attribute_texts(boundary, "conditions")]
     legend = Legend()

@@ -26,7 +26,11 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 """Marker and face colour of a test, by its outcome."""
 UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
 """Label in legends."""
+_OPEN_SIZE = 1.4  # size of the mark of a test at the line's friction over that of a line's mark
+_JOIN_WIDTH = 1.5  # of the line between both marks of a test [pt], which an axis may hide
+_SAME_FRICTION = 1e-3  # relative difference of frictions that count as equal
 _REACH = 1.5  # factor on the sweep's ends beyond which tests are not drawn
+_NODES = 65  # velocities between which that of a moved test is interpolated
 _SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
 _ROW_MARGIN = 0.3  # above and below the rows of tests
 _Y = "log_rise_ratio"
@@ -90,9 +94,17 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
 
 
 def draw_test_marker(
-    axes: Axes, number: str, outcome: str, position: tuple[float, float], faint: bool = False
+    axes: Axes,
+    number: str,
+    outcome: str,
+    position: tuple[float, float],
+    faint: bool = False,
+    label: tuple[float, float] | None = None,
 ) -> None:
-    """Mark a test at its `position` (x, y), and write its number next to it."""
+    """Mark a test at its `position` (x, y), and write its number to the right of it.
+
+    If `label` is given, the number is to the right of this position instead.
+    """
     marker, face = TESTS[outcome]
     look: dict[str, Any] = {"mfc": face, "mec": BLACK if face == "white" else "white"}
     axes.plot(
@@ -100,8 +112,8 @@ def draw_test_marker(
         alpha=FAINT if faint else 1.0, gid=f"test {outcome}{', elsewhere' * faint}", **look,
     )  # fmt: skip
     axes.annotate(
-        number, position, (6, 4), textcoords="offset points", fontsize="small", color=BLACK,
-        gid="number of a test", path_effects=style.HALO,
+        number, label or position, (8, 0), textcoords="offset points", fontsize="small",
+        va="center", color=BLACK, gid="number of a test", path_effects=style.HALO, zorder=5,
     )  # fmt: skip
 
 
@@ -117,13 +129,16 @@ def tests_legend(outcomes: Iterable[str]) -> dict[str, Any]:
 
 
 def mark_tests(
-    axes: Axes, case: CaseResults, bulk: float
+    axes: Axes, case: CaseResults, bulk: float, friction: float, moved: Mapping[int, float]
 ) -> tuple[list[OperatingPoint], dict[str, Any], list[str]]:
     """Mark the tests in or near the sweep's range, faint if their bulk temperature is not `bulk`.
 
-    Returns their operating points, their entry of the legend, and lines of the caption.
+    `moved` has velocities at which tests would lie at the `friction` of the line, by position in
+    the list of tests. There, an open mark is joined to that of the test. Returns the operating
+    points of the tests, their entries of the legend, and lines of the caption.
     """
     sweep_bulk = case.sweep.conditions.bulk_temperature
+    has_moved = False
     points, kinds, omitted, has_faint = list[OperatingPoint](), list[Any](), list[str](), False
     for position, test in enumerate(case.sweep.tests, 1):
         number, point = test.number or str(position), (test.normal_load, abs(test.velocity))
@@ -133,11 +148,53 @@ def mark_tests(
             continue
         faint = abs((test.bulk_temperature or sweep_bulk) - bulk) > _SAME_BULK
         kinds.append(test.outcome)
-        draw_test_marker(axes, number, kinds[-1], (point[1], point[0]), faint)
+        ends = [point[1], *([moved[position - 1]] if position - 1 in moved and not faint else [])]
+        if len(ends) > 1:
+            marker, _ = TESTS[test.outcome]
+            axes.plot(ends, [point[0]] * 2, color=BLACK, lw=_JOIN_WIDTH, zorder=3.5, clip_on=False)
+            axes.plot(
+                ends[1], point[0], marker, ms=_OPEN_SIZE * rcParams["lines.markersize"],
+                mfc="white", mec=BLACK, clip_on=False, zorder=4, gid="test at the line's friction",
+            )  # fmt: skip
+            has_moved = True
+        label = max(ends), point[0]
+        draw_test_marker(axes, number, kinds[-1], (point[1], point[0]), faint, label)
         points.append(point)
         has_faint |= faint
     caption = ["faint: tests at another bulk temperature"] * has_faint
     caption += [
         f"not shown (outside the axes): test{'s' * (len(omitted) > 1)} {', '.join(omitted)}"
     ] * bool(omitted)
-    return points, tests_legend(kinds), caption
+    legend = tests_legend(kinds)
+    if has_moved:
+        legend[f"the same test at friction {friction:g}"] = Line2D(
+            [], [], ls="none", marker="D", mfc="white", mec=BLACK
+        )
+    return points, legend, caption
+
+
+def velocities_at_friction(
+    ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any], friction: float
+) -> dict[int, float]:
+    """Velocities [m/s] at which tests would lie at a friction, by position in the list of tests.
+
+    There, the rise at this friction is that of the test at its own. Tests at this friction are left
+    out, and tests without such a velocity within the sweep.
+    """
+    velocities, moved = case.velocities, dict[int, float]()
+    nodes = np.geomspace(max(velocities[0], velocities[-1] / 1e3), velocities[-1], _NODES)
+    for position, test in enumerate(case.sweep.tests):
+        log_ratio = math.log(test.case.conditions.friction / friction)
+        if abs(log_ratio) < _SAME_FRICTION:
+            continue
+        at = np.append(nodes, test.velocity)
+        loads = np.full(at.shape, test.normal_load)
+        y = pipeline.margin(ds, loads, at, **conditions)[_Y].values
+        excess = y[:-1] - (y[-1] + log_ratio)
+        crossings = np.flatnonzero(np.diff(np.sign(excess)) != 0)
+        if np.isnan(y[-1]) or not crossings.size:
+            continue
+        k = crossings[np.abs(nodes[crossings] - test.velocity).argmin()]
+        if np.isfinite(fraction := excess[k] / (excess[k] - excess[k + 1])):
+            moved[position] = float(nodes[k] * (nodes[k + 1] / nodes[k]) ** fraction)
+    return moved

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pipeline import boundary
 from pipeline.figures.diagram import COMPUTED, diagram
-from pipeline.figures.style import GREEN, HALO
+from pipeline.figures.style import GREEN, HALO, fitted
 
 from .report import Report, texts
 from .study import Study
@@ -25,7 +25,7 @@ def fig10(study: Study) -> Report:
 
     It is that of a specimen of several surface realizations, as `make diagram` computes it.
     """
-    sweep = study.scene("irg_transition", {"sweep.realizations": 1})
+    sweep = study.scene("irg_transition", {"sweep.realizations": 1, "without": ["friction.band"]})
     name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
     plane, _ = study.sweep(sweep, name)
     outcome, ds = study.sweep(sweep, name, ACCURACY)
@@ -88,21 +88,24 @@ def fig10(study: Study) -> Report:
             "points": outcome.done,
             "realizations": ds.sizes["realization"],
         },
-        figure=_with_local_wear(diagram(ds, {}), by_local_wear),
+        figure=_draw(ds, by_local_wear),
     )
 
 
-def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
-    """Add to a diagram the boundary with wear by local pressure, the paper's Eq. (26)."""
+def _draw(ds: xr.Dataset, crossings: xr.Dataset) -> Figure:
+    """Diagram without its title, caption and dots; with the boundary by local wear, Eq. (26)."""
+    with fitted(plain=True):
+        figure = diagram(ds, {})
+    for mark in [line for line in figure.axes[0].lines if line.get_gid() == "simulated"]:
+        mark.remove()
     (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == COMPUTED)
     line.set_text("computed boundary, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)
     axes.plot(velocities[known], loads[known], color=GREEN, ls="-.", lw=1.8, gid="local wear")
-    beyond = f"mild throughout below {loads[known].min():g} N" if known.any() else "mild throughout"
     axes.annotate(
-        f"local wear, Eq. (26):\n{beyond}",
+        "local wear" if known.any() else "local wear: mild throughout",
         (velocities[known].max(), loads[known].min()) if known.any() else (0.98, 0.9),
         xytext=(0, -5), textcoords="offset points", ha="right", va="top", fontsize=9, color=GREEN,
         xycoords="data" if known.any() else "axes fraction", linespacing=1.0, path_effects=HALO,

@@ -110,6 +110,24 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert "test: mild, severe" in labels(legend)
 
 
+def test_a_test_is_also_marked_where_it_would_lie_at_the_friction_of_the_line():
+    """The synthetic rise is a power of velocity, so that the shift follows by hand."""
+    rows = (
+        bare_test(400.0, 2.0, outcome="transition", friction=0.08),
+        bare_test(300.0, 2.0, outcome="transition", friction=0.1),
+    )
+    ds = sweep(tests=rows)
+    axes = pipeline.plot(ds).axes[0]
+    (moved,) = lines(axes)["test at the line's friction"].tolist()
+    expected = synthetic.critical_velocity(400.0, 0.8 * synthetic.rise(400.0, 2.0, 0.9))
+    assert moved == pytest.approx([expected, 400.0], rel=2e-3)
+    assert expected < 1.5  # a visible distance
+    (legend,) = axes.figure.legends
+    assert "the same test at friction 0.1" in labels(legend)
+    alike = sweep(tests=rows[1:])
+    assert "test at the line's friction" not in lines(pipeline.plot(alike).axes[0])
+
+
 def test_operating_points_are_marked_as_pairs_with_their_numbers():
     axes = drawn(sweep(), load=["300 N", 500.0], velocity=[1.5, "3 m/s"])[0]
     assert marks(axes, "operating point") == {(1.5, 300.0), (3.0, 500.0)}

@@ -56,6 +56,7 @@ def test_diagram_says_its_conditions(drawn):
         "computed boundary, numerical error",
         "computed at friction 0.09 and 0.103",
         "test: transition",
+        "the same test at friction 0.1",
     ]
 
 
