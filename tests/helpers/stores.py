@@ -91,7 +91,7 @@ def plain_values(path):
     """
     values = {}
     for group in (None, "about", "fields"):
-        with suppress(FileNotFoundError):  # a store without fields
+        with suppress(FileNotFoundError, KeyError):  # a store without fields
             ds = xr.open_zarr(path, group=group, chunks=None)
             values |= {f"{group}/{k}" if k in values else k: ds[k].values for k in ds.variables}
     return values
