@@ -134,8 +134,9 @@ def test_a_search_that_was_stopped_asks_for_the_same_points_again():
 
 
 def test_few_velocities_become_more_where_the_goal_needs_them():
+    """Loads of a specimen share their surfaces, so their misses come together."""
     missed = found_count = 0
-    for seed, count in ((0, 4), (1, 6)):
+    for seed, count in itertools.product(range(6), (4, 6)):
         few = np.geomspace(0.25, 6.0, count)
         specimen = Specimen(seed, loads=4, velocities=few)
         search = specimen.search(0.01, promised=0.0055)
@@ -147,7 +148,7 @@ def test_few_velocities_become_more_where_the_goal_needs_them():
                 assert error <= 0.01
                 missed += abs(critical / specimen.critical(load) - 1) > error
                 found_count += 1
-    assert found_count > 4
+    assert found_count > 24
     assert missed <= 0.1 * found_count
 
 

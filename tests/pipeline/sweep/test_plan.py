@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline import run_point
+from pipeline import load_scene, run_point
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import choose_stored_steps
@@ -27,6 +27,18 @@ def same(first, second):
     for name, values in (first.columns | first.fields).items():
         assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
     return first.warnings == second.warnings
+
+
+def test_a_step_of_a_ramp_is_the_end_of_the_point_at_its_load_except_with_larger_elements():
+    """The first step of `first_try` has larger elements than the point at its load."""
+    scene = load_scene("first_try").changed("sweep.steps", "course")
+    course = run_point(scene, 750.0, 2.8).columns
+    loads = course["normal_load"]
+    first, second = (run_point(scene, float(load), 2.8).columns for load in loads[:2])
+    for name in ("contact_fraction", "mean_pressure", "rise_quantile", "wear_depth_max"):
+        np.testing.assert_array_equal(course[name][1], second[name][-1])
+    assert course["contact_fraction"][0] / first["contact_fraction"][-1] > 1.1
+    assert course["mean_pressure"][0] / first["mean_pressure"][-1] < 0.9
 
 
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))

@@ -40,7 +40,7 @@ SMALLER = {
 }
 """Texts in shipped scenes that are replaced by ones that take less time."""
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
-BEYOND = "contra", "heldout", "inverse", "rivals", "steel"
+BEYOND = "contra", "heldout", "inverse", "rivals", "spacing", "steel"
 """Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
 
 
@@ -108,6 +108,7 @@ def small(folder, scenes):
         },
         "inference": {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1, "_FRICTIONS": (0.1, 0.2)},
         "resolution": {"_INCREMENTS": (20, 30)},
+        "spacing": {"_SPACINGS": (20e-6, 60e-6), "_VELOCITIES": (0.8, 1.6, 3.2, 5.2)},
         "steel": {
             "_CONDUCTIVITIES": (21.0, 45.0),
             "_VELOCITIES": {"from": "0.3 m/s", "to": "4.3 m/s", "step": "4 m/s"},
@@ -119,7 +120,16 @@ def small(folder, scenes):
     def report(name):
         if name not in reports:
             options = SMALL
-            if name in ("contra", "steel", "fig6", "heldout", "inverse", "table4", "table6"):
+            if name in (
+                "contra",
+                "spacing",
+                "steel",
+                "fig6",
+                "heldout",
+                "inverse",
+                "table4",
+                "table6",
+            ):
                 options = SMALL | {"surfaces": 1}
             with ExitStack() as stack:
                 stack.enter_context(np.errstate(all="raise", under="ignore"))
@@ -191,6 +201,16 @@ def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):
     hard, soft = (white[:, data["conductivity"].index(K)] for K in (21.0, 45.0))
     assert (hard / soft > (45 / 21) ** 0.5).all()
     assert (hard / soft < 45 / 21).all()
+
+
+@pytest.mark.slow
+def test_a_longer_spacing_lowers_the_critical_velocities_most_at_the_lowest_load(small):
+    data = small("spacing").data
+    change = data["critical_velocity"] / data["critical_velocity_as_chosen"] - 1
+    assert data["load"][0] == 200.0
+    assert (change[0] > 0.03).all()
+    assert (change[-1] < -0.03).all()
+    assert (np.diff(np.abs(change), axis=1) < 0).all()
 
 
 def test_the_nearest_image_overestimates_the_peak_of_hertz_by_one_percent(small):
