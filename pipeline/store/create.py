@@ -46,7 +46,7 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.resume import join, mismatches
-from pipeline.store.root import FACTS, GOAL, Root, find_root, stale_documents
+from pipeline.store.root import FACTS, GOAL, WRITER, Root, find_root, stale_documents
 from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, path_of
 from pipeline.store.store import Damage, Index, Store
 from pipeline.sweep.case import TEST
@@ -111,7 +111,7 @@ def _opened(
         raise StoreMismatchError(
             "\n  ".join([f"{location} belongs to another scene: {advice}", *differing, *more])
         )
-    lines = [*(before.history if before else ()), f"computed by {versions()}"]
+    lines = [*(before.history if before else ()), f"{WRITER}{versions()}"]
     lines += [note] if note else []
     growths, field_growths = (
         (before.plane.growths, before.plane.field_growths) if before else (0, 0)

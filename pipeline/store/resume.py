@@ -118,7 +118,8 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 def changes_in_words(old: Any, new: Any) -> Iterator[str]:
     """Yield differences between two scenes or conditions, in words, with numbers in SI."""
-    for path, before, after in differences(encode(old), encode(new)):
+    plain = (encode(value, with_defaults=True) for value in (old, new))
+    for path, before, after in differences(*plain):
         first = next(
             (entry for entry in _ENTRIES if path == entry or path.startswith(f"{entry}.")), ""
         )

@@ -36,6 +36,7 @@ from pipeline.store.schema import (
     is_coordinate,
     split_arrays,
 )
+from pipeline.sweep.codec import ArrayError
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import judges_holds, sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
@@ -43,6 +44,8 @@ from pipeline.sweep.sweep import Sweep
 from tribo import TriboError
 from tribo.types import Array
 
+WRITER = "computed by "
+"""Beginning of a line in the history of a store that names the versions of programs."""
 GOAL = "run with --accuracy "
 """Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
@@ -189,23 +192,26 @@ def _is_begun(location: StorePlace, keys: set[str]) -> bool:
 
 
 def _parsed(location: StorePlace, content: bytes) -> Root:
-    """Root from its document; a `StoreError` of one line if the document is damaged."""
+    """Root from its document; a `StoreError` of one line for a damaged one or another version's."""
 
     def is_damaged(why: object) -> StoreError:
         return StoreError(f"{location}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
 
+    def of_other_version(why: object) -> StoreError:
+        return StoreError(
+            f"{location} was written by another version of this program ({writer:.200}): "
+            f"{f'{why}'[:300]}; read it with that version, or run the scene into another store"
+        )
+
     try:
         facts = json.loads(content)["attributes"]
         version, history = facts["format"], facts["history"]
+        writer = [f"{line}" for line in history if f"{line}".startswith(WRITER)][-1]
         is_intact = version == FORMAT and facts["digest"] == _digest(facts)
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
         raise is_damaged(f"{type(error).__name__} {error}") from error
     if version != FORMAT:
-        raise StoreError(
-            f"{location}: its {FACTS} has format {version!r:.20}, and this program reads {FORMAT}; "
-            "run the scene into another store, or read it with the version that wrote it "
-            f"({history[-1]:.200})"
-        )
+        raise of_other_version(f"its format is {version!r:.20}, this version reads {FORMAT}")
     if not is_intact:
         raise is_damaged("it is not what was written")
     try:
@@ -216,8 +222,10 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
         return Root.from_sweep(sweep, history, growths, field_growths, stored)
     except StoreError:
         raise
-    except TriboError as error:
+    except ArrayError as error:
         raise is_damaged(error) from error
+    except TriboError as error:  # the digest shows that the facts are as they were written
+        raise of_other_version(error) from error
 
 
 def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:

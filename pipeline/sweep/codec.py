@@ -1,4 +1,9 @@
-"""Objects as plain data for JSON, and back: only dataclasses and named tuples of known classes."""
+"""Objects as plain data for JSON, and back: only dataclasses and named tuples of known classes.
+
+What is stored or hashed omits fields that have their default. So a class may gain or lose a field
+with a default, and stores of both versions remain readable, with equal hashes: a missing field has
+its default, and a field that is unknown has a value that this version cannot take into account.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -22,13 +27,18 @@ _CLASS = "is"  # key with the name of an object's class
 
 
 class CodecError(InputError):
-    """Plain data are not those of an object."""
+    """Plain data are not those of an object of this version."""
 
 
-def encode(value: Any, arrays: dict[str, Array] | None = None) -> Any:
+class ArrayError(InputError):
+    """An array is not the one that plain data name."""
+
+
+def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bool = False) -> Any:
     """Convert an object to plain data; its arrays go into `arrays`, by SHA-256.
 
     Dataclasses and named tuples become dictionaries with the name of their class, tuples lists.
+    Fields that have their default are omitted, unless `with_defaults` is True.
     """
     if isinstance(value, np.generic):
         value = value.item()
@@ -42,21 +52,32 @@ def encode(value: Any, arrays: dict[str, Array] | None = None) -> Any:
             arrays[key] = value
         return {_CLASS: "array", "digest": key, "shape": [*value.shape]}
     if isinstance(value, Mapping):
-        return {_CLASS: "mapping", "items": [[k, encode(v, arrays)] for k, v in value.items()]}
+        items = [[key, encode(item, arrays, with_defaults)] for key, item in value.items()]
+        return {_CLASS: "mapping", "items": items}
     if isinstance(value, UnknownHeights):  # counts as the surface itself
         array = {_CLASS: "array", "digest": value.digest, "shape": [*value.shape]}
         return {_CLASS: "MeasuredRoughness", "array": array}
     cls: Any = type(value)
     if names := _fields(cls):
-        values = {name: encode(getattr(value, name), arrays) for name in names}
-        return {_CLASS: cls.__name__, **values}
-    return [encode(item, arrays) for item in value]
+        values = {name: getattr(value, name) for name in names}
+        if not with_defaults:
+            defaults = _defaults(cls)
+            values = {
+                name: item
+                for name, item in values.items()
+                if name not in defaults or item != defaults[name]
+            }
+        plain = {name: encode(item, arrays, with_defaults) for name, item in values.items()}
+        return {_CLASS: cls.__name__, **plain}
+    return [encode(item, arrays, with_defaults) for item in value]
 
 
 def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array]) -> Any:
-    """Build the object of plain data from `encode`; `CodecError` for any other data.
+    """Build the object of plain data from `encode`.
 
-    Only objects of `classes`, by name, are built. `arrays` has the arrays by SHA-256.
+    Only objects of `classes`, by name, are built. `arrays` has the arrays by SHA-256. Raises a
+    `CodecError` if the data need a class or a field that this version lacks, or lack a field that
+    it needs; an `ArrayError` if an array is another one than the data name.
     """
 
     def build(values: dict[str, Any]) -> Any:
@@ -70,16 +91,19 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
             case "array" if values["digest"] in arrays:
                 array = arrays[values["digest"]].reshape(values["shape"])
                 if array_digest(array) != values["digest"]:
-                    raise CodecError("an array is not what was written: its numbers are others")
+                    raise ArrayError("an array is not what was written: its numbers are others")
                 return array
             case "array":
                 name = "MissingSurface"
             case "MeasuredRoughness" if isinstance(values["array"], UnknownHeights):
                 return values["array"]
         if name not in classes:
-            raise CodecError(f"there is no class {name!r:.60}")
-        if other := values.keys() ^ {*_fields(classes[name])}:
-            raise CodecError(f"{name}.{min(other)} is missing, or unknown")
+            raise CodecError(f"this version has no class {name!r:.60}")
+        fields = {*_fields(classes[name])}
+        if unknown := values.keys() - fields:
+            raise CodecError(f"this version has no {name}.{min(unknown)}, which has a value there")
+        if missing := fields - values.keys() - _defaults(classes[name]).keys():
+            raise CodecError(f"this version needs {name}.{min(missing)}, which is missing there")
         return classes[name](**values)
 
     # Written and read again, since the JSON reader builds inner objects first and does not recurse
@@ -92,7 +116,7 @@ def _tuples(value: Any) -> Any:
 
 
 def digest(value: Any) -> str:
-    """SHA-256 of an object's plain data; the numbers 2 and 2.0 are the same."""
+    """SHA-256 of an object's plain data without defaults; the numbers 2 and 2.0 are the same."""
     text = json.dumps(json.loads(json.dumps(encode(value)), parse_int=_float_if_equal))
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -130,7 +154,25 @@ def changed(base: Any, difference: Any) -> Any:
 
 @functools.cache
 def _fields(cls: Any) -> tuple[str, ...]:
+    """Names of the stored fields of a class; empty if it has no fields."""
     if is_dataclass(cls):
         stored = (field for field in fields(cls) if field.metadata.get("stored", field.init))
         return tuple(field.name for field in stored)
     return tuple(getattr(cls, "_fields", ()))
+
+
+@functools.cache
+def _defaults(cls: Any) -> dict[str, Any]:
+    """Defaults of the fields of a class that have one, by name.
+
+    A changed default changes what stores mean, and needs a new `pipeline.store.schema.FORMAT`.
+    """
+    if not is_dataclass(cls):
+        return dict(getattr(cls, "_field_defaults", {}))
+    defaults = dict[str, Any]()
+    for field in fields(cls):
+        if field.default is not MISSING:
+            defaults[field.name] = field.default
+        elif field.default_factory is not MISSING:
+            defaults[field.name] = field.default_factory()
+    return defaults

@@ -17,7 +17,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneWarning
 from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
-from tribo import InputError, TriboError
+from tribo import InputError
 from tribo.surface import UnknownHeights
 from tribo.types import Array
 
@@ -60,21 +60,25 @@ def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     plain: dict[str, Any] = encode(replace(sweep, warnings=sweep.all_warnings), arrays)
     base = plain["base"]
     plain["cases"] = [change(base, case) for case in plain["cases"]]
-    for name in ("tests", "former"):
+    for name in {"tests", "former"} & plain.keys():
         plain[name] = [test | {"case": change(base, test["case"])} for test in plain[name]]
     return plain, arrays
 
 
 def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
-    """The sweep of plain data from `plain_sweep`; `CodecError` for any other data."""
+    """The sweep of plain data from `plain_sweep`.
+
+    Raises an `ArrayError` if an array is another one than the data name, and a `CodecError` if the
+    data are those of another version of this program, see `pipeline.sweep.codec`.
+    """
     try:
         base = plain["base"]
         cases = [changed(base, case) for case in plain["cases"]]
         tests = {
             name: [test | {"case": changed(base, test["case"])} for test in plain[name]]
-            for name in ("tests", "former")
+            for name in {"tests", "former"} & plain.keys()
         }
         sweep: Sweep = decode({**plain, "cases": cases, **tests}, _CLASSES, arrays)
-    except (CodecError, TriboError, KeyError) as error:  # other errors are faults of this program
-        raise CodecError(f"the data of the sweep cannot be read: {error}") from error
+    except KeyError as error:
+        raise CodecError(f"this version needs {error}, which is missing there") from error
     return sweep

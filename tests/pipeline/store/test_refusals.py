@@ -115,14 +115,14 @@ REFUSALS = {
                   "on node7; if that has ended, delete"),
     "being made": (unfinished, "is being created by process"),
     # the root
-    "old": (changed(put(FACTS, OLD)), "has format 3, and this"),
+    "old": (changed(put(FACTS, OLD)), "its format is 3, this version reads"),
     "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
     "digest": (changed(lambda path: (path / FACTS).write_text(
         (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "its numbers are others"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
-            "radius is -1"),
+            "another version of this program (computed by irg-transition"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),

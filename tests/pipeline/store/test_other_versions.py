@@ -1,0 +1,75 @@
+"""Stores of versions whose classes have a field more or less (pipeline/sweep/codec.py)."""
+
+from dataclasses import field, fields, make_dataclass, replace
+
+import pytest
+
+import pipeline
+from pipeline.store.create import find_sweep
+from pipeline.sweep import stored
+from tests.helpers import tiny
+from tests.helpers.stores import commit, forge
+from tribo import Fidelity, Wear
+
+LATER = {
+    cls: make_dataclass(cls.__name__, [("later", int, field(default=7))], bases=(cls,), frozen=True)
+    for cls in (Wear, Fidelity)
+}
+"""Classes of a version with a field more, by those of this version."""
+
+
+def of_later_version(part, **values):
+    """A part of a scene as an object of the later version."""
+    known = {field.name: getattr(part, field.name) for field in fields(part)}
+    return LATER[type(part)](**known, **values)
+
+
+def later_sweep(**values):
+    """The tiny sweep of the later version; the field of its wear law has a value in `values`."""
+    sweep = tiny.sweep()
+    wear = of_later_version(sweep.scene.wear, **values)
+    scene = replace(sweep.scene, wear=wear, fidelity=of_later_version(sweep.scene.fidelity))
+    case = replace(sweep.base, scene=scene)
+    return replace(sweep, base=case, cases=(case,))
+
+
+def assert_all_intact(path):
+    verification = pipeline.verify_store(path)
+    assert (verification.done, verification.is_clean) == (9, True)
+
+
+def test_a_store_remains_readable_if_a_field_with_its_default_is_removed(tmp_path):
+    commit(tmp_path / "a.zarr", later_sweep())
+    assert find_sweep(tmp_path / "a.zarr") == tiny.sweep()
+    commit(tmp_path / "a.zarr", tiny.sweep(), ())  # damaged points would be pending
+    assert_all_intact(tmp_path / "a.zarr")
+
+
+def test_a_store_remains_readable_if_a_field_with_a_default_is_added(tmp_path, monkeypatch):
+    commit(tmp_path / "a.zarr", tiny.sweep())
+    for cls, later in LATER.items():
+        monkeypatch.setitem(stored._CLASSES, cls.__name__, later)
+    assert find_sweep(tmp_path / "a.zarr").scene.wear.later == 7
+    commit(tmp_path / "a.zarr", later_sweep(), ())
+    assert_all_intact(tmp_path / "a.zarr")
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda sweep: sweep["base"]["scene"]["wear"].update(later=8), "has no Wear.later"),
+        (lambda sweep: sweep["base"]["scene"].pop("pin"), "needs Scene.pin"),
+        (lambda sweep: sweep["base"]["scene"]["wear"].update({"is": "Fretting"}), "no class 'Fret"),
+        (lambda sweep: sweep.pop("cases"), "needs 'cases', which is missing there"),
+    ],
+)
+def test_a_store_that_this_version_cannot_read_is_of_another_version(tmp_path, change, reason):
+    commit(tmp_path / "a.zarr", tiny.sweep(), ())
+    forge(tmp_path / "a.zarr", lambda sweep, _: change(sweep))
+    with pytest.raises(pipeline.StoreError) as error:
+        pipeline.boundary(tmp_path / "a.zarr")
+    message = str(error.value)
+    assert "was written by another version of this program (computed by irg-tran" in message
+    assert reason in message
+    assert "damaged" not in message
+    assert "backup" not in message
