@@ -40,6 +40,7 @@ from pipeline.store.schema import (
     variable_of_tests,
 )
 from pipeline.sweep.case_table import CaseName, Label
+from pipeline.sweep.codec import CodecError
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, list_points_of_tests
 from pipeline.sweep.stored import sweep_of_plain
@@ -155,7 +156,13 @@ def _decoded(text: str, arrays: _Arrays) -> Sweep:
         plain = json.loads(text)
     except ValueError as error:
         raise InputError(f"the attribute sweep of the dataset is no JSON: {error}") from error
-    return sweep_of_plain(plain, {} if data is None else split_arrays(data.values, data.attrs))
+    try:
+        return sweep_of_plain(plain, {} if data is None else split_arrays(data.values, data.attrs))
+    except CodecError as error:
+        raise InputError(
+            f"the dataset was written by another version of this program: {error}; open its store "
+            "with pipeline.open_sweep"
+        ) from error
 
 
 @dataclass(frozen=True, eq=False)
