@@ -55,8 +55,11 @@ REFUSALS = {
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing: realization 1, pin b"),
     # data of sweeps
-    "class": (data(warnings=[{"is": "os"}]), "there is no class 'os'"),
-    "fields": (data(warnings=[{"is": "SceneWarning"}]), "SceneWarning.cases is missing"),
+    "class": (data(warnings=[{"is": "os"}]), "this version has no class 'os'"),
+    "field less": (data(warnings=[{"is": "SceneWarning"}]), "this version needs SceneWarning.code"),
+    "field more": (data(warnings=[{"is": "SceneWarning", "code": "unusual", "later": 1}]),
+                   "this version has no SceneWarning.later"),
+    "no data": (lambda: sweep_of_plain({}, {}), "this version needs 'base', which is missing"),
     "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
