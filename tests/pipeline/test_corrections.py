@@ -103,6 +103,31 @@ def test_bodies_that_roll_have_a_track_each(tmp_path):
     assert corrections.motion == scene.scene.motion
 
 
+@pytest.mark.parametrize(
+    ("lengths", "texts"),
+    [
+        ({"pin_track_length": 0.3, "disk_track_length": 0.4}, ("the pin and the disk",)),
+        (
+            {"pin_track_length": 0.3},
+            ("the pin (", "the disk (unknown; set motion.disk_track_length)"),
+        ),
+        (
+            {},
+            (
+                "the pin (unknown; set motion.pin_track_length)",
+                "the disk (unknown; set motion.disk_track_length)",
+            ),
+        ),
+    ],
+)
+def test_an_answer_says_of_which_body_the_heat_of_earlier_revolutions_is_unknown(lengths, texts):
+    motion = tribo.Motion(slide_roll_ratio=0.5, **lengths)
+    text = pipeline.boundary(synthetic.sweep(motion=motion, tests=())).attrs["not_included"]
+    for words in texts:
+        assert f"heat from earlier revolutions of {words}" in text
+    assert text.count("unknown; set") == 2 - len(lengths)
+
+
 # Heat stored in the bodies depends on the whole loading history, whichever steps are stored.
 
 TRACK = tribo.Track.from_pin(PIN, STEEL, 0.3)
