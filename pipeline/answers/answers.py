@@ -72,8 +72,15 @@ _VARIABLES = {
     "critical_load": ("N", "lowest load at which severe wear is computed"),
     "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
-    "critical_velocity_p05": ("m/s", "velocity at which severe wear is 5 % probable"),
-    "critical_velocity_p95": ("m/s", "velocity at which severe wear is 95 % probable"),
+    "critical_velocity_p05": (
+        "m/s",
+        "velocity at which severe wear is 5 % probable, or from which tests rule out mild",
+    ),
+    "critical_velocity_p95": (
+        "m/s",
+        "velocity at which severe wear is 95 % probable, or up to which tests rule it out",
+    ),
+    "ruled_out_by": ("", "tests that lower critical_velocity_p05, or raise critical_velocity_p95"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
         f"velocity_error_{part}": ("1", f"part of the relative numerical error: {name}")
@@ -277,9 +284,10 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     Dataset
         ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
         ``velocity_error(load)`` and its parts; ``critical_velocity_p05``, ``_p50`` and ``_p95``
-        with tests, NaN outside the velocities of the sweep; the outcomes
-        ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``.
-        Varied entries, and conditions given as lists, are further dimensions.
+        with tests, NaN outside the velocities of the sweep; ``ruled_out_by(load)``, the tests that
+        lower the first of these or raise the last; the outcomes ``outcome_along_velocity(load)``
+        and ``outcome_along_load(velocity)``. Varied entries, and conditions given as lists, are
+        further dimensions.
 
     Examples
     --------
@@ -334,9 +342,10 @@ def _boundary(model: VerdictModel, varied: dict[str, xr.DataArray]) -> xr.Datase
     for part, error in zip(PARTS, parts, strict=True):
         variables[f"velocity_error_{part}"] = ("load", error)
     points = Operation.under(model.conditions, loads, loads)
-    for probability in DECIDED:
-        name = f"critical_velocity_p{100 * probability:02.0f}"
-        variables[name] = ("load", model.velocity_of_probability(points, probability))
+    decided = model.decided_velocities(points)
+    variables["critical_velocity_p05"] = ("load", decided.pop("critical_velocity_p05"))
+    variables["critical_velocity_p50"] = ("load", model.velocity_of_probability(points))
+    variables |= {name: ("load", values) for name, values in decided.items()}
     return _to_dataset(variables | {"load": loads, "velocity": velocities}, model, varied, {})
 
 

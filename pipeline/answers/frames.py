@@ -101,15 +101,18 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
 
 
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
-    """Rows of `pipeline.boundary` by load or by velocity, without the parts of the error."""
+    """Rows of `pipeline.boundary` by load or by velocity, for a reader.
+
+    Parts of the error and the tests in ``ruled_out_by`` are left out; lines state them.
+    """
     names = dict.fromkeys(
         [
             f"critical_{'velocity' if by == 'load' else 'load'}",
             *(str(name) for name in answer if answer[name].dims[-1:] == (by,)),
         ]
     )
-    error_parts = re.compile("velocity_error_.*")
-    return answer_frame(answer, *(name for name in names if not error_parts.fullmatch(name)))
+    omitted = re.compile("velocity_error_.*|ruled_out_by")
+    return answer_frame(answer, *(name for name in names if not omitted.fullmatch(name)))
 
 
 def _heading(name: str, answer: xr.Dataset) -> str:
@@ -122,4 +125,12 @@ def _heading(name: str, answer: xr.Dataset) -> str:
         unit = "°C"
     if unit == "1":
         unit = "%" if is_error or name == "loo_probability" else ""
-    return _HEADINGS.get(name, name.replace("_", " ")) + f" [{unit}]" * bool(unit)
+    title = _HEADINGS.get(name, name.replace("_", " "))
+    if name == "critical_velocity_p50" and not has_counted_tests(answer):
+        title = "50 %"
+    return f"{title} [{unit}]" if unit else title
+
+
+def has_counted_tests(answer: xr.Dataset) -> bool:
+    """True if tests with a result within the model changed the probabilities of an answer."""
+    return bool(np.any(answer.attrs["tests"] if "tests" in answer.attrs else answer["tests"]))

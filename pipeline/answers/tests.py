@@ -1,4 +1,4 @@
-"""Tests of a scene, each at its own conditions, and the verdicts that they rule out."""
+"""Tests of a scene, each at its own conditions, and the model error after them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.answers.conditions import Operation, evaluate_by_bulk
+from pipeline.answers.conditions import evaluate_by_bulk
 from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
@@ -24,7 +23,6 @@ from tribo.types import Array, Mask
 
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 _MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test
-_SAME = 1e-9  # relative rounding difference of equal conditions
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,31 +104,11 @@ class Evidence:
         return [row for row in self.rows if row.reason]
 
     @property
-    def withheld(self) -> tuple[str, str]:
-        """Reasons to withhold verdicts, mild and severe; each empty if there is none.
-
-        A test without a y might rule a verdict out.
-        """
-        kinds, reason = {row.test.outcome for row in self.without_result}, waiting_text(self)
-        no_mild = reason * bool(kinds & {"severe", "transition"})
-        no_severe = reason * bool(kinds & {"mild", "transition"})
-        if self.critical is not None:
-            one_sided = "the critical temperature is found by tests, of which none was "
-            results = [*map(outcome_of, self.specimens)]
-            has_severe, has_mild = (
-                any(math.isfinite(getattr(result, side)) for result in results)
-                for side in ("severe", "mild")
-            )
-            no_mild = no_mild or f"{one_sided}severe" * (not has_severe)
-            no_severe = no_severe or f"{one_sided}mild" * (not has_mild)
-        return no_mild, no_severe
-
-    @property
     def outliers(self) -> Iterator[str]:
         """Yield a line for each test outside the model, and for each outlier."""
         for row in self.rows:
             if row.is_outside:
-                yield f"{row} is not used: an oil film carried more than 20 % of the load"
+                yield f"{row} gives no probability: an oil film carried more than 20 % of the load"
         for rows, share in zip(self.specimens, self.posterior.loo_probabilities, strict=True):
             if share < UNLIKELY:
                 names = " and ".join(map(str, rows))
@@ -211,48 +189,3 @@ def _is_outside(
         return False
     operating_point, bulk = (point.load, point.velocity), conditions.bulk_temperature
     return film_excess(test.case.scene, oil, *operating_point, bulk, inlet, pressure) > 0
-
-
-class RuledOut(NamedTuple):
-    """Masks (k,) of points at which tests rule out mild or severe wear, and the tests' names."""
-
-    mild: Mask
-    severe: Mask
-    names: list[str]
-
-
-def ruled_out(
-    case: CaseResults, evidence: Evidence, conditions: Conditions, points: Operation
-) -> RuledOut:
-    """Verdicts on points that contradict a test at an easier (severe) or harder (mild) point.
-
-    A severe test rules out mild wear at points whose load, velocity, friction and bulk temperature
-    are no lower, if the scene is the same, with a film or without. A mild test rules out severe
-    wear where they are no higher, unless a film carried too much of its load. A transition without
-    a step does both, at points that differ from it.
-    """
-    masks = {kind: np.zeros(len(points.load), bool) for kind in ("severe", "mild")}
-    names = [list[str]() for _ in points.load]
-    point_values = [points.load, points.velocity, points.friction, points.bulk_temperature]
-    for row in evidence.rows:
-        test_conditions, test = row.conditions, row.test
-        if test_conditions is None or test.case.scene != case.sweep.scene:
-            continue
-        for kind, point in (("severe", test.points[-1]), ("mild", test.points[0])):
-            if test.outcome not in (kind, "transition") or (kind == "mild" and row.is_outside):
-                continue
-            test_values = [*point, test_conditions.friction, test_conditions.bulk_temperature]
-            signs = np.array([_sign(a, b) for a, b in zip(point_values, test_values, strict=True)])
-            signs = signs if kind == "severe" else -signs
-            is_ruled_out = (signs >= 0).all(axis=0)
-            if test.outcome == "transition" and len(test.points) == 1:
-                is_ruled_out &= (signs > 0).any(axis=0)
-            masks[kind] |= is_ruled_out
-            for k in np.flatnonzero(is_ruled_out).tolist():
-                names[k].append(str(row))
-    return RuledOut(masks["severe"], masks["mild"], [", ".join(dict.fromkeys(n)) for n in names])
-
-
-def _sign(a: Array, b: float) -> Array:
-    """Sign of a − b; 0 if they differ only by rounding."""
-    return np.where(np.abs(a - b) <= _SAME * abs(b), 0.0, np.sign(a - b))

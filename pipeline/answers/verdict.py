@@ -22,11 +22,13 @@ from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
 from pipeline.answers.field import Field, Lines, Outcome, film_field
 from pipeline.answers.results import CaseResults
+from pipeline.answers.rulings import Rulings
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.answers.tests import Evidence, evidence_of, ruled_out
+from pipeline.answers.tests import Evidence, evidence_of
 from pipeline.constants import DECIDED, FARTHEST
 from pipeline.quantities import UNITS
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
+from pipeline.words import join_notes
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
@@ -139,6 +141,11 @@ class VerdictModel:
         return self.specimen.field
 
     @functools.cached_property
+    def rulings(self) -> Rulings:
+        """Verdicts that tests rule out."""
+        return Rulings(self.case, self.evidence)
+
+    @functools.cached_property
     def limit(self) -> float:
         """ln(allowable rise) at the friction and bulk temperature of the conditions."""
         unit = np.ones(1)
@@ -244,15 +251,14 @@ class VerdictModel:
 
     def _withhold(self, verdict: Array, reasons: Any, points: Operation) -> Mask:
         """Mask of points whose verdict contradicts tests; writes an explanation to `reasons`."""
-        rulings = ruled_out(self.case, self.evidence, self.conditions, points)
-        withheld_mild, withheld_severe = self.evidence.withheld
-        no_mild = rulings.mild | bool(withheld_mild)
-        no_severe = rulings.severe | bool(withheld_severe)
-        is_ruled_out = ((verdict == MILD) & no_mild) | ((verdict == SEVERE) & no_severe)
-        for k in np.flatnonzero(is_ruled_out).tolist():
-            explanation = withheld_mild if verdict[k] == MILD else withheld_severe
-            reasons[k] = explanation or f"{rulings.names[k]} rules it out"
-        return np.asarray(is_ruled_out)
+        is_ruled_out = np.zeros(verdict.shape, bool)
+        for code in (MILD, SEVERE):
+            indices = np.flatnonzero(verdict == code)
+            explanations = self.rulings.reasons(VERDICTS[code], points.take(indices))
+            for k, explanation in zip(indices.tolist(), explanations, strict=True):
+                if explanation:
+                    reasons[k], is_ruled_out[k] = explanation, True
+        return is_ruled_out
 
     def _reasons(self, points: Operation, rise: Array) -> Any:
         """Reasons for points without an answer; an empty text for points with one."""
@@ -311,6 +317,41 @@ class VerdictModel:
             is_known = np.isfinite(velocities) & (low <= velocities) & (velocities <= high)
         is_known[is_known] = ~self.films(points._replace(velocity=velocities).take(is_known))[0]
         return np.where(is_known, velocities, np.nan)
+
+    def decided_velocities(self, points: Operation) -> dict[str, Any]:
+        """Velocities (k,) [m/s] at the loads of points, up to and from which a verdict is possible.
+
+        ``critical_velocity_p05`` is lowered to a test that rules out mild wear, and ``_p95`` is
+        raised to one that rules out severe wear. ``ruled_out_by`` names these tests. A velocity is
+        NaN outside the sweep, or if the verdict is withheld at all velocities.
+        """
+        notes, columns = [list[str]() for _ in points.load], dict[str, Any]()
+        for excluded, probability, template in (
+            ("mild", DECIDED[0], "{} rules out mild wear from {:g} m/s"),
+            ("severe", DECIDED[-1], "{} rules out severe wear up to {:g} m/s"),
+        ):
+            velocities = self.velocity_of_probability(points, probability)
+            limits, names = self.rulings.velocity_limits(excluded, points)
+            is_mild = excluded == "mild"
+            level = self.limits(points) + self.evidence.log_rise_ratio_quantiles(
+                probability, points.bulk_temperature
+            )
+            low, high = self.ranges["velocity"]
+            log_rise = self.field(points.load, np.clip(limits, low, high))
+            with np.errstate(invalid="ignore"):
+                # At the limit, the probability alone would still give the verdict.
+                is_limited = log_rise <= level if is_mild else log_rise >= level
+                is_limited |= limits < velocities if is_mild else limits > velocities
+            is_limited &= limits < math.inf if is_mild else limits > 0
+            is_inside = (low <= limits) & (limits <= high)
+            ruled = np.where(is_inside, limits, np.nan)
+            columns[f"critical_velocity_p{100 * probability:02.0f}"] = np.where(
+                is_limited, ruled, velocities
+            )
+            for k in np.flatnonzero(is_limited).tolist():
+                if names[k]:
+                    notes[k].append(template.format(names[k], limits[k]))
+        return columns | {"ruled_out_by": np.array([*map(join_notes, notes)], object)}
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""

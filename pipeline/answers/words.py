@@ -38,7 +38,7 @@ _MIN_SHIFT = 0.05  # relative shift of the boundary by tests above which it is s
 
 ATTRIBUTES = (
     "conditions", "model_error", "realizations", "tests", "outliers", "tests_without_result",
-    "not_included", "notes",
+    "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
 
@@ -54,6 +54,7 @@ def answer_attributes(model: VerdictModel) -> dict[str, str | int]:
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers),
         "tests_without_result": waiting_text(evidence),
+        "verdicts_withheld": join_notes(filter(None, model.rulings.withheld.values())),
         "not_included": not_included(model),
         "notes": join_notes(_notes(model)),
     }
@@ -336,6 +337,14 @@ def next_run_line(answer: xr.Dataset) -> str:
     return f"severe wear is 50 % probable {'; '.join(parts)}"
 
 
+def closing_lines(answer: xr.Dataset) -> Iterator[str]:
+    """Lines on a boundary after a run: the next specimen, tests, and effects not included."""
+    yield next_run_line(answer)
+    yield from ruling_lines(answer)
+    yield from withheld_lines(answer)
+    yield from not_included_lines(answer)
+
+
 def reason_lines(answer: xr.Dataset) -> Iterator[str]:
     """Reasons for points without a verdict, each with its first point."""
     axes = [
@@ -361,6 +370,7 @@ def row_warnings(answer: xr.Dataset) -> Iterator[str]:
 def boundary_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines below a boundary: effects not included, errors, tests, missing points."""
     yield from not_included_lines(answer)
+    yield from ruling_lines(answer)
     yield from error_lines(answer)
     yield from shift_lines(answer)
     yield from common_lines(answer)
@@ -412,11 +422,23 @@ def test_lines(answer: xr.Dataset) -> Iterator[str]:
 
 
 def withheld_lines(answer: xr.Dataset) -> Iterator[str]:
-    """Lines on verdicts that are withheld because tests have no result."""
+    """Lines on verdicts that are withheld because tests have no result, or one outcome only."""
     yield from (
         f"some verdicts are withheld: {reason}"
-        for reason in attribute_texts(answer, "tests_without_result")
+        for reason in split_notes(attribute_texts(answer, "verdicts_withheld"))
     )
+
+
+def ruling_lines(answer: xr.Dataset) -> Iterator[str]:
+    """Lines on the tests that limit the velocities at which wear is mild, or severe."""
+    texts, loads = xr.broadcast(answer["ruled_out_by"], answer["load"])
+    loads_of = dict[str, list[float]]()
+    for cell, load in zip(texts.values.ravel(), loads.values.ravel().tolist(), strict=True):
+        for text in split_notes([cell]):
+            loads_of.setdefault(text, []).append(load)
+    for text, ruled_loads in loads_of.items():
+        ends = dict.fromkeys(f"{load:g}" for load in (min(ruled_loads), max(ruled_loads)))
+        yield f"at {' to '.join(ends)} N, {text}"
 
 
 def conditions_lines(answer: xr.Dataset) -> list[str]:

@@ -13,14 +13,14 @@ from typing import Any
 import xarray as xr
 
 import pipeline
+from pipeline.answers import words
 from pipeline.answers.discretization_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_words import warning_lines
-from pipeline.answers.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.check import check, notes_on_scene
 from pipeline.cli.inputs import scene_in, values_in
-from pipeline.cli.output import Result, print_note
+from pipeline.cli.output import Result, print_note, wrapped
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.schema import PLANE
 from tribo import Fidelity, InputError
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> Result:
     elif outcome.done:
         text += _ending(ds, shlex.quote(str(out)))
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
-    return Result(document, text, pipeline.points_with_warnings(ds), code=code)
+    return Result(document, wrapped(text), pipeline.points_with_warnings(ds), code=code)
 
 
 def _refuse_numerical_settings(options: argparse.Namespace) -> None:
@@ -93,7 +93,7 @@ def _refuse_numerical_settings(options: argparse.Namespace) -> None:
 
 
 def _ending(ds: xr.Dataset, store: str) -> list[str]:
-    """Line on the boundary of a finished sweep, and commands to continue with its `store`."""
+    """Lines on the boundary of a finished sweep, and commands to continue with its `store`."""
     if not sweep_of(ds).base.is_judged:
         return [f"next: irg plot {store} --kind ramp"]
     if not {*PLANE} <= {*ds["status"].dims}:
@@ -102,7 +102,7 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
     if not case_dims(ds):  # one scene; irg boundary has a table of several
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary_lines = [next_run_line(pipeline.boundary(ds))]
+            boundary_lines = [*words.closing_lines(pipeline.boundary(ds))]
     return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
 
 

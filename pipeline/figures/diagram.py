@@ -183,13 +183,14 @@ def _refined(points: Array, count: int) -> Array:
 def _captions(
     case: CaseResults, boundary: xr.Dataset, x: Array, y: Array, bulk: float
 ) -> Iterable[str]:
-    """Yield lines on errors, on the oil film, and on tests without a result."""
+    """Yield lines on errors, on the oil film, and on verdicts that tests rule out."""
     yield from words.error_lines(boundary)
     if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
         film = oil.film_parameter(y[:, None], x, bulk)
         ends = float(film.min()), float(film.max())
         regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
         yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
+    yield from words.ruling_lines(boundary)
     yield from words.withheld_lines(boundary)
 
 

@@ -50,8 +50,8 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         raise InputError("the scene has no tests to draw; add [[tests]] to it")
     with_result = comparison.isel(test=comparison["reason"].values == "")
     if not with_result.sizes["test"]:
-        reasons = comparison.attrs["tests_without_result"]
-        raise InputError(f"no test of the scene has a result yet: {reasons}")
+        reason = words.attribute_texts(comparison, "tests_without_result")[0]
+        raise InputError(f"no test of the scene has a result yet: {reason}")
     low, middle, high = map(math.exp, comparison.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * with_result.sizes["test"]))
     legend: dict[str, Any] = {

@@ -24,7 +24,12 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame
+from pipeline.answers.frames import (
+    answer_frame,
+    boundary_frame,
+    has_counted_tests,
+    margin_frame,
+)
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
@@ -297,9 +302,9 @@ def _plane(
         f"Transition diagram over sliding velocity and normal load. {_TABLE_BELOW}",
     )  # fmt: skip
     title, needless = f"{_AS_COMPUTED}; with tests: where severe wear is 5, 50, 95 % probable", []
-    if not boundary.attrs.get("tests", 1):  # a coordinate where cases differ in it
+    if not has_counted_tests(boundary):
         title = f"{_AS_COMPUTED}, and where severe wear is 5 and 95 % probable"
-        needless.append("with tests, 50 % [m/s]")
+        needless.append("50 % [m/s]")
     crosses = bool(boundary["critical_velocity"].notnull().all())
     is_plain = crosses and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1
     needless += ["outcome"] * is_plain
@@ -307,6 +312,8 @@ def _plane(
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if boundary.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
+    if rulings := [*map(_as_sentence, words.ruling_lines(boundary))]:
+        sections.insert(2, ("Tests that rule verdicts out", [rulings]))
     lines = _errors(*words.error_lines(boundary), *words.shift_lines(boundary))
     return [*sections, ("Errors", [lines])]
 

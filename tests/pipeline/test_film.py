@@ -175,7 +175,7 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     assert "from the prior" in pipeline.margin(every, 700.0, 0.5).attrs["model_error"]
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: film_sweep)
     output = " ".join(irg("boundary", "out.zarr").split())
-    assert "(transition, 200 N, 3.75 m/s) is not used: an oil film" in output
+    assert "(transition, 200 N, 3.75 m/s) gives no probability: an oil film" in output
 
 
 def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypatch):

@@ -7,11 +7,14 @@ import pytest
 
 import pipeline
 from pipeline.answers.field import Outcome as Along
+from pipeline.answers.frames import boundary_frame
 from pipeline.answers.posterior import Outcome, Prior, update
+from pipeline.answers.words import boundary_lines, closing_lines, next_run_line, withheld_lines
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
-from tests.helpers.answer_at import asked
+from tests.helpers.answer_at import asked, named
 from tests.helpers.entries import bare_test
+from tests.pipeline.test_film import filmed
 
 LIMIT = synthetic.limit()
 LOAD = 400.0
@@ -125,6 +128,59 @@ def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
     ds = swept(*severe, mild)
     assert asked(ds, 700.0, 3.8).verdict == "undecided"
     assert asked(ds, 750.0, 4.0).verdict == "severe"
+
+
+def velocities_of_verdict(ds, load, verdict):
+    """Velocities of the sweep at a load, in fine steps, that `pipeline.margin` gives a verdict."""
+    velocities = np.linspace(0.5, 4.0, 351)
+    margins = pipeline.margin(ds, np.full(351, load), velocities)
+    return velocities[[name == verdict for name in named(margins["verdict"])]]
+
+
+def test_the_boundary_is_limited_by_the_tests_that_rule_verdicts_out_in_margins():
+    mild = [at(-0.2, "mild", number=f"m{k}") for k in range(40)]
+    severe = bare_test(300.0, 0.75, outcome="severe", number="weak")
+    ds = swept(*mild, severe)
+    answer, free = pipeline.boundary(ds), pipeline.boundary(swept(*mild))
+    assert (free["ruled_out_by"] == "").all()
+    for load in (450.0, 600.0):
+        at_load, named_text = answer.sel(load=load), answer["ruled_out_by"].sel(load=load).item()
+        assert (
+            at_load["critical_velocity_p05"] == 0.75 < free["critical_velocity_p05"].sel(load=load)
+        )
+        assert velocities_of_verdict(ds, load, "mild").max() == pytest.approx(0.74)
+        assert named_text == "test weak (severe, 300 N, 0.75 m/s) rules out mild wear from 0.75 m/s"
+    assert answer["ruled_out_by"].sel(load=200.0).item() == ""  # the test was at a higher load
+    lines = [*boundary_lines(answer), *closing_lines(answer)]
+    assert lines.count(f"at 300 to 750 N, {named_text}") == 2
+    assert "(5 %: 0.75 m/s" in next_run_line(answer)
+
+
+def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():
+    severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
+    ds = swept(*severe, bare_test(700.0, 3.8, outcome="mild", number="strong"))
+    answer = pipeline.boundary(ds).sel(load=600.0)
+    assert answer["critical_velocity_p95"] == 3.8
+    assert velocities_of_verdict(ds, 600.0, "severe").min() == pytest.approx(3.81)
+    expected = "test strong (mild, 700 N, 3.8 m/s) rules out severe wear up to 3.8 m/s"
+    assert expected in answer["ruled_out_by"].item()
+
+
+def test_a_verdict_that_is_withheld_everywhere_has_no_velocity_on_the_boundary():
+    ds = synthetic.with_tests(swept(at(0.0, "severe")), status=PENDING)
+    answer = pipeline.boundary(ds)
+    assert np.isnan(answer["critical_velocity_p05"]).all()
+    assert np.isfinite(answer["critical_velocity_p95"]).any()
+    (line,) = withheld_lines(answer)
+    assert line.startswith("some verdicts are withheld: test 1 (severe, ")
+
+
+def test_only_an_answer_whose_tests_count_has_a_column_with_tests():
+    heading = "with tests, 50 % [m/s]"
+    assert heading in boundary_frame(pipeline.boundary(swept(at(-0.1))))
+    for ds in (swept(), filmed(inlet=1e9)):  # without tests, and with films too thick at all tests
+        columns = [*boundary_frame(pipeline.boundary(ds))]
+        assert (heading in columns, "50 % [m/s]" in columns) == (False, True)
 
 
 def test_friction_moves_the_place_alone_and_another_critical_temperature_its_tests_too():
