@@ -252,8 +252,8 @@ class Archard(Declared):
     form_name = "Archard"
     specific_wear_rate: A[float, ANY_WEAR_RATE, "Worn volume per load and sliding distance."]
     pattern: A[str, WEAR_PATTERN,
-        'Wear pattern of the pin. "swept": by the pressure averaged along y, because the '
-        "roughness moves past; if y is not periodic, averaged over positions of the disk. "
+        'Wear pattern of the pin. "swept": by the pressure averaged over positions of the disk, '
+        "because its roughness moves past, and if y is periodic also along y. "
         '"local": each element by its own pressure.']
 
 

@@ -45,6 +45,8 @@ class LoadStep:
         True if the load has been the same since the load step before.
     bounds_hold : bool
         True at the onset and at the end of a stage's hold, whose temperatures are always computed.
+    part : int
+        Number of parts of this step that were taken before, if the step is cut into parts.
 
     Examples
     --------
@@ -62,6 +64,7 @@ class LoadStep:
     impulse: float
     holding: bool = False
     bounds_hold: bool = False
+    part: int = 0
 
 
 @dataclass(frozen=True, slots=True)

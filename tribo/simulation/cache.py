@@ -159,7 +159,7 @@ def _elastic_bodies(scene: Scene) -> ElasticBodies:
     solid = _solids.get(key, lambda: ElasticHalfSpace(*key))
     pixel_heights = cached_heights(scene)
     separation = scene.separation(pixel_heights)
-    if not (scene.sweeps_over or scene.fidelity.imprint):
+    if not (scene.sweeps_over or scene.wears_by_strips or scene.fidelity.imprint):
         return ElasticBodies(solid, separation)
     heights = scene.pin.profile(scene.grid) - separation
     heights -= heights.mean()

@@ -17,6 +17,7 @@ import itertools
 from collections.abc import Callable, Container, Generator, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -112,11 +113,12 @@ def contacts(
     advance_step = partial(_advance_shared, levels, velocity, on_finest)
     key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
     if has_stages or (recorder and load_steps[-1].on_trunk):
+        memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
         last = yield from _reach_shared_end(
             ramp_cache, key, start(scene), load_steps, advance_step, recorder
         )
         if last.is_requested or not last.pressure.any():
-            yield last
+            yield last if has_stages else _with_positions(levels[-1], last, memo)
             return
     shared_steps = list(
         itertools.takewhile(
@@ -169,6 +171,16 @@ def _reach_shared_end(
             return replace(last, course=end.value[1])
 
 
+def _with_positions(scene: Scene, last: State, memo: dict[Hashable, Any]) -> State:
+    """The shared state `last` as the end of a point, with contacts at all positions of the disk."""
+    if not (last.is_requested and scene.wears_by_strips):
+        return last
+    if "end" not in memo:  # not solved for a scene that differs only in thermal constants
+        memo["end"] = solve_positions(scene, last)
+    end: State = memo["end"]
+    return replace(end, course=last.course)
+
+
 def _advance_shared(
     levels: tuple[Scene, ...],
     velocity: float,
@@ -181,7 +193,9 @@ def _advance_shared(
     if not (load_step.bounds_hold or load_step.index in requested):
         return after
     try:
-        finest = _solve_requested(levels, begin, after, load_step, velocity)
+        finest = _solve_requested(
+            levels, begin, after, load_step, velocity, is_judged=load_step.bounds_hold
+        )
     except TriboError:
         if load_step.bounds_hold:
             raise
@@ -210,7 +224,10 @@ def _final_states(
         before, state = _last_part(levels, velocity, state, load_step)
         is_reached = load_step.normal_load == normal_load and not load_step.holding
         if load_step is load_steps[-1] or is_reached or load_step.index in requested:
-            requested_state = _solve_requested(levels, before, state, load_step, velocity)
+            is_judged = load_step is load_steps[-1] or load_step.normal_load >= normal_load
+            requested_state = _solve_requested(
+                levels, before, state, load_step, velocity, is_judged
+            )
             reached = requested_state if is_reached else reached
             yield requested_state
         else:
@@ -234,8 +251,9 @@ def _last_part(
 ) -> tuple[State, State]:
     """States before and after the last part of a step to `load_step`, on the coarsest grid."""
     scene, after, iterations = levels[0], before, 0
+    observed = len(levels) == 1 and not scene.wears_by_strips
     for part in step_parts(scene, before, load_step, velocity):
-        begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
+        begin, after = after, advance(scene, after, part, velocity, observed=observed)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)
 
@@ -246,12 +264,19 @@ def _solve_requested(
     after: State,
     load_step: LoadStep,
     velocity: float,
+    is_judged: bool,
 ) -> State:
-    """Repeat a step on the finest grid, so that the state at its end can get a temperature."""
+    """Repeat a step on the finest grid, so that the state at its end can get a temperature.
+
+    Under a pin that wears by strips of the disk, only the temperature of a step that verdicts use
+    (`is_judged`) is a mean over positions.
+    """
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, load_step, velocity)
-    return replace(solve_positions(levels[-1], finest), is_requested=True)
+    if is_judged or not levels[-1].wears_by_strips:
+        finest = solve_positions(levels[-1], finest)
+    return replace(finest, is_requested=True)
 
 
 def _independent_state(
@@ -267,7 +292,7 @@ def _independent_state(
         # Each load step starts from the unloaded state. With a guess from earlier steps, results
         # would depend on the load steps at which a temperature is requested.
         states = _last_part(levels, velocity, start(scene), load_step)
-        return _solve_requested(levels, *states, load_step, velocity)
+        return _solve_requested(levels, *states, load_step, velocity, is_judged=True)
 
     # The contact under a load does not depend on when the load is reached.
     contact = unworn_contact((mechanics(scene), load_step.normal_load, normal_load), compute)

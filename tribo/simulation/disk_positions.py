@@ -1,12 +1,26 @@
 """Contacts that a step has to solve: by its wear scheme, and by the parts of the disk that pass.
 
-Along a periodic y swept wear averages over y, which is exact. If y is free, as under a ball, the
-pin's shape varies along both axes, and the roughness itself has to be moved: the pin wears by the
-pressure averaged over positions of the disk. A step is cut into parts, and in each stage of each
-part the disk lies elsewhere. The window is taken to repeat itself along both axes.
+Under swept wear the pin wears by the pressure averaged over positions of the moving disk. The
+window is taken to repeat itself along both axes.
 
-Where few elements touch, the temperature at one position depends on a few summits. The
-temperature is then a mean over positions, too.
+Along a periodic y, all points of a pin at rest at the same x wear equally, by the mean pressure
+along y. One window has too few independent grooves along y for this mean: it keeps the ridges of
+the window, and the pin would wear into their negative, which a moving disk does not allow. So the
+disk is cut into 16 strips along y, each of which is moved along x to another position:
+
+    z(x − s_n, y) in strip n,  s_n = {(16 m + n) φ} L_x,                                  (1)
+
+with the heights z, the length L_x of the window, the golden ratio φ, whose multiples are even in
+their fractional parts { }, and the number m of the stage. The mean along y is then one over 16
+positions. They are other positions in each stage, so that the pin wears into the negative of none,
+and follow no direction, which a lay could have. Pressure and temperature are evaluated with the
+disk itself, which has worn nothing.
+
+If y is free, as under a ball, the pin's shape varies along both axes. A step is then cut into
+parts, and in each stage of each part the whole disk lies elsewhere.
+
+The temperature at one position depends on the summits that happen to be in contact there. It is
+therefore a mean over positions, too. A contact of many summits needs fewer positions.
 """
 
 from __future__ import annotations
@@ -18,35 +32,45 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
+    DENSE_PARTS,
     FEW_POSITIONS,
     FEW_POSITIONS_PART_FACTOR,
     FEWEST_POSITIONS,
     MAX_PART_IMPRINT,
+    MOST_PARTS_OF_STEP,
     MOST_PARTS_OF_WEAR,
     MOST_POSITIONS,
+    PATCHES,
     PIXELS_OF_POSITIONS,
     SHIFT,
+    STRIPS,
 )
 from tribo.loading import LoadStep, MeasuredLoad, Stages
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.surface_groups import surface_lengths
+from tribo.thermal.sampling import GROUPS
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
 _PLASTIC = 1.32471795724474602596  # root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
+_GOLDEN_RATIO = (math.sqrt(5) - 1) / 2  # whose multiples fill a length evenly
+_MAX_STEP_PARTS = MOST_PARTS_OF_STEP * DENSE_PARTS
 
 
 class Pass(NamedTuple):
     """A contact to be solved within a step of the loading, and the shift of the disk in it.
 
-    The shift is in elements along x and y; None for the unshifted disk.
+    The shift is in elements along x and y; None for the unshifted disk. If the disk is in strips,
+    they have their own shifts along x instead, as in Eq. (1).
     """
 
     stage: Stage
-    shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
+    shift: tuple[int, int] | None = None
+    strip_shifts: tuple[int, ...] = ()
 
 
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
@@ -89,15 +113,17 @@ def passes(
     state: State,
     load_step: LoadStep,
     wear: Wear | None,
-    distance: float,
+    velocity: float,
     observed: bool,
     scheme: WearScheme,
 ) -> Iterator[Pass]:
     """Yield the contacts to solve in the step from `state` to `load_step`, in order.
 
-    The pin wears by `wear` over the `distance` slid in the step [m]. `scheme` integrates the
-    wear. If `observed`, the disk is unshifted in the last contact.
+    The pin wears by `wear` at the sliding `velocity` [m/s], along which strips of the disk move.
+    `scheme` integrates the wear. If `observed`, the disk is unshifted in the last contact, which
+    wears nothing if the disk is shifted in the others.
     """
+    distance = abs(velocity) * (load_step.time - state.time)
     if not wear or not distance:
         yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
         return
@@ -105,7 +131,15 @@ def passes(
     loads = state.normal_load, load_step.normal_load
     mean_load = max(0.0, (load_step.impulse - state.impulse) / (load_step.time - state.time))
     if not scene.sweeps_over:
-        yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
+        stages = list(runge_kutta.stages(loads, mean_load, distance))
+        if not scene.wears_by_strips:
+            yield from map(Pass, stages)
+            return
+        part = _MAX_STEP_PARTS * load_step.index + load_step.part
+        for number, stage in enumerate(stages, len(stages) * part):
+            yield Pass(stage, strip_shifts=_strip_shifts(scene, number, velocity))
+        if observed:
+            yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
         return
     count, max_parts = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS_OF_WEAR
     ends = np.linspace(*loads, count + 1)
@@ -123,15 +157,34 @@ def passes(
         yield Pass(Stage(load_step.normal_load, 0.0, 0.0))
 
 
-def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
+def _strip_shifts(scene: Scene, stage_number: int, velocity: float) -> tuple[int, ...]:
+    """Shifts of the disk's strips in a stage, in elements along x, by Eq. (1).
+
+    The strips are moved along the sliding `velocity`.
+    """
+    direction, first = (1 if velocity > 0 else -1), STRIPS * stage_number
+    return tuple(
+        direction * int(scene.grid.shape[0] * (number * _GOLDEN_RATIO % 1))
+        for number in range(first, first + STRIPS)
+    )
+
+
+def separation_at(
+    scene: Scene, shift: tuple[int, int] | None, strip_shifts: tuple[int, ...] = ()
+) -> Array:
     """Separation of the unworn, undeformed surfaces [m], (nx, ny), with the disk moved by `shift`.
 
-    The shift is in elements towards +x and +y; None for the unmoved disk.
+    The shift is in elements towards +x and +y; None for the unmoved disk. If there are
+    `strip_shifts`, they move as many strips of the disk along x.
     """
     _, separation, heights, _ = elastic_bodies(scene)
-    if shift is None or heights is None:
+    if heights is None or (shift is None and not strip_shifts):
         return separation
-    return separation + heights - np.roll(heights, shift, axis=(0, 1))
+    if shift is not None:
+        return separation + heights - np.roll(heights, shift, axis=(0, 1))
+    strips = np.array_split(heights, len(strip_shifts), axis=1)
+    moved = [np.roll(strip, n, axis=0) for strip, n in zip(strips, strip_shifts, strict=True)]
+    return separation + heights - np.concatenate(moved, axis=1)
 
 
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
@@ -141,11 +194,29 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
     `SHIFT` pixels where the window allows it, so that all fidelities average over the same
     positions.
     """
-    if not scene.sweeps_over:
-        return []
     block = scene.fidelity.pixels_per_element
     units = [math.lcm(math.gcd(n, SHIFT), block) // block for n in scene.pixels.shape]
+    if scene.wears_by_strips:
+        count = line_position_count(scene, normal_load)
+        distance = scene.grid.shape[0] / (count * units[0])
+        return [(units[0] * round(number * distance), 0) for number in range(1, count)]
+    if not scene.sweeps_over:
+        return []
     return [_position(scene, n, units) for n in range(1, position_count(scene, normal_load))]
+
+
+def line_position_count(scene: Scene, normal_load: float) -> int:
+    """Number of positions of the disk over which the temperature of a line contact is averaged.
+
+    It is 1, 2, 4 or 8: the fewest with which the smooth contacts at a load [N] cover together at
+    least `PATCHES` patches of the surface, each as large as the product of both correlation
+    lengths. Eight positions must do.
+    """
+    modulus = contact_modulus(scene.pin.material, scene.disk)
+    mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure * math.pi / 4
+    contact_area = normal_load / scene.pin.windows(scene.grid) / mean_pressure
+    patches = contact_area / math.prod(surface_lengths(scene))
+    return next((n for n in (1, 2, 4) if n * patches >= PATCHES), GROUPS)
 
 
 def position_count(scene: Scene, normal_load: float) -> int:

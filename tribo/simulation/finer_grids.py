@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.loading import LoadStep
-from tribo.simulation.disk_positions import Pass, passes
+from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.implicit_end import end_implicitly
-from tribo.simulation.loading_step import advance, solve_pass
+from tribo.simulation.loading_step import advance, guess_pressure, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_wear import step_wear
@@ -32,6 +32,8 @@ def refine_step(
     if finest.sweeps_over and len(levels) > 1:
         return _solve_on_finest(finest, after)
     state = end_implicitly(levels[0], before, after, load_step, velocity)
+    if finest.wears_by_strips:
+        return replace(_solve_on_finest(finest, state), history=after)
     wear_depth = _rewind(levels[0], before, state, load_step, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
@@ -53,7 +55,7 @@ def _rewind(
     """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`."""
     distance = abs(velocity) * (after.time - before.time)
     wear = step_wear(scene, before, distance, velocity)
-    stage = next(passes(scene, before, load_step, wear, distance, True, "implicit")).stage
+    stage = next(passes(scene, before, load_step, wear, velocity, True, "implicit")).stage
     if wear is None or stage.normal_load != after.normal_load:  # the load falls to zero
         return before.wear_depth
     return after.wear_depth - wear.depth(after.pressure, stage.distance)
@@ -65,7 +67,10 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
     # grid resolves, while each position would be one more contact to solve on the fine grid.
     wear_depth = _interpolate(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
-    guess = _prolong(after.pressure, scene.grid.shape)
+    if scene.wears_by_strips:
+        (guess,) = guess_pressure(scene, after, [separation_at(scene, None) + wear_depth])
+    else:
+        guess = _prolong(after.pressure, scene.grid.shape)
     contact, displacement = solve_pass(scene, after, unworn, None, wear_depth, guess)
     return replace(
         after,

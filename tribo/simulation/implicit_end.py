@@ -29,11 +29,10 @@ def end_implicitly(
     """
     if not _gains_contact(scene, before, after, velocity):
         return after
-    guess = after.pressure
-    middle = advance(
-        scene, before, interpolate_step(before, load_step, 1 - IMPLICIT_END), velocity, guess
-    )
-    end = advance(scene, middle, load_step, velocity, guess, scheme="implicit")
+    guess, observed = after.pressure, not scene.wears_by_strips
+    first_part = interpolate_step(before, load_step, 1 - IMPLICIT_END)
+    middle = advance(scene, before, first_part, velocity, guess, observed)
+    end = advance(scene, middle, load_step, velocity, guess, observed, scheme="implicit")
     states = (after, middle, end)
     return replace(
         end,

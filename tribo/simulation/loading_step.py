@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
-from tribo.constants import MAX_EXTRAPOLATION
+from tribo.constants import GUESSED_CONTACT, MAX_EXTRAPOLATION
 from tribo.contact import ContactSolution, solve_contact
 from tribo.loading import LoadStep
 from tribo.simulation.cache import elastic_bodies
@@ -69,8 +72,8 @@ def advance(
         Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
         given.
     observed : bool, optional
-        In some scenes the pin wears against the disk at shifted positions. True to solve the
-        contact with the unshifted disk afterwards, which gives the pressure of the state.
+        Under swept wear the pin wears against a shifted disk. True to solve the contact with the
+        unshifted disk afterwards, which gives the pressure of the state.
     scheme : {"sdirk2", "implicit"}, optional
         Time integration of the wear, one of `tribo.wear.WEAR_SCHEMES`.
 
@@ -90,10 +93,11 @@ def advance(
     distance = abs(velocity) * (load_step.time - state.time)
     wear = step_wear(scene, state, distance, velocity)
     last_pressure = state.pressure if guess is None else guess
-    for contact_pass in passes(scene, state, load_step, wear, distance, observed, scheme):
+    for contact_pass in passes(scene, state, load_step, wear, velocity, observed, scheme):
         # The best guess for the unshifted disk is extrapolated from the last two states. For
         # shifted positions it is the pressure of the last contact.
-        extrapolated = (guess is None and contact_pass.shift is None) or not last_pressure.any()
+        is_shifted = contact_pass.shift is not None or contact_pass.strip_shifts
+        extrapolated = (guess is None and not is_shifted) or not last_pressure.any()
         initial = None if extrapolated else last_pressure
         contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, initial)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
@@ -163,7 +167,7 @@ def solve_pass(
         solid = wear.yielding(solid, stage.implicit_distance)
         if displacement is not None and initial is not None:
             displacement += wear.depth(initial, stage.implicit_distance)
-    shape = separation_at(scene, contact_pass.shift) + wear_depth
+    shape = separation_at(scene, contact_pass.shift, contact_pass.strip_shifts) + wear_depth
     contact = solve_contact(
         solid,
         shape,
@@ -185,6 +189,26 @@ def solve_pass(
     if wear:
         displacement -= wear.depth(contact.pressure, stage.implicit_distance)
     return contact, displacement
+
+
+def guess_pressure(scene: Scene, state: State, shapes: Iterable[Array]) -> Iterator[Array]:
+    """Guess the pressures [Pa] on `shapes` [m], from a contact of the same pin on other roughness.
+
+    That contact is the `state`, on elements of any size. The pin is displaced as in that contact,
+    on average along y, and elements carry the load in proportion to their overlap.
+    """
+    displacement = state.displacement
+    if displacement is None:
+        displacement = elastic_bodies(scene).solid(state.pressure)
+    rows = displacement.mean(axis=1).repeat(scene.grid.shape[0] // len(displacement))
+    share = GUESSED_CONTACT * np.count_nonzero(state.pressure) / state.pressure.size
+    load = state.normal_load / _element_area(scene)
+    for shape in shapes:
+        gap = shape + rows[:, None]
+        touching = min(math.ceil(share * gap.size), gap.size - 1)
+        overlap = np.maximum(np.partition(gap, touching, axis=None)[touching] - gap, 0.0)
+        total = float(overlap.sum())
+        yield np.minimum(overlap * (load / total), scene.hardness) if total else np.ones(gap.shape)
 
 
 def _element_area(scene: Scene) -> float:

@@ -1,10 +1,10 @@
 """Steps cut into parts if each would leave too deep an imprint of the roughness in the pin.
 
 A pin that wears point by point becomes the negative of the area that it faces. A pin that wears by
-mean pressures along y becomes the negative of ridges of the disk along y. Most of this happens
-within a few steps. The depth of a step's imprint depends only on the velocity and the wear rate,
-and the rate on the state before the step. So loads that share a ramp have the same parts of its
-steps.
+mean pressures along y takes an imprint of long ridges along y in each part of a step. Most of this
+happens within a few steps. The depth of a step's imprint depends only on the velocity and the wear
+rate, and the rate on the state before the step. So loads that share a ramp have the same parts of
+its steps.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def step_parts(
     count = 1 if load_step.holding or not scene.wears else scene.fidelity.parts
     count *= _part_count(scene, before, distance / count, velocity)
     for part in range(1, count):
-        yield interpolate_step(before, load_step, part / count)
-    yield load_step
+        yield replace(interpolate_step(before, load_step, part / count), part=part - 1)
+    yield load_step if count == 1 else replace(load_step, part=count - 1)
 
 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:

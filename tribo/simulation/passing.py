@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from dataclasses import replace
 
-from tribo.simulation.disk_positions import Pass, further_positions
-from tribo.simulation.loading_step import solve_pass
+from tribo.simulation.disk_positions import Pass, further_positions, separation_at
+from tribo.simulation.loading_step import guess_pressure, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.types import Array
 from tribo.wear import Stage
 
 
@@ -18,10 +21,13 @@ def solve_positions(scene: Scene, state: State) -> State:
     position is enough. Its pressure and wear remain those with the unshifted disk.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
-    for shift in further_positions(scene, state.normal_load):
-        contact, _ = solve_pass(
-            scene, state, Pass(stage, shift), None, state.wear_depth, state.pressure
-        )
+    shifts = further_positions(scene, state.normal_load)
+    guesses: Iterable[Array] = itertools.repeat(state.pressure, len(shifts))
+    if scene.wears_by_strips:
+        shapes = (separation_at(scene, shift) + state.wear_depth for shift in shifts)
+        guesses = guess_pressure(scene, state, shapes)
+    for shift, guess in zip(shifts, guesses, strict=True):
+        contact, _ = solve_pass(scene, state, Pass(stage, shift), None, state.wear_depth, guess)
         contacts.append(contact)
     if not contacts:
         return state

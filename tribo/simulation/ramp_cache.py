@@ -152,7 +152,7 @@ class RampCache:
 
 def _arrays(state: State) -> Iterator[Array]:
     """Arrays of a state, without the arrays that it shares with the state one step earlier."""
-    yield from (state.pressure, state.wear_depth)
+    yield from (state.pressure, state.wear_depth, *state.passing)
     if state.history is not None:
         yield from _arrays(state.history)
     if state.displacement is not None:

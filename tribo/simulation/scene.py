@@ -165,6 +165,15 @@ class Scene:
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
     @property
+    def wears_by_strips(self) -> bool:
+        """True if the pin wears by contacts with strips of the disk from several positions.
+
+        This is so for swept wear if the disk is rough, y is periodic and the pin does not roll.
+        """
+        swept = self.wears and self.contact_pattern == "swept" and self.roughness is not None
+        return swept and self.velocities_at(1.0).pin == 0
+
+    @property
     def grid(self) -> Grid:
         """The grid of elements. An element is a block of n × n pixels, n = ``pixels_per_element``.
 

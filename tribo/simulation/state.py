@@ -15,8 +15,8 @@ from tribo.types import Array
 class Heat:
     """Temperature rises of the contact, per unit friction coefficient.
 
-    If a ball or crowned pin touches on few elements, the contact is also solved with the disk at
-    other positions. Quantiles, `max_rise`, `mean_rise` and `pin_heat_share` are then means over all
+    Under swept wear, the contact is also solved with the disk at other positions if it has few
+    summits. Quantiles, `max_rise`, `mean_rise` and `pin_heat_share` are then means over all
     positions, and `iterations` is the sum over them. Arrays of shape (nx, ny) are those at the
     first position.
 
@@ -76,7 +76,8 @@ class State:
     Attributes
     ----------
     pressure : ndarray, shape (nx, ny)
-        Contact pressure [Pa].
+        Contact pressure [Pa]. In a step without a temperature under swept wear, it is that with a
+        shifted disk; see `tribo.simulation.disk_positions`.
     wear_depth : ndarray, shape (nx, ny)
         Depth that the pin has lost since the start [m].
     normal_load : float

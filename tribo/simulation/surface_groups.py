@@ -1,7 +1,8 @@
 """Groups of elements, for the sampling error of a contact; see `tribo.thermal.sampling`.
 
 Each group is a sample of the surface. Under a line contact, strips across the whole contact are
-equivalent. Under a ball they are not: the strip in the middle has most of the contact, and eight
+equivalent. If the disk is also at other positions, each of the n positions has 8/n of the groups.
+Under a ball they are not: the strip in the middle has most of the contact, and eight
 strips erred by factors of 2 to 17. There, square cells of four correlation lengths are assigned to
 the groups in turn.
 """
@@ -28,7 +29,7 @@ def surface_groups(scene: Scene) -> Indices:
     (nx, ny), spacing = scene.grid.shape, scene.grid.spacing
     if scene.grid.periodic[1]:
         return np.broadcast_to(np.arange(ny) * GROUPS // ny, (nx, ny))
-    lengths = _correlation_lengths(scene)
+    lengths = surface_lengths(scene)
     side = _CELL * math.sqrt(math.prod(lengths))
     x, y = (
         (np.arange(n) * size / side).astype(int) for n, size in zip((nx, ny), spacing, strict=True)
@@ -37,7 +38,8 @@ def surface_groups(scene: Scene) -> Indices:
     return groups
 
 
-def _correlation_lengths(scene: Scene) -> tuple[float, float]:
+@functools.lru_cache(maxsize=4)
+def surface_lengths(scene: Scene) -> tuple[float, float]:
     """Correlation lengths of the disk's surface along x and y [m]; infinite for a smooth disk."""
     if isinstance(scene.roughness, SelfAffineRoughness):
         return scene.roughness.correlation_length

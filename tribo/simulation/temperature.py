@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -22,7 +23,11 @@ from tribo.thermal import (
     rises_without_groups,
     settling_time,
 )
-from tribo.types import Array, Mask
+from tribo.thermal.sampling import GROUPS
+from tribo.types import Array, Indices, Mask
+
+_HeatMaps = tuple[ConductingHalfSpace, ConductingHalfSpace]
+_ROWS = 8  # divisor of the number of rows, for fast transforms
 
 
 @guard_range("the temperature of a contact")
@@ -44,17 +49,38 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
     '13.8 K at friction 0.1'
     """
     scene = refined_scene(scene, state)
-    passing = (replace(state, pressure=pressure) for pressure in state.passing)
-    return mean_heat(
-        [_present_heat(scene, contact, velocity, is_sampled) for contact in (state, *passing)]
-    )
+    pressures = [state.pressure, *state.passing]
+    maps = _heat_maps(scene, state, velocity)
+    groups = surface_groups(scene) if is_sampled and scene.roughness is not None else None
+    if groups is not None and scene.wears_by_strips:
+        groups = groups // len(pressures)  # eight groups at all positions together
+    heats = [_present_heat(scene, maps, velocity, state.pressure, groups)]
+    if scene.wears_by_strips and state.passing:
+        # No other temperature of these positions is needed than that of the contact.
+        rows = _touching_rows(pressures)
+        shape = rows.stop - rows.start, scene.grid.shape[1]
+        maps = maps[0].cropped(shape), maps[1].cropped(shape)
+        groups = None if groups is None else groups[rows]
+        pressures = [pressure[rows] for pressure in pressures]
+    heats += [_present_heat(scene, maps, velocity, pressure, groups) for pressure in pressures[1:]]
+    return mean_heat(heats, are_samples=scene.wears_by_strips)
 
 
-def mean_heat(heats: Sequence[Heat]) -> Heat:
+def _touching_rows(pressures: Sequence[Array]) -> slice:
+    """Rows of elements along x that touch under any of the pressures; their number is even."""
+    touching = np.flatnonzero(np.any([pressure.any(axis=1) for pressure in pressures], axis=0))
+    first, last, n = int(touching[0]), int(touching[-1]), len(pressures[0])
+    size = min(math.ceil((last + 1 - first) / _ROWS) * _ROWS, n)
+    start = min(first, n - size)
+    return slice(start, start + size)
+
+
+def mean_heat(heats: Sequence[Heat], are_samples: bool) -> Heat:
     """`Heat` with mean values over positions of the disk, from the `heats` at each position.
 
     The array `Heat.rise` is that at the first position, and `Heat.iterations` is the sum over
-    positions.
+    positions. If positions `are_samples`, each has groups of elements of its own; if not, the
+    groups have elements at all positions.
     """
     first, *further_heats = heats
     if not further_heats:
@@ -63,6 +89,9 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
     def mean(name: str) -> Any:
         return np.mean([getattr(position_heat, name) for position_heat in heats], axis=0)
 
+    leave_one_out = None
+    if first.quantile_without is not None:
+        leave_one_out = _means_without_group(heats) if are_samples else mean("quantile_without")
     return replace(
         first,
         max_rise=float(mean("max_rise")),
@@ -70,14 +99,36 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
         pin_heat_share=float(mean("pin_heat_share")),
         rise_quantile=mean("rise_quantile"),
         iterations=sum(position_heat.iterations for position_heat in heats),
-        quantile_without=None if first.quantile_without is None else mean("quantile_without"),
+        quantile_without=leave_one_out,
     )
 
 
-def _present_heat(scene: Scene, state: State, velocity: float, is_sampled: bool) -> Heat:
+def _means_without_group(heats: Sequence[Heat]) -> Array:
+    """Means of the quantiles over positions [K] without each group, shape (8, len(QUANTILES)).
+
+    At each of the n positions are 8/n of the groups, so that a position without a group has the
+    weight 1 − n/8.
+    """
+    count = len(heats)
+    groups_of_position, rest = GROUPS // count, 1 - count / GROUPS
+    total = np.sum([position_heat.rise_quantile for position_heat in heats], axis=0)
+    means = []
+    for position_heat in heats:
+        others = total - position_heat.rise_quantile
+        quantiles_without = np.asarray(position_heat.quantile_without)
+        for quantile_without in quantiles_without[:groups_of_position]:
+            remaining = rest * quantile_without if rest else 0.0
+            means.append((others + remaining) / (count - 1 + rest))
+    return np.array(means)
+
+
+def _present_heat(
+    scene: Scene, maps: _HeatMaps, velocity: float, pressure: Array, groups: Indices | None
+) -> Heat:
     """Rises per unit friction by the present heat since time 0, and the pin's share of the heat."""
-    contact = state.pressure > 0
-    return _heat_summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
+    contact = pressure > 0
+    split = _partition(scene, maps, friction_heat(scene, pressure, velocity), contact)
+    return _heat_summary(scene, split, contact, groups)
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
@@ -89,13 +140,15 @@ def refined_scene(scene: Scene, state: State) -> Scene:
     return replace(scene, fidelity=changed)
 
 
-def _heat_summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
+def _heat_summary(
+    scene: Scene, split: HeatPartition, contact: Mask, groups: Indices | None
+) -> Heat:
     contact_rise = split.rise[contact]
     # Quantiles interpolate between elements, so that a plane's element counts once for each row.
     rows = scene.rows_per_element
     leave_one_out = None
-    if is_sampled and scene.roughness is not None:
-        leave_one_out = rises_without_groups(split.rise, contact, surface_groups(scene))
+    if groups is not None:
+        leave_one_out = rises_without_groups(split.rise, contact, groups)
     return Heat(
         rise=split.rise,
         rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
@@ -107,31 +160,23 @@ def _heat_summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled:
     )
 
 
-def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
-    grid, friction = scene.grid, friction_heat(scene, state, velocity)
+def _partition(scene: Scene, maps: _HeatMaps, friction: Array, contact: Mask) -> HeatPartition:
     if not friction.any():
-        return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
-    split = partition_heat(
-        *_heat_maps(scene, state, velocity),
-        friction,
-        contact,
-        tolerance=scene.fidelity.heat_tolerance,
-    )
+        return HeatPartition(np.zeros(contact.shape), np.zeros(contact.shape), np.nan, 0, 0.0)
+    split = partition_heat(*maps, friction, contact, tolerance=scene.fidelity.heat_tolerance)
     check_heat(friction, contact, split, scene.fidelity.heat_tolerance)
     return split
 
 
-def friction_heat(scene: Scene, state: State, velocity: float) -> Array:
+def friction_heat(scene: Scene, pressure: Array, velocity: float) -> Array:
     """Friction heat of each element per unit friction coefficient [W/m²], shape (nx, ny).
 
     It is |velocity| times pressure, or 0 in a scene without friction heat.
     """
-    return abs(velocity) * state.pressure * scene.friction_heat
+    return abs(velocity) * pressure * scene.friction_heat
 
 
-def _heat_maps(
-    scene: Scene, state: State, velocity: float
-) -> tuple[ConductingHalfSpace, ConductingHalfSpace]:
+def _heat_maps(scene: Scene, state: State, velocity: float) -> _HeatMaps:
     """Maps from heat flux to temperature rise of pin and disk, for a flux constant since time 0."""
     velocities = scene.velocities_at(velocity)
 

@@ -115,9 +115,10 @@ class Wear:
         ``"local"``: each point of the pin wears by the pressure on it, as if it always faced the
         same part of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
         the pin. If the window is periodic along y, all points of the pin at the same x wear by the
-        mean pressure along y. Over a sliding distance dS their depth grows by k dS ⟨p(x, ·)⟩_y. If
-        y is not periodic, as under a ball, each point wears by its mean pressure over positions of
-        the disk; see `tribo.simulation.disk_positions`.
+        mean pressure along y. Over a sliding distance dS their depth grows by k dS ⟨p(x, ·)⟩_y, and
+        a simulation takes this mean over positions of the disk. If y is not periodic, as under a
+        ball, each point wears by its mean pressure over positions of the disk. See
+        `tribo.simulation.disk_positions`.
 
     Examples
     --------

@@ -33,9 +33,8 @@ def test_contacts_at_positions_of_the_disk_wear_by_the_loads_of_their_parts():
         fidelity=Fidelity(increments=4),
     )
     first = next(scene.load_steps(75.0))
-    distance = VELOCITY * first.time
     begin = start(scene)
-    parts = list(passes(scene, begin, first, scene.wear, distance, False, "implicit"))
+    parts = list(passes(scene, begin, first, scene.wear, VELOCITY, False, "implicit"))
     assert len(parts) > 2
     slid = VELOCITY * first.time / len(parts)
     worn = np.cumsum([part.stage.normal_load * part.stage.distance for part in parts])

@@ -19,6 +19,7 @@ from tribo import (
     simulate,
 )
 from tribo.simulation import RampCache, stages_of, widen_window
+from tribo.thermal import rise_exceeded
 
 LOADS = 100.0, 250.0, 400.0
 STAGES = Stages(LOADS, (10.0, 20.0, 10.0), rate=150.0)
@@ -32,7 +33,7 @@ def worn_scene(loading=STAGES, **fidelity):
 
 
 def rises(states):
-    return np.array([float(np.quantile(s.heat.rise[s.pressure > 0], DECISIVE)) for s in states])
+    return np.array([float(rise_exceeded(s.heat.rise_quantile, 1 - DECISIVE)) for s in states])
 
 
 @pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}])
@@ -57,9 +58,9 @@ def test_stages_are_within_1_percent_of_a_record_typed_by_hand():
     typed = replace(scene, loading=record, fidelity=replace(scene.fidelity, increments=96))
     *_, end = simulate(typed, 400.0, 2.0)
     assert stage_rises[4] == pytest.approx(rises([end])[0], rel=0.01)
-    # A fresh pin at the same place is far hotter.
+    # A fresh pin under the same load is far hotter.
     *_, fresh = simulate(replace(scene, loading=Ramp(150.0, 400.0)), 400.0, 2.0)
-    assert rises([fresh])[0] > 1.2 * stage_rises[4]
+    assert rises([fresh])[0] > 1.15 * stage_rises[4]
 
 
 def test_worn_volume_and_distance_add_up_over_the_stages():
@@ -75,7 +76,7 @@ def test_worn_volume_and_distance_add_up_over_the_stages():
 def test_a_verdict_is_of_the_hottest_stage_so_far():
     oil = Conditions(0.1, bulk_temperature=298.15, critical_temperature=418.15)
     loads = 100.0, 120.0, 400.0
-    scene = worn_scene(Stages(loads, (60.0, 10.0, 10.0), 150.0))
+    scene = replace(worn_scene(Stages(loads, (60.0, 10.0, 10.0), 150.0)), roughness=None)
     verdicts = [judge(scene, load, 2.0, oil) for load in loads]
     temperatures = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
     # A worn pin is cooler at 120 N than the unworn one at 100 N.

@@ -1,0 +1,151 @@
+"""Rises under a moving disk, of a loop that shares no averaging with the simulation.
+
+    python -m tests.promises.moving_disk [--scenes N]
+
+In each of many short steps the disk lies at a random position along x, and the pin wears by the
+mean along y of the pressure there. At the end the contact is solved at the positions at which the
+simulation averages the temperature. Scenes without a lay come first; then grooves along, across
+and oblique to sliding, and a measured-like surface.
+"""
+
+import argparse
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+import pipeline
+from tests.helpers.campaigns import conclude, table
+from tribo import MeasuredRoughness, SelfAffineRoughness, Wear, contact_modulus, simulate
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.simulation import fit_elements, heat
+from tribo.thermal import rise_exceeded
+
+STEPS, STEP_TOLERANCE = 384, 0.05
+MAX_MEAN, MAX_ISOTROPIC_MEAN = 0.01, 0.003
+"""Largest mean errors of the rise, of a lay and of surfaces without one."""
+POINTS = (150.0, 3.0), (200.0, 3.0), (600.0, 1.5)
+"""Loads [N] and velocities [m/s]."""
+_WINDOW = {"window.pixels": [288, 240], "window.pixel_size": ["1.632 um", "1.9 um"]}
+_LENGTHS = {
+    "without a lay, 4 µm": (4e-6, 4e-6),
+    "without a lay, 8 µm": (8e-6, 8e-6),
+    "grooves along sliding": (96e-6, 18e-6),
+    "grooves across sliding, 40 µm": (4e-6, 40e-6),
+    "grooves across sliding, 150 µm": (4e-6, 150e-6),
+}
+_ANGLES = {"grooves at 45°": 45.0, "grooves at −45°": -45.0, "grooves at 20°": 20.0}
+KINDS = *_LENGTHS, *_ANGLES, "worn peaks across sliding"
+
+
+def positions(scene, state):
+    """Rises Θ₁₀ [K] that the simulation averages, at even shifts of the disk."""
+    fitted = fit_elements(scene, state.normal_load)
+    velocity = state.sliding_distance / state.time
+    contacts = [replace(state, pressure=p, passing=()) for p in (state.pressure, *state.passing)]
+    return np.array([decisive(heat(fitted, contact, velocity)) for contact in contacts])
+
+
+def moving_disk(scene, load, velocity, count, steps=STEPS, seed=0):
+    """Rises Θ₁₀ [K] at `count` even positions of the disk, of a pin that a moving disk has worn."""
+    scene = fit_elements(scene, load)
+    rng, fine = np.random.default_rng(seed), _Disk(scene, 1)
+    coarse = _Disk(scene, 2 if scene.fidelity.history_coarsening > 1 else 1)
+    duration = load / scene.loading.rate
+    wear, distance = Wear(scene.wear.specific_wear_rate), velocity * duration / steps
+    yielding = wear.yielding(coarse.solid, distance)
+    worn = np.zeros(coarse.shape)
+    for step in range(steps):
+        gap = coarse.gap(int(rng.integers(coarse.shape[0]))) + worn
+        window_load = load * (step + 0.5) / steps / scene.pin.windows(scene.grid)
+        contact = solve_contact(yielding, gap, window_load, scene.hardness, STEP_TOLERANCE)
+        worn = worn + wear.depth(contact.pressure, distance)
+    block = fine.shape[0] // coarse.shape[0]
+    x = (np.arange(fine.shape[0]) + 0.5) / block - 0.5
+    profile = np.interp(x, np.arange(coarse.shape[0]), worn[:, 0])[:, None]
+    *_, end = simulate(replace(scene, wear=None), load, velocity)
+    rises = []
+    for position in range(count):
+        gap = fine.gap(round(position * fine.shape[0] / count)) + profile
+        window_load = load / scene.pin.windows(scene.grid)
+        contact = solve_contact(fine.solid, gap, window_load, scene.hardness, 0.03)
+        state = replace(end, pressure=contact.pressure, time=duration, passing=())
+        rises.append(decisive(heat(replace(scene, wear=None), state, velocity)))
+    return np.array(rises)
+
+
+class _Disk:
+    """Disk of a scene on elements longer by a factor, which can be moved along x."""
+
+    def __init__(self, scene, factor):
+        block = factor * scene.fidelity.pixels_per_element
+        fidelity = replace(scene.fidelity, pixels_per_element=block, history_coarsening=1)
+        scene = replace(scene, fidelity=fidelity)
+        self.shape = scene.grid.shape
+        self.solid = ElasticHalfSpace(scene.grid, contact_modulus(scene.pin.material, scene.disk))
+        self._profile = scene.pin.profile(scene.grid)
+        self._heights = self._profile - scene.separation(scene.heights())
+
+    def gap(self, shift):
+        """Separation from the unworn pin [m], with the disk moved by elements along x."""
+        return self._profile - np.roll(self._heights, shift, axis=0)
+
+
+def decisive(contact_heat):
+    return float(rise_exceeded(contact_heat.rise_quantile, 0.1))
+
+
+def errors(scene, load, velocity, **loop):
+    """Relative errors of the rises of a simulated point, at each of its positions."""
+    *_, state = simulate(scene, load, velocity)
+    rises = positions(scene, state)
+    return rises / moving_disk(scene, load, velocity, len(rises), **loop) - 1
+
+
+def oblique_heights(pixels, angle, seed, lengths=(4e-6, 150e-6), ra=0.27e-6):
+    """Heights [m] with grooves at an angle [°] to y."""
+    (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
+    qx, qy = 2 * np.pi * np.fft.fftfreq(nx, dx)[:, None], 2 * np.pi * np.fft.rfftfreq(ny, dy)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    across, along = lengths[0] * (c * qx + s * qy), lengths[1] * (c * qy - s * qx)
+    amplitude = (1 + across**2 + along**2) ** -0.9
+    amplitude[0, 0] = 0.0
+    noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal(pixels.shape))
+    heights = np.fft.irfft2(noise * amplitude, pixels.shape)
+    return heights * ra / np.abs(heights).mean()
+
+
+def scene_of(kind, seed):
+    """Scene of the paper's system on a smaller window, with a surface of a kind."""
+    scene = pipeline.load_scene("first_try", "standard", _WINDOW).scene
+    if kind in _LENGTHS:
+        return replace(scene, roughness=SelfAffineRoughness(0.27e-6, 0.8, _LENGTHS[kind], seed))
+    heights = oblique_heights(scene.pixels, _ANGLES.get(kind, 0.0), seed)
+    if kind not in _ANGLES:  # summits have lost 40 % of their height
+        heights = np.where(heights > 0, 0.6 * heights, heights)
+    return replace(scene, roughness=MeasuredRoughness(heights))
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.moving_disk")
+    parser.add_argument("--scenes", type=int, default=8, help="surfaces of each kind")
+    options = parser.parse_args()
+    rows, is_right = [], True
+    for kind in KINDS:
+        for load, velocity in POINTS:
+            found = [errors(scene_of(kind, seed), load, velocity) for seed in range(options.scenes)]
+            means = np.array([error.mean() for error in found])
+            uncertainty = means.std(ddof=1) / np.sqrt(len(means)) if len(means) > 1 else np.inf
+            limit = MAX_ISOTROPIC_MEAN if kind.startswith("without") else MAX_MEAN
+            is_right &= abs(means.mean()) <= limit + 2 * uncertainty
+            first = np.mean([error[0] for error in found])
+            numbers = means.mean(), uncertainty, first, np.concatenate(found).std()
+            rows.append((kind, f"{load:g} N", *(f"{100 * number:+.2f}" for number in numbers)))
+    heads = "surface", "load", "mean error [%]", "±", "at the first position", "of a position"
+    worst = max((row[2] for row in rows), key=lambda text: abs(float(text)))
+    text = table(heads, rows) + f"\n\nlargest mean error of the rise {worst} %"
+    return conclude("moving_disk", text, is_right)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

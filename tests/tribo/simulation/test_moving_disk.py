@@ -1,0 +1,168 @@
+"""A pin at rest wears by the mean pressure over positions of the moving disk, whatever the lay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import STEEL
+from tests.promises.moving_disk import decisive, errors, oblique_heights
+from tribo import (
+    Cylinder,
+    Fidelity,
+    Grid,
+    MeasuredRoughness,
+    Motion,
+    Ramp,
+    Scene,
+    SelfAffineRoughness,
+    Wear,
+    measures,
+    simulate,
+)
+from tribo.contact import solve_contact
+from tribo.simulation import RampCache, heat, mechanics
+from tribo.simulation.cache import elastic_bodies
+from tribo.simulation.disk_positions import further_positions, separation_at
+
+LOAD, VELOCITY = 300.0, 1.5
+PIXELS = Grid((128, 96), (4e-6, 4e-6))
+SURFACES = {
+    "no lay": SelfAffineRoughness(0.27e-6, 0.8, (8e-6, 8e-6), seed=1),
+    "along": SelfAffineRoughness(0.27e-6, 0.8, (100e-6, 12e-6), seed=1),
+    "across": SelfAffineRoughness(0.27e-6, 0.8, (8e-6, 150e-6), seed=1),
+    "oblique": MeasuredRoughness(oblique_heights(PIXELS, 45.0, 1, (8e-6, 150e-6))),
+}
+
+
+def scene_of(surface="across", **fidelity):
+    choices = {"pixels_per_element": 1, "increments": 8, "contact_tolerance": 3e-2} | fidelity
+    return Scene(
+        pin=Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+        disk=STEEL,
+        pixels=PIXELS,
+        loading=Ramp(rate=150.0, reference_load=600.0),
+        roughness=SURFACES[surface],
+        wear=Wear(1.2e-15),
+        fidelity=Fidelity(**choices),
+    )
+
+
+def end(scene, ramp_cache=None, load=LOAD):
+    *_, state = simulate(scene, load, VELOCITY, ramp_cache)
+    return state
+
+
+@pytest.mark.parametrize(("surface", "largest"), [
+    ("no lay", 0.012), ("along", 0.012), ("across", 0.03), ("oblique", 0.012),
+])  # fmt: skip
+def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
+    found = errors(scene_of(surface), LOAD, VELOCITY, steps=192)
+    assert abs(found.mean()) < largest
+    assert abs(found[0]) < 4 * largest  # the pin fits its own position no better than others
+
+
+def test_a_pin_that_wears_against_a_window_at_rest_is_too_cold_there():
+    """The error that positions remove: grooves across sliding, worn by one window."""
+    scene = scene_of()
+    bodies, worn = elastic_bodies(scene), np.zeros(scene.grid.shape)
+    window_load = LOAD / scene.pin.windows(scene.grid)
+    distance = VELOCITY * LOAD / scene.loading.rate / 32
+    solid = scene.wear.yielding(bodies.solid, distance)
+    for step in range(32):
+        gap = bodies.separation + worn
+        contact = solve_contact(solid, gap, window_load * (step + 0.5) / 32, scene.hardness, 0.03)
+        worn = worn + scene.wear.depth(contact.pressure, distance)
+    contact = solve_contact(
+        bodies.solid, bodies.separation + worn, window_load, scene.hardness, 0.03
+    )
+    state = end(scene)
+    fitting = replace(state, pressure=contact.pressure, passing=())
+    assert decisive(heat(scene, fitting, VELOCITY)) < 0.93 * decisive(state.heat)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_the_worn_volume_is_exact_and_even_along_y(surface):
+    scene = scene_of(surface)
+    state = end(scene)
+    assert np.array_equal(state.wear_depth, np.repeat(state.wear_depth[:, :1], 96, axis=1))
+    impulse = LOAD**2 / scene.loading.rate / 2
+    volume = measures(scene, state)["wear_volume"]
+    assert volume == pytest.approx(1.2e-15 * VELOCITY * impulse, rel=1e-9)
+
+
+@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"imprint": 0.5}])
+def test_a_point_is_the_same_alone_and_after_others(fidelity):
+    scene, ramp_cache = scene_of(**fidelity), RampCache()
+    end(scene, ramp_cache, 450.0)
+    cached, alone = end(scene, ramp_cache), end(scene)
+    assert np.array_equal(cached.heat.rise_quantile, alone.heat.rise_quantile)
+    assert np.array_equal(cached.wear_depth, alone.wear_depth)
+
+
+def test_strips_lie_at_other_positions_in_each_stage_and_keep_all_heights():
+    scene = scene_of()
+    heights = elastic_bodies(scene).separation[:, :1] * 0 + scene.heights()
+    shifts = tuple(range(0, 128, 8))
+    profile = scene.pin.profile(scene.grid)
+    moved = profile - separation_at(scene, None, shifts)
+    for number, shift in enumerate(shifts):
+        strip = slice(6 * number, 6 * number + 6)
+        expected = np.roll(heights[:, strip], shift, axis=0)
+        assert moved[:, strip] == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_contact_of_many_summits_needs_fewer_positions():
+    counts = [len(further_positions(scene_of("no lay"), load)) + 1 for load in (10.0, 600.0)]
+    assert counts[0] == 8
+    fine = SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=1)
+    narrow = replace(scene_of(), roughness=fine)
+    assert [len(further_positions(narrow, load)) + 1 for load in (50.0, 200.0, 600.0)] == [8, 4, 2]
+    assert further_positions(replace(narrow, wear=None), LOAD) == []
+    assert further_positions(replace(narrow, motion=Motion(slide_roll_ratio=1.0)), LOAD) == []
+
+
+def test_only_the_end_has_several_positions_and_its_temperature_is_their_mean():
+    scene = scene_of()
+    states = list(simulate(scene, LOAD, VELOCITY, requested=range(100)))
+    assert [len(state.passing) for state in states[:-1]] == [0] * (len(states) - 1)
+    last = states[-1]
+    pressures = last.pressure, *last.passing
+    assert len(pressures) == 8
+    places = [heat(scene, replace(last, pressure=p, passing=()), VELOCITY) for p in pressures]
+    expected = np.mean([place.rise_quantile for place in places], axis=0)
+    assert last.heat.rise_quantile == pytest.approx(expected, rel=2e-3)  # tolerance of the heat
+    assert np.array_equal(last.heat.rise, places[0].rise)
+
+
+def test_the_sampling_error_of_eight_positions_is_that_of_a_mean_of_eight_values():
+    scene = scene_of()
+    state = end(scene)
+    found = heat(scene, state, VELOCITY, is_sampled=True)
+    pressures = state.pressure, *state.passing
+    places = [heat(scene, replace(state, pressure=p, passing=()), VELOCITY) for p in pressures]
+    quantiles = np.array([place.rise_quantile for place in places])
+    expected = quantiles.std(axis=0, ddof=1) / np.sqrt(8) / quantiles.mean(axis=0)
+    assert found.sampling["rise_realization_std"][5:] == pytest.approx(expected[5:], rel=0.05)
+
+
+def test_at_fewer_positions_each_has_several_of_the_eight_groups():
+    fine = SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=1)
+    scene = replace(scene_of(), roughness=fine)
+    state = end(scene, load=600.0)
+    assert len(state.passing) == 1
+    found = heat(scene, state, VELOCITY, is_sampled=True)
+    halves = found.quantile_without
+    assert halves.shape[0] == 8
+    # Without the upper or the lower quarter of the rows of one position, the mean hardly changes.
+    assert np.abs(halves / found.rise_quantile - 1)[:, 5:-3].max() < 0.05
+    assert halves[:, 5:].mean(axis=0) == pytest.approx(found.rise_quantile[5:], rel=0.01)
+
+
+def test_a_scene_of_other_thermal_constants_shares_its_positions():
+    scene, ramp_cache = scene_of(), RampCache()
+    other = replace(scene, disk=replace(scene.disk, thermal_conductivity=20.0))
+    assert mechanics(other) == mechanics(scene)
+    end(scene, ramp_cache)
+    cached, alone = end(other, ramp_cache), end(other)
+    assert np.array_equal(cached.heat.rise_quantile, alone.heat.rise_quantile)
