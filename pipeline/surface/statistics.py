@@ -110,7 +110,22 @@ class SurfaceStatistics:
         yield f"  {'ISO 25178-2':14}{'scan':20}random surface"
         yield from (f"  {name:14}{text:20}{other}" for name, text, other in self.rows())
         yield ""
+        yield self.words_on_lay
         yield self.words_on_fit
+
+    @property
+    def words_on_lay(self) -> str:
+        """Direction of the lay relative to sliding, and the lengths of the fit, in sentences."""
+        x, y = (display(length, "µm", 3) for length in nearly_equal(self.fit.correlation_length))
+        lengths = f"Correlation length: {x} along sliding (x), {y} across sliding (y)."
+        angle = self.roughness.lay
+        if angle is None:
+            return f"The scan has no lay. {lengths}"
+        if abs(angle) <= _OBLIQUE:
+            return f"The grooves lie along sliding, at {angle:.0f}° to x. {lengths}"
+        if abs(angle) >= 90 - _OBLIQUE:
+            return f"The grooves lie across sliding, at {angle:.0f}° to x. {lengths}"
+        return f"The grooves lie oblique to sliding, at {angle:.0f}° to x. {lengths}"
 
     @property
     def words_on_fit(self) -> str:
