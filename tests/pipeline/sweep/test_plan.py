@@ -35,7 +35,7 @@ def test_a_step_of_a_ramp_is_the_end_of_the_point_at_its_load_except_with_larger
     course = run_point(scene, 750.0, 2.8).columns
     loads = course["normal_load"]
     first, second = (run_point(scene, float(load), 2.8).columns for load in loads[:2])
-    for name in ("contact_fraction", "mean_pressure", "rise_quantile", "wear_depth_max"):
+    for name in ("contact_fraction", "mean_pressure", "wear_depth_max"):
         np.testing.assert_array_equal(course[name][1], second[name][-1])
     assert course["contact_fraction"][0] / first["contact_fraction"][-1] > 1.1
     assert course["mean_pressure"][0] / first["mean_pressure"][-1] < 0.9
@@ -91,8 +91,13 @@ def test_a_step_is_the_end_of_the_point_at_its_load(physics):
     )
     assert higher.columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
     end = run_point(replace(sweep, steps="end"), 600.0, 1.0)
+    # The end has further contacts and temperatures, with the disk at other positions.
+    has_positions = sweep.scene.wears_by_strips
+    of_positions = {"max_rise", "mean_rise", "rise_quantile", "pin_heat_share"}
+    of_positions |= {"iterations", "residual"}
     for name, values in higher.columns.items():
-        assert values[1].tobytes() == lower.columns[name][-1].tobytes(), name
+        if not (has_positions and name in of_positions):
+            assert values[1].tobytes() == lower.columns[name][-1].tobytes(), name
         assert values[-1].tobytes() == end.columns[name][-1].tobytes(), name
     assert same(replace(end, columns={}), replace(higher, columns={}))
 

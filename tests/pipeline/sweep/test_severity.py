@@ -11,6 +11,7 @@ from pipeline.answers.discretization_error import has_unknown_error, preset_boun
 from pipeline.sweep.conditions import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
+from tribo.simulation import heat
 from tribo.simulation.severity import relative_sampling, worst_rises
 from tribo.simulation.verdict import verdict
 from tribo.thermal import failed_share
@@ -48,12 +49,14 @@ def test_at_the_limit_just_the_critical_area_fraction_is_above_the_critical_temp
 def test_each_critical_area_fraction_decides_by_its_own_temperature_everywhere(share):
     sweep = tiny.sweep(steps="course")
     result = run_point(sweep, 600.0, 1.5)
-    heat, contact = result.state.heat, result.state.pressure > 0
-    expected = np.quantile(heat.rise[contact], 1 - share)
+    contacts = result.state.pressure, *result.state.passing
+    states = [replace(result.state, pressure=pressure, passing=()) for pressure in contacts]
+    rises = [heat(sweep.scene, state, 1.5).rise[state.pressure > 0] for state in states]
+    expected = np.mean([np.quantile(rise, 1 - share) for rise in rises])
     conditions = replace(sweep.conditions, critical_area_fraction=share)
-    assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
+    assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-3)
     judged = result.verdict(conditions)
-    assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
+    assert judged.governing_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-3)
     oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, critical_area_fraction=share)
     judgement = tribo.judge(sweep.scene, 600.0, 1.5, oil)
     assert judgement.governing_temperature == pytest.approx(judged.governing_temperature, rel=1e-9)
