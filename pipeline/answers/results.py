@@ -30,6 +30,7 @@ from pipeline.store.schema import (
     FAILED,
     FIELDS,
     INPUTS,
+    NOT_NEEDED,
     PENDING,
     PLANE,
     PROGRESS,
@@ -59,6 +60,12 @@ from tribo.types import Array, Indices, Mask
 _SPECIMEN = ("realization", *PLANE)
 _BATCH_SIZE = 16  # realizations whose steps are read at once
 _INNER = ("step", "area_fraction_below")
+_ROUNDING = 1e-6  # relative difference of a coordinate, which a user may have stored in 32 bits
+_NOT_SIMULATED = (
+    "the dataset has values that xarray computed from other points ({}), without their error; "
+    "select stored points by sel or isel, and give other loads and velocities to pipeline.margin, "
+    "which interpolates with an error"
+)
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -236,7 +243,7 @@ class CaseResults:
     @property
     def status(self) -> Indices:
         """Status of each point, as in the store."""
-        return np.asarray(self.array("status"), int)
+        return np.nan_to_num(self.array("status"), nan=NOT_NEEDED).astype(int)
 
     @property
     def done(self) -> Mask:
@@ -270,11 +277,30 @@ class CaseResults:
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
         least_loads = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
         thresholds = np.array(least_loads)[:, None, None]
-        rises = np.concatenate(
-            [worst_rises(columns, thresholds, conditions) for columns in self._parts(names)]
-        )
+        parts = list[Array]()
+        for columns in self._parts(names | {"time", "sliding_distance"}):
+            self._require_simulated(columns)
+            parts.append(worst_rises(columns, thresholds, conditions))
+        rises = np.concatenate(parts)
         rises = np.where(self.done, rises, np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
+
+    def _require_simulated(self, columns: Mapping[str, Array]) -> None:
+        """Raise an `InputError` for a point that has the results of another load or velocity."""
+        end = self.ds["step"].values.tolist().index(0) if "step" in self.ds.coords else -1
+        force, time, distance = (
+            columns[name][..., end] for name in ("normal_load", "time", "sliding_distance")
+        )
+        for name, labels, values in (
+            ("load", self.loads[:, None], force),
+            ("velocity", self.velocities, distance / np.where(time > 0, time, np.nan)),
+        ):
+            is_other = np.abs(values - labels) > 1e3 * _ROUNDING * labels
+            if is_other.any():
+                value = np.broadcast_to(labels, values.shape)[is_other][0]
+                unit = COORDINATES[name].units
+                reason = f"those at {name} {value:g} {unit} are of {values[is_other][0]:g} {unit}"
+                raise InputError(_NOT_SIMULATED.format(reason))
 
     def sampling(self, conditions: Conditions) -> Array:
         """Standard deviation of ln(rise) between surface realizations, estimated at each point."""
@@ -343,7 +369,7 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     sweep = sweep_of(ds)
     if ds.attrs.get("without_tests"):
         sweep = replace(sweep, tests=())
-    _require_sweep(ds)
+    _require_sweep(ds, sweep)
     tests, dims = _test_points(ds, sweep), case_dims(ds)
     sizes = [ds.sizes[dim] for dim in dims]
     parts = (ds.isel(dict(zip(dims, index, strict=True))) for index in np.ndindex(*sizes))
@@ -407,11 +433,14 @@ def _label(labels: tuple[Label, ...], value: Any) -> Label:
     """Label nearest to a coordinate's value, which may be rounded."""
     if isinstance(labels[0], str):
         return str(value)
-    return min(labels, key=lambda label: abs(float(label) - value))
+    label = min(labels, key=lambda label: abs(float(label) - value))
+    if abs(float(label) - value) > _ROUNDING * abs(value):
+        raise InputError(_NOT_SIMULATED.format(f"no case has {value:g}; the next is {label:g}"))
+    return label
 
 
-def _require_sweep(ds: xr.Dataset) -> None:
-    """Raise an `InputError` for a dataset whose axes are not those of a sweep."""
+def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
+    """Raise an `InputError` for a dataset whose axes are not those of its sweep."""
     if "status" not in ds:
         raise InputError("the dataset has no status; use it as pipeline.open_sweep returns it")
     if "step" in ds.coords and 0 not in ds["step"].values:
@@ -427,6 +456,14 @@ def _require_sweep(ds: xr.Dataset) -> None:
             raise InputError(f"{name} of the dataset is in {stated}; it must be in {unit}")
         if name in ds.dims and (np.diff(values) <= 0).any():
             raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
+        stored = np.array({"load": sweep.loads, "velocity": sweep.velocities}[name])
+        if name in ds.dims:
+            distances = np.abs(values[:, None] - stored).min(axis=1)
+            if (is_other := distances > _ROUNDING * np.abs(values)).any():
+                reason = f"{name} {values[is_other][0]:g} {unit} is not in its sweep"
+                raise InputError(_NOT_SIMULATED.format(reason))
+    if ds["status"].dtype == np.float64:  # selections and masks keep 8 bits, or make 32
+        raise InputError(_NOT_SIMULATED.format("its status is no integer"))
 
 
 def _require_unit(variable: xr.DataArray) -> None:

@@ -30,6 +30,7 @@ from pipeline.store.schema import (
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
 from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
+from tribo import InputError
 
 
 def open_store(path: PathLike) -> xr.Dataset:
@@ -81,11 +82,22 @@ def completed(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _store_of(ds: xr.Dataset) -> Store | None:
-    """The store that a dataset was read from, whose path `sel` keeps; None if it is not known."""
+    """The store that a dataset was read from, whose path `sel` keeps; None if it is not known.
+
+    Raises an `InputError` if the store has another sweep by now.
+    """
     if "status" not in ds.variables:
         return None
     location = ds.variables["status"].encoding.get("store", ds.encoding.get("source"))
-    return opened(location) if location else None
+    if not location:
+        return None
+    store = opened(location)
+    if ds.attrs.get("sweep_digest") != store.root.sweep_digest:
+        raise InputError(
+            f"the dataset does not belong to the sweep that is in {location} now; open it again, "
+            "and keep its attributes"
+        )
+    return store
 
 
 def _dataset_of(store: Store) -> xr.Dataset:

@@ -5,6 +5,7 @@ Only this group is read; the other documents are for other programs.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
@@ -94,9 +95,14 @@ class Root:
         """The plane, and the tests if there are any."""
         return [self.plane, *([self.tests] if self.tests else [])]
 
+    @functools.cached_property
+    def sweep_digest(self) -> str:
+        """SHA-256 of the data of the sweep, by which a dataset is compared with its store."""
+        return hashlib.sha256(json.dumps(self.plain, sort_keys=True).encode()).hexdigest()
+
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: texts for people, which the program does not read."""
+        """Attributes of the dataset: texts for people, and the identity of its sweep."""
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.title,
@@ -104,6 +110,7 @@ class Root:
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
             "scene": self.sweep.text,
+            "sweep_digest": self.sweep_digest,
             "stored_steps": choose_stored_steps(self.sweep).steps,
         }
 

@@ -55,7 +55,7 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
         assert tuple(ds["velocity"].values) == sweep.velocities
         assert ds["area_fraction_below"].values.tolist() == list(tribo.QUANTILES)
     texts = "Conventions", "title", "source", "history", "license", "scene", "stored_steps"
-    assert ds.attrs.keys() == {*texts}
+    assert ds.attrs.keys() == {*texts, "sweep_digest"}
     assert opened(path).sweep == sweep
     assert zarr.open_group(path, use_consolidated=False)["about"].attrs["history"] == [
         ds.attrs["history"]

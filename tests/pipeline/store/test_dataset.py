@@ -94,6 +94,48 @@ def test_a_dataset_of_plain_xarray_is_answered_with_its_tests(path):
     assert "test_rise_quantile" not in plain.variables
 
 
+REFILLED = {  # how xarray computes values of points from other points, and what gives it away
+    "between loads": (lambda ds: ds.interp(load=[150.0, 200.0]), "load 200 N is not in its"),
+    "between velocities": (lambda ds: ds.interp(velocity=[0.5, 0.7]), "velocity 0.7 m/s is not in"),
+    "by cubics": (
+        lambda ds: ds.interp(velocity=[0.6, 1.4], method="quadratic"), "velocity 0.6 m/s is not",
+    ),
+    "onto stored loads": (
+        lambda ds: ds.isel(load=[0, 2]).interp(load=ds["load"].values), "its status is no integer",
+    ),
+    "means of neighbours": (
+        lambda ds: ds.coarsen(load=2, boundary="trim").mean(keep_attrs=True), "is not in its sweep",
+    ),
+    "the nearest load": (
+        lambda ds: ds.isel(load=[0, 2]).reindex(load=ds["load"].values, method="nearest"),
+        "those at load 250 N are of",
+    ),
+    "the nearest velocity": (
+        lambda ds: ds.isel(velocity=[0, 2]).reindex(velocity=ds["velocity"], method="nearest"),
+        "those at velocity 1 m/s are of",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFILLED)
+def test_points_that_xarray_computed_from_others_are_refused(tiny_store, name):
+    refill, reason = REFILLED[name]
+    ds = refill(pipeline.open_sweep(tiny_store).drop_vars(FIELDS, errors="ignore"))
+    for judge in (pipeline.boundary, lambda ds: pipeline.margin(ds, 200.0, 1.2)):
+        with pytest.raises(InputError, match=re.escape(reason)) as error:
+            judge(ds)
+        assert "give other loads and velocities to pipeline.margin" in str(error.value)
+
+
+def test_points_that_a_mask_or_an_outer_join_left_out_are_unknown_and_not_refused(tiny_store):
+    ds = pipeline.open_sweep(tiny_store).drop_vars(FIELDS, errors="ignore")
+    part = ds.isel(load=[0, 2])
+    expected = pipeline.boundary(part)["critical_velocity"]
+    for masked in (part.reindex(load=ds["load"].values), ds.where(ds["load"] != ds["load"][1])):
+        answer = pipeline.boundary(masked)["critical_velocity"].sel(load=part["load"])
+        np.testing.assert_array_equal(answer, expected)
+
+
 def test_a_dataset_that_lost_its_sweep_and_its_store_says_so(rows_store):
     with pytest.raises(InputError, match=r"no attribute sweep.*pipeline\.open_sweep"):
         cases_of(xr.open_zarr(rows_store).drop_encoding())

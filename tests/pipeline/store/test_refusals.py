@@ -4,10 +4,11 @@ import os
 import shutil
 from pathlib import Path
 
+import xarray as xr
 import zarr
 
 import tribo
-from pipeline import open_sweep, summary
+from pipeline import boundary, open_sweep, summary
 from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import ROOT, place_of
@@ -93,6 +94,15 @@ def foreign():
     return summary("a.zarr")
 
 
+def replaced():
+    """Judge points that plain xarray loaded before another scene was run into their store."""
+    commit("a.zarr", SWEEP, ())
+    ds = xr.open_zarr("a.zarr").load()
+    shutil.rmtree("a.zarr")
+    commit("a.zarr", tiny.full(title="Another scene"), ())
+    return boundary(ds)
+
+
 def of_a_scene():
     Path("a.toml").write_text("[pin]\n")
     return summary("a.toml")
@@ -124,6 +134,7 @@ REFUSALS = {
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "another version of this program (computed by irg-transition"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
+    "replaced": (replaced, "a.zarr now; open it again, and keep its attributes"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),
