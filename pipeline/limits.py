@@ -10,8 +10,18 @@ MOST_ROWS = 1_000_000
 """Most rows of a table in text, which are read within a minute."""
 MOST_OPERATING_POINTS = 100_000
 """Most operating points of a table, which are judged within a minute."""
+MOST_BYTES_OF_SCENE = 2_000_000
+"""Most bytes of a scene file, which are parsed in a second."""
+MOST_LEVELS = 10
+"""Most tables in tables of a scene, more than the format has."""
+MOST_EXTENDED = 20
+"""Most scenes that extend one another."""
 MOST_BYTES_OF_TEXT = 100_000_000
-"""Most bytes of a table in text: some ten million cells, each an object of 60 bytes."""
+"""Most bytes of a table in text."""
+MOST_BYTES_OF_LINE = 1_000_000
+"""Most bytes of a line of a table."""
+MOST_CELLS_OF_TEXT = 5_000_000
+"""Most cells of a table in text, each an object of 60 bytes."""
 MOST_BYTES_OF_BOOK = 10_000_000
 """Largest size of a workbook when it is unpacked."""
 MOST_CELLS_OF_SHEET = 1_000_000

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pipeline.limits import MOST_OPERATING_POINTS
 from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
-from pipeline.table import read_table, rows_of
+from pipeline.table import PYTHON, Advice, read_table, rows_of
 from pipeline.units import share_of, to_si
 from pipeline.words import quoted
 from tribo import InputError
@@ -25,11 +25,11 @@ _LOAD_AND_VELOCITY = "load", "velocity"
 class OperatingPoints(NamedTuple):
     """Operating points, and conditions of each, from a table.
 
-    `columns` has loads [N], velocities [m/s] and the conditions that the table gives [SI], None in
-    an empty cell. `labels` are its other columns.
+    `columns` has loads [N], velocities [m/s] and the conditions that the table gives [SI].
+    `labels` are its columns of words.
     """
 
-    columns: dict[str, list[float | None]]
+    columns: dict[str, list[float]]
     labels: Mapping[str, Sequence[Any]]
 
     @classmethod
@@ -38,29 +38,27 @@ class OperatingPoints(NamedTuple):
         source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
         decimal: str | None = None,
         ignore: Collection[str] = (),
+        advice: Advice = PYTHON,
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
         `decimal` is the decimal mark of the file, and `ignore` has headings of columns to leave
-        out. Columns of words, and of quantities such as angles, are labels, which are passed on.
-        Raises an `InputError` with all faults of the table.
+        out; `advice` is how its user states both. Columns of words are labels, which are passed
+        on. Raises an `InputError` with all faults of the table.
         """
         path_or_columns = Path(source) if isinstance(source, str | os.PathLike) else source
         entries = {path: name for name, path in CONDITION_ENTRIES.items()}
-        sheet = read_table(path_or_columns, MOST_OPERATING_POINTS, decimal, ignore).renamed(entries)
-        names = *_LOAD_AND_VELOCITY, *CONDITION_ENTRIES
-        rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY, labels=True)
+        sheet = read_table(path_or_columns, MOST_OPERATING_POINTS, decimal, ignore, advice)
+        sheet, names = sheet.renamed(entries), (*_LOAD_AND_VELOCITY, *CONDITION_ENTRIES)
+        rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY)
         columns = {
-            name: [_value(name, row[name]) if name in row else None for row in rows]
-            for name in names
-            if any(name in row for row in rows)
+            name: [_value(name, row[name]) for row in rows] for name in names if name in rows[0]
         }
         label_columns = (column for column in sheet.columns if column.name not in names)
         return cls(columns, {column.head: column.cells for column in label_columns})
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    yield from ((name, "empty; give a value") for name in _LOAD_AND_VELOCITY if name not in row)
     for name, cell in row.items():
         try:
             _value(name, cell)

@@ -1,8 +1,9 @@
 """Tables of tests, operating points, rows and loads: CSV or Excel, with headings like "load [N]".
 
-Cells are text here, and nothing is guessed. A row with more or fewer cells than headings, a
-repeated heading, an unknown column and an ambiguous number are refused: all faults at once, each
-with its row and column.
+All tables have one contract. Each column acts, is left out by the user, or holds words; a number is
+never a label. Cells are text here, and nothing is guessed: an empty cell in a column that acts, a
+formula without a stored value, a row with more or fewer cells than headings, a repeated heading and
+an ambiguous number are refused: all faults at once, each with its row and column.
 """
 
 from __future__ import annotations
@@ -12,35 +13,51 @@ import io
 import re
 import zipfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from pipeline.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
+from pipeline.arguments import plain_value
+from pipeline.limits import (
+    MOST_BYTES_OF_BOOK,
+    MOST_BYTES_OF_LINE,
+    MOST_BYTES_OF_TEXT,
+    MOST_CELLS_OF_SHEET,
+    MOST_CELLS_OF_TEXT,
+)
 from pipeline.paths import kind_of, read_file, reason_of, user_path
-from pipeline.units import UnitError, as_entry, si_unit, to_si
+from pipeline.units import NUMBER, to_si
 from pipeline.words import did_you_mean, fault_lines, quoted
 from tribo import InputError
 from tribo.types import Array
 
-Source = str | Path | Mapping[str, Sequence[Any]]
+Source = str | Path | Mapping[str, Sequence[Any]] | pd.DataFrame
+NAME = "number"
+"""Column with the numbers or names of specimens and rows, which stay as they are written."""
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
 _SAME = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
-_PATH = re.compile(r"\w+(\.\w+)+")  # of an entry
-_NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
+_NUMBER = re.compile(NUMBER, re.ASCII)
+_NUMERIC = re.compile(r"[~≈<>≤≥±=]*\s*[-+]?\.?\d|[-+]?(nan|inf)|=.|#[A-Z]+[/!?\d]", re.IGNORECASE)
+"""Beginning of a cell that is no word: a number, a formula, or an error of a spreadsheet."""
+_ERRORS = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
+_SIGNS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
+_NO_VALUE = {"-", "--", "—"}  # after `_SIGNS`
+_NUMBER_UNITS = {"-", "–", "—", "−", "1"}
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
-"""Units of columns of numbers that are given in Python without one."""
+"""Units of numbers that are given in Python without one."""
 _MAX_LISTED = 12  # names that a message lists
-_QUANTITIES = {"N", "m s-1", "K"}
-"""SI units of loads, velocities and temperatures; a column with one of them is no label."""
+_MOST_HEADINGS = 1000
 _SYNONYMS = {
-    "cof": "friction", "mu": "friction", "friction_coefficient": "friction",
-    "coefficient_of_friction": "friction", "speed": "velocity", "sliding_speed": "velocity",
-    "force": "load", "t_oil": "bulk_temperature", "result": "outcome",
+    "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
+    "friction_coefficient": "friction", "coefficient_of_friction": "friction",
+    "speed": "velocity", "sliding_speed": "velocity", "force": "load", "t_oil": "bulk_temperature",
+    "result": "outcome", "radius": "pin.radius", "ra": "disk.roughness.ra",
 }  # fmt: skip
 """Headings that are refused, and the name that is suggested for each."""
 
@@ -53,6 +70,18 @@ class TableError(InputError):
         self.faults = faults
 
 
+class Advice(NamedTuple):
+    """How the user of a table leaves out a column, and states the decimal mark of its numbers."""
+
+    ignore: str
+    decimal: str
+
+
+PYTHON = Advice("leave it out", "write decimals with points")
+COMMAND = Advice("ignore it: --ignore {}", "set --decimal {}")
+SCENE = Advice("ignore it: ignore = [{}] below file", "set decimal = {} below file")
+
+
 class Column(NamedTuple):
     """A column: its heading, the name of its quantity or entry, its unit, and its cells as text."""
 
@@ -63,35 +92,27 @@ class Column(NamedTuple):
 
     @classmethod
     def from_heading(cls, head: str, cells: Sequence[str] = ()) -> Column:
-        """A column by its heading, such as "load [N]"."""
-        match = _HEADING.fullmatch(head.strip())
-        name, unit = (match[1], match[2]) if match else (head.strip(), "")
+        """A column by its heading, such as "load [N]"; `[-]` and `[1]` are units of numbers."""
+        head = " ".join(head.split())
+        match = _HEADING.fullmatch(head)
+        name, unit = (match[1], match[2].strip()) if match else (head, "")
         bare = name if "." in name else name.lower().replace(" ", "_")
-        return cls(head.strip(), _SAME.get(bare, bare), unit, [cell.strip() for cell in cells])
+        unit = "" if unit in _NUMBER_UNITS else unit
+        return cls(head, _SAME.get(bare, bare), unit, [cell.strip() for cell in cells])
 
     def entry(self, row: int) -> str | float:
-        """The entry of a row; a cell without a unit has that of the column."""
-        cell = self.cells[row]
-        return as_entry(cell, self.unit if _NUMBER.fullmatch(cell) else "")
+        """The entry of a row: a number, or text; a number in text has the unit of the column.
 
-    @property
-    def is_label(self) -> bool:
-        """True if the cells are words, or quantities that no condition has, such as angles.
-
-        A path, such as pin.radius, is no label: it would be shown and would not act.
+        A name stays as it is written.
         """
-        return not _PATH.fullmatch(self.name) and not any(
-            self._is_condition(k) for k, cell in enumerate(self.cells) if cell
-        )
-
-    def _is_condition(self, row: int) -> bool:
-        entry = self.entry(row)
-        if not isinstance(entry, str):
-            return True
-        try:
-            return si_unit(entry) in _QUANTITIES
-        except (UnitError, InputError):
-            return False
+        cell = self.cells[row]
+        if self.name == NAME or not _NUMBER.fullmatch(cell):
+            return cell
+        if self.unit:
+            return f"{cell} {self.unit}"
+        with suppress(ValueError):
+            return int(cell)
+        return float(cell)
 
 
 @dataclass(frozen=True)
@@ -105,6 +126,7 @@ class Sheet:
     columns: list[Column]
     lines: list[int]
     faults: list[str]
+    advice: Advice = PYTHON
     decimal: str | None = None  # decimal mark given by the user
     is_local: bool = False  # True if points of numbers may divide thousands
 
@@ -117,57 +139,96 @@ class Sheet:
                 faults.append(f"the heading {quoted(original.head)} stands twice; leave one out")
             else:
                 columns.append(column)
-        return Sheet(self.name, columns, self.lines, faults, self.decimal, self.is_local)
+        return replace(self, columns=columns, faults=faults)
 
     def select(
-        self, known: Collection[str], needed: Collection[str] = (), labels: bool = False
-    ) -> tuple[list[Column], list[str]]:
-        """Columns of the names in `known`, in which numbers have decimal points; and all faults.
+        self, known: Collection[str], needed: Collection[str] = (), omissible: Collection[str] = ()
+    ) -> tuple[list[Column], list[Column], list[str]]:
+        """Columns that act, columns of words, and all faults.
 
-        A column of another name is a fault, unless `labels` are allowed and it is one; these are
-        among the columns, too.
+        The first have a name in `known`; their numbers have decimal points. A dash in an
+        `omissible` column leaves out the entry of its row.
         """
-        faults, selected = [*self.faults], list[Column]()
+        faults, acting, words = [*self.faults], list[Column](), list[Column]()
         names = {column.name for column in self.columns}
         for column in self.columns:
-            name = _SYNONYMS.get(column.name.lower(), column.name)
-            hint = did_you_mean(name, {*known} - names)
-            if column.name in known or (labels and column.is_label and not hint):
-                selected.append(column)
-                continue
-            listed = (
-                "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
-            )
-            advice = "rename it" if hint else f"rename it to {listed}"
-            faults.append(
-                f"the column {quoted(column.head)} is unknown{hint}; {advice}, or ignore it "
-                "(--ignore)"
-            )
+            if column.name in known:
+                cells = [*self._cells(column, column.name in omissible, faults)]
+                acting.append(column._replace(cells=cells))
+            elif fault := self._fault_of_words(column, known, names):
+                faults.append(fault)
+            else:
+                words.append(column)
         heads = ", ".join(quoted(column.head) for column in self.columns)
         missing = [name for name in needed if name not in names]
         faults += [f"no column {name} in {heads}; add it, with its unit" for name in missing]
-        columns = [
-            column
-            if column.name not in known
-            else column._replace(cells=[*self._points(column, faults)])
-            for column in selected
-        ]
-        return columns, faults
+        return acting, words, faults
 
-    def _points(self, column: Column, faults: list[str]) -> Iterator[str]:
-        """Yield the cells of a column with decimal points; those with two meanings are faults."""
+    def _fault_of_words(self, column: Column, known: Collection[str], names: set[str]) -> str:
+        """Why a column of an unknown name cannot pass as words; empty if it can."""
+        if column.name == NAME:
+            return ""
+        name = _SYNONYMS.get(column.name.lower(), column.name)
+        hint = did_you_mean(name, {*known} - names)
+        cells = zip(self.lines, column.cells, strict=True)
+        number = next(((line, cell) for line, cell in cells if _NUMERIC.match(cell)), None)
+        if not hint and number is None and "." not in column.name:
+            return ""
+        head, ignore = quoted(column.head), self.advice.ignore.format(quoted(column.head))
+        if hint:
+            return f"the column {head} is unknown{hint}; rename it, or {ignore}"
+        listed = (
+            "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
+        )
+        if number is None:
+            return f"the column {head} is unknown; rename it to {listed}, or {ignore}"
+        return (
+            f"the column {head} has numbers ({quoted(number[1])} in row {number[0]}), but is "
+            f"unknown; rename it to {listed}, to {NAME} if it has names, or {ignore}"
+        )
+
+    def _cells(self, column: Column, is_omissible: bool, faults: list[str]) -> Iterator[str]:
+        """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
-            where, (number, unit) = f"row {line}, {column.head}: {cell}", _split(cell)
-            if self.decimal == "," and "." in number:
-                faults.append(f"{where} has a point, though decimals have commas")
-            elif self.decimal is None and self.is_local and _GROUPED.fullmatch(number):
-                faults.append(f'{where} may be a thousand times as much; set decimal to "." or ","')
-            elif self.decimal != "," and "," in number:
-                hint = 'set decimal to "," if commas are decimal marks'
-                if _GROUPED.fullmatch(number):
-                    hint = "write thousands without a mark, and decimals with a point"
-                faults.append(f"{where} has a comma; {hint}")
-            yield number.replace(",", ".") + unit
+            where, plain = f"row {line}, {column.head}", cell.translate(_SIGNS)
+            if not cell:
+                faults.append(f"{where}: empty; give a value in each row{_DASH * is_omissible}")
+                yield ""
+            elif column.name == NAME:
+                yield cell
+            elif is_omissible and plain in _NO_VALUE:
+                yield ""
+            else:
+                number, rest = _split(plain)
+                if problem := self._fault_of_marks(number):
+                    faults.append(f"{where}: {cell} {problem}")
+                yield number.replace(",", ".") + rest
+
+    def _fault_of_marks(self, number: str) -> str:
+        """Why the marks in a number have two meanings, or another than that of the table."""
+        marks = {*number} & {",", "."}
+        if self.decimal == "," and "." in marks:
+            return "has a point, though decimals have commas; write the number that is meant"
+        if not marks or self.decimal == "," or (marks == {"."} and not self._may_group()):
+            return ""
+        if self.decimal is None and _GROUPED.fullmatch(number):
+            thousands = number.replace(",", "").replace(".", "")
+            mark = number.strip("+-0123456789")[0]
+            decimals = number.replace(",", ".")
+            if decimals.count(".") > 1:
+                return f"may be {thousands}; write it without marks of thousands"
+            advice = self.advice.decimal.format(quoted(mark))
+            return f"may be {thousands} or {decimals}; write the one that is meant, or {advice}"
+        if "," in marks:
+            advice = self.advice.decimal.format(quoted(","))
+            return f"has a comma; {advice}, if commas are decimal marks"
+        return ""
+
+    def _may_group(self) -> bool:
+        return self.decimal is None and self.is_local
+
+
+_DASH = ", or a dash where it does not apply"
 
 
 def _split(cell: str) -> tuple[str, str]:
@@ -177,17 +238,22 @@ def _split(cell: str) -> tuple[str, str]:
 
 
 def read_table(
-    source: Source, max_rows: int, decimal: str | None = None, ignore: Collection[str] = ()
+    source: Source,
+    max_rows: int,
+    decimal: str | None = None,
+    ignore: Collection[str] = (),
+    advice: Advice = PYTHON,
 ) -> Sheet:
     """Read a .csv or .xlsx file, or columns by heading such as a data frame.
 
     In CSV cells are divided by the first of tab, semicolon and comma in the headings. `decimal` is
-    the decimal mark of its numbers. Columns whose headings are in `ignore` are left out.
+    the decimal mark of its numbers. Columns whose headings are in `ignore` are left out. `advice`
+    is how its user states both.
     """
     if isinstance(source, str | Path):
         path = user_path(source)
         try:
-            rows, is_local = _rows(path)
+            rows, is_local = _rows(path, max_rows)
         except InputError:
             raise
         except OSError as error:
@@ -200,39 +266,56 @@ def read_table(
         raise InputError(f"{path} has no rows below its headings; add one")
     if len(rows) - 1 > max_rows:
         raise InputError(f"{path} has {len(rows) - 1} rows; at most {max_rows} are read")
-    sheet = _sheet(str(path), rows, ignore)
+    sheet = replace(_sheet(str(path), rows, ignore), advice=advice, decimal=decimal)
     cells = [cell for column in sheet.columns for cell in column.cells]
     # A number with a point and not three decimals shows that points are decimal marks.
     points = [number for number, _ in map(_split, cells) if "." in number]
-    is_local = is_local and all(map(_GROUPED.fullmatch, points))
-    return Sheet(sheet.name, sheet.columns, sheet.lines, sheet.faults, decimal, is_local)
+    return replace(sheet, is_local=is_local and all(map(_GROUPED.fullmatch, points)))
 
 
 _UNREADABLE = ValueError, ImportError, KeyError, SyntaxError, csv.Error, zipfile.BadZipFile
 
 
-def _rows_of_frame(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[str]]]:
+def _rows_of_frame(
+    source: Mapping[str, Sequence[Any]] | pd.DataFrame,
+) -> list[tuple[int, list[str]]]:
     """Rows of columns by heading, numbered from 1; headings first."""
-    if lone := [head for head, cells in source.items() if not np.ndim(cells)]:
-        raise InputError(f"column {quoted(str(lone[0]))} is no list; give one with a value per row")
-    columns = {str(head): [*cells] for head, cells in source.items()}
-    if len({len(cells) for cells in columns.values()}) > 1:
-        sizes = ", ".join(f"{quoted(head)} {len(cells)}" for head, cells in columns.items())
-        raise InputError(f"columns differ in their numbers of rows: {sizes}; give each as many")
-    frame = pd.DataFrame(columns)
-    numeric = frame.select_dtypes("number")
-    heads = [f"{name} [{_SI[name]}]" if name in numeric and name in _SI else name for name in frame]
-    cells = ["" if pd.isna(cell) else str(cell) for cell in frame.to_numpy(object).ravel()]
-    width = len(heads)
-    return [*enumerate([heads, *(cells[k : k + width] for k in range(0, len(cells), width or 1))])]
+    if isinstance(source, pd.DataFrame):
+        if named := [str(name) for name in source.index.names if name is not None]:
+            raise InputError(f"the index {quoted(named[0])} is not read; use reset_index()")
+        columns = [(str(head), source.iloc[:, k]) for k, head in enumerate(source.columns)]
+    elif hasattr(source, "dims"):
+        raise InputError("a Dataset is no table; give its variables as load and velocity")
+    else:
+        columns = [(str(head), cells) for head, cells in source.items()]
+    lists, sizes = list[list[str]](), dict[str, int]()
+    for head, cells in columns:
+        plain, column = plain_value(f"column {quoted(head)}", cells), Column.from_heading(head)
+        if not isinstance(plain, list):
+            raise InputError(f"column {quoted(head)} is no list; give one with a value per row")
+        lists.append([_text(column, item) for item in plain])
+        sizes[head] = len(plain)
+    if len({*sizes.values()}) > 1:
+        counts = ", ".join(f"{quoted(head)} {size}" for head, size in sizes.items())
+        raise InputError(f"columns differ in their numbers of rows: {counts}; give each as many")
+    heads = [head for head, _ in columns]
+    return [*enumerate([heads, *map(list, zip(*lists, strict=True))])]
 
 
-def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
+def _text(column: Column, value: Any) -> str:
+    """Cell of a value of Python; a number under a heading without a unit is in SI."""
+    if value is None or value != value:  # NaN
+        return ""
+    is_bare = isinstance(value, int | float) and not isinstance(value, bool) and not column.unit
+    return f"{value!r} {_SI[column.name]}" if is_bare and column.name in _SI else str(value)
+
+
+def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]:
     """Rows of a file with their numbers, headings first, without empty ones and comments above.
 
     Also true if points of numbers may divide thousands: where cells are not divided by commas.
     """
-    content = read_file(path)
+    content = read_file(path, MOST_BYTES_OF_TEXT)
     if content.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(content)) as book:
             size = sum(member.file_size for member in book.infolist())
@@ -249,8 +332,23 @@ def _rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
     elif kind := kind_of(content):
         raise InputError(f"{path} is {kind}; save the table as .csv")
     else:
+        _require_few_lines(path, content, max_rows)
         rows, mark = _rows_of_text(path, _decoded(content))
     return [(line, row) for line, row in rows if any(cell.strip() for cell in row)], mark != ","
+
+
+def _require_few_lines(path: Path, content: bytes, max_rows: int) -> None:
+    """Raise an `InputError` for a text with too many or too long lines, before it is parsed."""
+    count, longest = content.count(b"\n"), max(map(len, io.BytesIO(content)), default=0)
+    if longest > MOST_BYTES_OF_LINE:
+        raise InputError(
+            f"{path} has a line of {longest / 1e6:.3g} MB; {MOST_BYTES_OF_LINE / 1e6:g} MB at most "
+            "are read"
+        )
+    if count > 2 * max_rows + _MOST_HEADINGS:  # with an empty line below each row
+        raise InputError(f"{path} has {count} lines; at most {max_rows} rows are read")
+    if (cells := max(map(content.count, (b"\t", b";", b",")))) > MOST_CELLS_OF_TEXT:
+        raise InputError(f"{path} has {cells} cells; at most {MOST_CELLS_OF_TEXT} are read")
 
 
 def _decoded(content: bytes) -> str:
@@ -279,28 +377,52 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
 
 
 def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:
-    """Yield the title and the rows of each sheet of a workbook, all of one length."""
+    """Yield the title and the rows of each sheet of a workbook, all of one length.
+
+    The cell of a formula has its stored value, or without one the formula.
+    """
     import openpyxl  # imported here, since few tables are workbooks
 
-    for sheet in openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True):
+    values, formulas = (
+        openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
+        for data_only in (True, False)
+    )
+    for sheet, formula_sheet in zip(values, formulas, strict=True):
         sheet.reset_dimensions()  # those in the file may be wrong
+        formula_sheet.reset_dimensions()
         rows, widest = list[list[str]](), 0
-        for number, cells in enumerate(sheet.iter_rows(values_only=True), 1):
+        pairs = zip(sheet.iter_rows(), formula_sheet.iter_rows(), strict=True)
+        for number, (cells, formula_cells) in enumerate(pairs, 1):
             widest = max(widest, len(cells))
             if number * widest > MOST_CELLS_OF_SHEET:
                 raise InputError(
                     f"{path} has more than {MOST_CELLS_OF_SHEET} cells up to its last one, empty "
                     "ones included; delete what lies far from the table"
                 )
-            for cell in cells:
-                if isinstance(cell, str) and "." in cell and _GROUPED.fullmatch(cell.strip()):
+            texts = [_cell_text(*pair) for pair in zip(cells, formula_cells, strict=True)]
+            for cell, text in zip(cells, texts, strict=True):
+                if cell.data_type == "s" and "." in text and _GROUPED.fullmatch(text.strip()):
                     raise InputError(
-                        f"{path}: row {number}: {quoted(cell)} is text, which may be a thousand "
+                        f"{path}: row {number}: {quoted(text)} is text, which may be a thousand "
                         "times as much; make it a number"
                     )
-            rows.append(["" if cell is None else str(cell) for cell in cells])
+            rows.append(texts)
         filled = any(cell.strip() for row in rows for cell in row)
         yield sheet.title, [row + [""] * (widest - len(row)) for row in rows] if filled else []
+
+
+def _cell_text(cell: Any, formula_cell: Any) -> str:
+    """Text of a cell of a workbook, as it is shown for a number in per cent."""
+    value = cell.value
+    if value is None or value == "":
+        if formula_cell.data_type != "f":
+            return ""
+        formula = formula_cell.value
+        return formula if isinstance(formula, str) else f"={getattr(formula, 'text', '')}"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and "%" in (cell.number_format or ""):
+        return f"{(Decimal(repr(value)) * 100).normalize():f} %"
+    return str(value)
 
 
 def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
@@ -319,7 +441,7 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
             fit.append((line, row))
     if len(faults) == len(body) and width == 1:
         faults = [f"row {first} has one cell, and rows below have more; leave out the title"]
-    columns, names = list[Column](), set[str]()
+    columns, positions = list[Column](), dict[str, int]()
     ignored, skipped = {heading.strip().lower(): heading for heading in ignore}, set[str]()
     for k in range(width):
         column = Column.from_heading(heads[k], [row[k] for _, row in fit])
@@ -327,12 +449,15 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         if keys:
             skipped |= keys
         elif not column.head:
-            faults += ["a column has no heading; give one"] * any(column.cells)
-        elif column.name in names:
-            faults.append(f"the heading {quoted(column.head)} stands twice; leave one out")
+            problem = f"column {k + 1} has no heading; give one, and merge no cells"
+            faults += [problem] * any(column.cells)
+        elif column.name in positions:
+            both = f"in columns {positions[column.name]} and {k + 1}"
+            faults.append(f"the heading {quoted(column.head)} stands twice, {both}; leave one out")
         else:
             columns.append(column)
-            names.add(column.name)
+            positions[column.name] = k + 1
+            faults += _faults_of_formulas(column, [line for line, _ in fit])
     listed = ", ".join(quoted(column.head) for column in columns)
     faults += [
         f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
@@ -340,6 +465,18 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         for key in ignored.keys() - skipped
     ]
     return Sheet(name, columns, [line for line, _ in fit], faults)
+
+
+def _faults_of_formulas(column: Column, lines: Sequence[int]) -> Iterator[str]:
+    """Faults of cells with a formula instead of its value, or with an error of a spreadsheet."""
+    for line, cell in zip(lines, column.cells, strict=True):
+        if re.match(r"=[^=\s]", cell):
+            yield (
+                f"row {line}, {column.head}: the formula {quoted(cell)} has no stored value; open "
+                "and save the table in a spreadsheet program, or write the number"
+            )
+        elif _ERRORS.match(cell):
+            yield f"row {line}, {column.head}: {cell} is an error of a formula; correct it"
 
 
 def _stripped(row: list[str]) -> list[str]:
@@ -352,19 +489,19 @@ def rows_of(
     names: Collection[str],
     faults_in: Callable[[dict[str, Any]], Iterable[Sequence[Any]]],
     needed: Collection[str] = (),
-    labels: bool = False,
+    omissible: Collection[str] = (),
 ) -> list[dict[str, Any]]:
     """Entries in each row, as a scene file has them, of the columns in `names`.
 
-    Empty cells are left out. Other columns are refused, but for `labels` if these are allowed.
+    Entries are left out where an `omissible` column has a dash. Columns of words are not used.
     Raises an `InputError` with all faults: of the sheet, and pairs (name, reason) that `faults_in`
     finds in a row, each with its row and column.
     """
-    columns, faults = sheet.select(names, needed, labels)
+    columns, _, faults = sheet.select(names, needed, omissible)
     rows, heads = list[dict[str, Any]](), {column.name: column.head for column in columns}
     faulty = {fault.partition(": ")[0] for fault in faults}  # includes locations of cells
     for number, line in enumerate(sheet.lines):
-        filled = [column for column in columns if column.cells[number] and column.name in names]
+        filled = [column for column in columns if column.cells[number]]
         rows.append({column.name: column.entry(number) for column in filled})
         for name, reason, *_ in faults_in(rows[-1]):
             location = f"row {line}, {heads.get(name, name)}"

@@ -8,7 +8,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from decimal import (
     ROUND_HALF_EVEN,
     Context,
@@ -45,14 +45,16 @@ _TURNS = re.compile(
     rf"\s*(?P<number>{NUMBER})\s*(?P<unit>{'|'.join(map(re.escape, TURNS))})\s+at\s+"
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
 )
-_COMMA = re.compile(r"\s*[+-]?\d+,\d")
+_COMMA = re.compile(r"\s*([+-]?\d+(?:,\d+)+(?:\.\d*)?)(.*)", re.ASCII | re.DOTALL)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(,\d{3})+")
 _SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
 
 _SIGNS_OF_PRINT = str.maketrans(
     {**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"}
 )
 _RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+"
-_TIMES_TEN = re.compile(r"(?:\s*[×x]\s*10\s*\^?| +10\^)([+-]?\d{1,2})(?=\s*[A-Za-z])")
+_TIMES_TEN = re.compile(r"(?:\s*[×x]\s*10(?:\^|(?=[+-]))| +10\^)([+-]?\d{1,2})(?=\s*[A-Za-z])")
+_SHARE = re.compile(rf"\s*({NUMBER})\s*(%|percent|per cent)?\s*", re.ASCII)
 _PRINTED = tuple(
     (re.compile(pattern), read)
     for pattern, read in (
@@ -101,6 +103,7 @@ def exact_si(text: str, like: str) -> Decimal:
     `like` is any quantity of the required dimension. Hardness numbers are converted to a pressure.
     """
     needed = si_unit(like)
+    _require_short(text)
     if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         if radius <= 0:
@@ -152,14 +155,6 @@ def si_unit(text: str) -> str:
     return _read(text)[1].dimension
 
 
-def as_entry(cell: str, unit: str) -> str | float:
-    """Convert a cell to the value of an entry: a number, or text with the column's unit."""
-    for number in (int, float) if not unit else ():
-        with suppress(ValueError):
-            return number(cell)
-    return f"{cell} {unit}".strip()
-
-
 @functools.cache
 def _registry() -> pint.UnitRegistry[Any]:
     """The units known to pint; loaded when first needed, since loading takes 0.3 s."""
@@ -170,15 +165,31 @@ def _registry() -> pint.UnitRegistry[Any]:
 
 def _parts(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
+    _require_short(text)
     typed = re.sub(f"[{_RAISED[0]}]+", lambda raised: f"^{raised[0]}", text)
     typed = typed.translate(str.maketrans(*_RAISED)).translate(_SIGNS_OF_PRINT)
     typed = _SCALE_FIRST.sub(r"\2 \1", _TIMES_TEN.sub(r"e\1", typed))
-    match = _QUANTITY.fullmatch(typed) if len(text) <= _LONGEST else None
+    match = _QUANTITY.fullmatch(typed)
     if match is None:
-        marks = "; use a decimal point and no thousands separator"
-        hint = marks if _COMMA.match(text) else ""
-        raise UnitError(f"{_quoted(text)} is not a number with a unit{hint}")
+        raise UnitError(f"{_quoted(text)} is not a number with a unit{_comma_hint(text)}")
     return match[1], match[2].strip()
+
+
+def _require_short(text: str) -> None:
+    """Raise a `UnitError` for a text that is too long for a quantity, before it is parsed."""
+    if len(text) > _LONGEST:
+        raise UnitError(f"{_quoted(text)} has {len(text)} characters; give {_LONGEST} at most")
+
+
+def _comma_hint(text: str) -> str:
+    """Advice for a number with a comma, which may divide thousands or precede decimals."""
+    if not (match := _COMMA.fullmatch(text)):
+        return ""
+    number, rest = match[1], match[2]
+    decimals = f"{number.replace(',', '.')}{rest}"
+    if _THOUSANDS.fullmatch(number):
+        return f"; write {number.replace(',', '')}{rest} or {decimals}, whichever is meant"
+    return f"; write {decimals}" if number.count(",") == 1 else "; use a decimal point"
 
 
 def _read(text: str) -> tuple[Decimal, Unit]:
@@ -268,37 +279,14 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
     return number * _GRAVITY * 10**6  # of kgf/mm²
 
 
-def in_si(name: str, value: float | str, like: str) -> float:
-    """Convert text with a unit to SI; return a number as it is.
-
-    `like` is any quantity of the required dimension. Raises an `InputError` that begins with `name`
-    if the value is neither.
-    """
-    try:
-        if isinstance(value, bool | np.bool_):
-            raise ValueError(f"{value} is no number")
-        return to_si(value, like) if isinstance(value, str) else float(value)
-    except (UnitError, OverflowError, TypeError, ValueError) as error:
-        is_type = isinstance(error, TypeError)
-        reason = f"a value of type {type(value).__name__} is no number" if is_type else error
-        raise InputError(f'{name}: {reason}; give one such as "{like}"') from error
-
-
-def require_count(name: str, value: float) -> None:
-    """Raise an `InputError` unless a value is a whole number of at least 1."""
-    if value < 1 or value % 1:
-        raise InputError(f"{name} is {value}; it must be a whole number of at least 1")
-
-
 def share_of(value: float | str) -> float:
-    """Value of a share, as a number or as text such as ``"10%"``."""
+    """Value of a share, as a number or as text such as ``"10%"`` or ``"10 percent"``."""
     if not isinstance(value, str):
         return value
-    text = value.strip()
-    try:
-        return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
-    except ValueError:
-        raise InputError(f'"{value}" is not a number; give one such as 0.1 or 10%') from None
+    match = _SHARE.fullmatch(value.translate(_SIGNS_OF_PRINT)) if len(value) <= _LONGEST else None
+    if match is None:
+        raise InputError(f"{_quoted(value)} is not a number; give one such as 0.1 or 10%")
+    return float(match[1]) / (100 if match[2] else 1)
 
 
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}

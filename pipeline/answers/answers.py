@@ -36,12 +36,12 @@ from pipeline.answers.verdict import (
     JudgedCase,
     VerdictModel,
 )
+from pipeline.arguments import in_si
 from pipeline.constants import DECIDED
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 
@@ -235,8 +235,7 @@ def _judge_rows(
     """Judge the rows of a table, whose conditions, if it has any, replace the others."""
     columns = dict[str, Any]()
     for name, cells in points.columns.items():
-        filled = [conditions.get(name) if cell is None else cell for cell in cells]
-        columns[name] = xr.DataArray(np.array(filled, object), dims="place")
+        columns[name] = xr.DataArray(np.array(cells, object), dims="place")
     answer = margin(ds, **{**conditions, **columns})
     labels = {f"{k} (given)" if k in answer.variables else k: x for k, x in points.labels.items()}
     return answer.assign_coords({name: ("place", [*cells]) for name, cells in labels.items()})

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 import xarray as xr
 
+from pipeline.arguments import in_share, in_si, plain_value
 from pipeline.quantities import display
 from pipeline.sweep.conditions import OIL_WORKS, PATHS, Conditions
-from pipeline.units import in_si, share_of
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -95,25 +95,27 @@ def in_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
 
 
 def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
-    """An argument as an array of its values, converted by `read`; a list has the dimension `dim`.
-
-    If a DataArray has a unit in its attributes, each number is read with this unit.
-    """
-    values = np.asarray(value, object)
+    """Array of the values of an argument, converted by `read`; a list has the dimension `dim`."""
+    plain = plain_value(name, value)
+    shape = value.shape if isinstance(value, xr.DataArray) else _shape_of(name, plain)
+    values = np.array(plain, object).reshape(shape)
     if not values.size:
         raise InputError(f"{name} is empty; give at least one value")
-    unit = value.attrs.get("units") if isinstance(value, xr.DataArray) else None
     converted = np.empty(values.shape, object)
     for index, item in np.ndenumerate(values):
-        is_bare = not unit or isinstance(item, str) or (isinstance(item, float) and np.isnan(item))
-        converted[index] = read(item if is_bare else f"{item} {unit}")
+        converted[index] = read(item)
     if isinstance(value, xr.DataArray):
         return value.copy(data=converted).drop_attrs()
-    if converted.ndim > 1:
-        raise InputError(
-            f"{name} has {converted.ndim} dimensions; give a DataArray, which names them"
-        )
     return xr.DataArray(converted, dims=[dim] * converted.ndim)
+
+
+def _shape_of(name: str, plain: Any) -> tuple[int, ...]:
+    """Shape of a plain value: that of a number, or of a list of them."""
+    if not isinstance(plain, list):
+        return ()
+    if any(isinstance(item, list) for item in plain):
+        raise InputError(f"{name} has lists in a list; give a DataArray, with named dimensions")
+    return (len(plain),)
 
 
 def _si(name: str, value: Any) -> float | None:
@@ -122,12 +124,7 @@ def _si(name: str, value: Any) -> float | None:
         return None
     if name in ("bulk_temperature", "critical_temperature"):
         return _oil_temperature(name, value)
-    try:
-        if isinstance(value, bool | np.bool_):
-            raise ValueError
-        return float(share_of(value.removesuffix(" 1") if isinstance(value, str) else value))
-    except (OverflowError, TypeError, ValueError):
-        raise InputError(f"{name} is {value!r}; give a number such as 0.1") from None
+    return in_share(name, value)
 
 
 def _oil_temperature(name: str, value: Any) -> float:

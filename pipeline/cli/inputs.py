@@ -17,6 +17,7 @@ from pipeline.quantities import ROUNDING
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
+from pipeline.table import COMMAND
 from pipeline.units import to_si
 from pipeline.words import did_you_mean
 from tribo import InputError
@@ -92,7 +93,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
         return None
     if options.load is not None or options.velocity is not None:
         raise InputError("--points already gives loads and velocities; leave out the others")
-    return OperatingPoints.read(options.points, options.decimal, options.ignore)
+    return OperatingPoints.read(options.points, options.decimal, options.ignore, COMMAND)
 
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:

@@ -15,12 +15,12 @@ from pipeline.answers.conditions import in_array
 from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
 from pipeline.answers.scene_words import heating_words
 from pipeline.answers.verdict import conditions_of, outside_reason
+from pipeline.arguments import in_si
 from pipeline.figures import style
 from pipeline.quantities import shown_in
 from pipeline.store.read import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.conditions import Conditions, allowable_rise
-from pipeline.units import in_si
 from tribo import InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.types import Array

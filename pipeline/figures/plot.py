@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.conditions import NAMES, ConditionValues
 from pipeline.answers.results import dataset_of
+from pipeline.arguments import in_si
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -21,7 +22,6 @@ from pipeline.figures.rows import rows
 from pipeline.figures.tests import draw_tests
 from pipeline.frames import FIGURES, writable_path
 from pipeline.store.schema import PLANE
-from pipeline.units import in_si
 from tribo import InputError
 
 Kind = Literal["diagram", "rows", "ramp", "fields", "tests"]

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import psutil
 
+from pipeline.arguments import in_count
 from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import list_points_of_tests, sweep_of_tests
 from pipeline.sweep.sweep import Sweep
-from pipeline.units import require_count
 from tribo import Scene, State
 from tribo.simulation import RampCache, contacts, fit_elements, heat
 from tribo.simulation.ramp_cache import MOST_BYTES
@@ -75,7 +75,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     from dask.system import cpu_count  # takes 0.14 s
 
     if workers is not None:
-        require_count("workers", workers)
+        workers = in_count("workers", workers)
     sweep, available = sweep_of(sweep), cpu_count()
     workers = workers or available
     cases = sweep.case_table.without_surfaces.names

@@ -14,6 +14,7 @@ from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import PARTS, SURFACE, total
 from pipeline.answers.results import CaseResults, ascending, cases_of
 from pipeline.answers.verdict import JudgedCase, VerdictModel
+from pipeline.arguments import in_share
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
@@ -22,7 +23,6 @@ from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
 from pipeline.sweep.conditions import allowable_rise
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.units import share_of
 from tribo import InputError, SelfAffineRoughness
 
 _MAX_PRESET_SHARE = 0.8  # of an accuracy, for the preset's error
@@ -113,8 +113,8 @@ class GoalRun:
         accuracy: float | str,
         report: Report,
     ) -> None:
-        self.accuracy = share_of(accuracy)
-        if isinstance(accuracy, bool) or not 0 < self.accuracy < 1:
+        self.accuracy = in_share("accuracy", accuracy)
+        if not 0 < self.accuracy < 1:
             raise InputError(
                 f"accuracy is {accuracy!r}, the boundary's relative error; give a share between 0 "
                 'and 1, such as 0.02 or "2%"'

@@ -13,6 +13,7 @@ import numpy as np
 from dask.system import cpu_count
 from distributed import Client
 
+from pipeline.arguments import in_count
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
@@ -27,7 +28,6 @@ from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.sweep import Sweep
-from pipeline.units import require_count
 from tribo import InputError
 from tribo.errors import require_positive
 
@@ -119,7 +119,7 @@ def run_sweep(
     (24, 24, 0, ())
     """
     if workers is not None:
-        require_count("workers", workers)
+        workers = in_count("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client)
     sweep, goal = sweep_of(sweep), None

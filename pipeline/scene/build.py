@@ -37,7 +37,7 @@ from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import AREAS
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.notes import FromLibrary
-from pipeline.table import numbers_of, read_table
+from pipeline.table import SCENE, numbers_of, read_table
 from tribo.loading.record import find_fault
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of
@@ -192,7 +192,7 @@ def loading_of(
 
 def _record(path: Path, table: Record) -> tuple[Array, Array]:
     """Times [s] and loads [N] of a recorded load."""
-    sheet = read_table(path, MOST_ROWS, table.decimal, table.ignore)
+    sheet = read_table(path, MOST_ROWS, table.decimal, table.ignore, SCENE)
     times, forces = numbers_of(sheet, _RECORD).values()
     if reason := find_fault(times, forces):
         raise tribo.InputError(f"row {sheet.lines[reason[0]]}: {reason[1]}")

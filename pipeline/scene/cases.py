@@ -31,8 +31,8 @@ from pipeline.sweep.case_table import (
 )
 from pipeline.sweep.codec import digest
 from pipeline.sweep.conditions import CONDITION_ENTRIES
+from pipeline.table import SCENE, Advice, Sheet, TableError, read_table
 from pipeline.table import Column as TableColumn
-from pipeline.table import Sheet, TableError, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
@@ -40,6 +40,10 @@ from tribo import InputError, SelfAffineRoughness
 _FIXED = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
 _POINT = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
+_ALONG = Advice(
+    "ignore it: along = {{ file = ..., ignore = [{}] }}",
+    "set along = {{ file = ..., decimal = {} }}",
+)
 CaseRow = dict[str, Any]
 
 
@@ -95,8 +99,13 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
         ]
         sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], [])
         with faults.at("sweep.along"):
-            _read_columns(sheet, ())
-            return [{CONDITION_ENTRIES.get(k, k): cell for k, cell in row.items()} for row in rows]
+            entries, _ = _read_columns(sheet, ())
+            paths = {column.name for column in entries}
+            renamed = [{CONDITION_ENTRIES.get(k, k): v for k, v in row.items()} for row in rows]
+            return [
+                {k: value if k in paths else str(value) for k, value in row.items()}
+                for row in renamed
+            ]
         return []
     table = {"file": written} if isinstance(written, str) else written
     before = len(faults)
@@ -105,24 +114,28 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
         return []
     with faults.at("sweep.along"):
         path = files.path("sweep.along", table_file.file)
-        sheet = read_table(path, MOST_SCENES, table_file.decimal, table_file.ignore)
-        columns = _read_columns(sheet, tuple(_POINT.keys))
+        advice = _ALONG if isinstance(written, str) else SCENE
+        sheet = read_table(path, MOST_SCENES, table_file.decimal, table_file.ignore, advice)
+        entries, words = _read_columns(sheet, tuple(_POINT.keys))
         return [
-            {column.name: column.entry(k) for column in columns}
-            for k in range(len(columns[0].cells))
+            {column.name: column.entry(k) for column in entries}
+            | {column.name: column.cells[k] for column in words}
+            for k in range(len(sheet.lines))
         ]
     return []
 
 
-def _read_columns(sheet: Sheet, needed: tuple[str, ...]) -> list[TableColumn]:
-    """Columns of rows: point, entries by their paths, and labels; an `InputError` for others."""
+def _read_columns(
+    sheet: Sheet, needed: tuple[str, ...]
+) -> tuple[list[TableColumn], list[TableColumn]]:
+    """Columns of rows with point and entries by their paths, and columns of words."""
     sheet = sheet.renamed(CONDITION_ENTRIES)
     entries = [path for path in keys_of(SceneFile) if path.partition(".")[0] not in _FIXED]
     paths = [column.name for column in sheet.columns if "." in column.name]
-    columns, faults = sheet.select([*_POINT.keys, *paths, *entries], needed, labels=True)
+    columns, words, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
     if faults:
         raise TableError(sheet.name, faults)
-    return columns
+    return columns, words
 
 
 def _read_point(number: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
@@ -168,7 +181,7 @@ def _cases_over(over: dict[str, Any]) -> Cases:
 
 def _cases_along(rows: list[CaseRow]) -> Cases:
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
-    parsed = {head: labels_of([row[head] for row in rows]) for head in heads}
+    parsed = {head: _row_labels(head, [row[head] for row in rows]) for head in heads}
     columns = {
         head: _column(
             dimension_of(head) if "." in head else head,
@@ -183,9 +196,14 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
     return Cases(numbered_cases(columns.values(), labels), changes)
 
 
+def _row_labels(head: str, values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
+    """Labels of rows: the values of an entry, a load or a velocity in SI, or words."""
+    is_quantity = "." in head or head in PLACE_UNITS
+    return labels_of(values) if is_quantity else (tuple(values), None)
+
+
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
     display_unit = number_at(SceneFile, entry).unit if entry and unit is not None else ""
-    display_unit = "°" if unit == "rad" else display_unit
     return Column(name, unit, meaning=meaning, entry=entry, shown=display_unit)
 
 

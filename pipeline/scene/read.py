@@ -10,11 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 import tribo
+from pipeline.arguments import in_si, plain_value
 from pipeline.limits import MOST_POINTS
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.entries import Entries, flat, replace_values
+from pipeline.scene.entries import Entries, flat, replace_value, replace_values
 from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
@@ -28,7 +29,6 @@ from pipeline.sweep.case_table import SEED
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.units import in_si
 from pipeline.words import did_you_mean
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
@@ -135,7 +135,8 @@ class Source:
 
     def changed(self, path: str, value: Any) -> Sweep:
         """The sweep with another value of an entry; `InputError` for the first fault."""
-        source = replace(self, entries=replace_values(self.entries, {path: value}))
+        values = {path: plain_value(path, value)}
+        source = replace(self, entries=replace_values(self.entries, values))
         sweep = source.read(faults := Faults())
         faults.raise_first()
         assert sweep
@@ -176,15 +177,29 @@ def _path_overrides(
     """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     choices = table_of(FidelityTable).keys
-    for key, value in overrides.items():
-        if key in choices:
-            replaced[f"fidelity.{key}"] = value
-        elif "." in key or (key in table_of(SceneFile).keys and key != "extends"):
-            replaced[key] = value
-        else:
+    for name, value in overrides.items():
+        key = f"fidelity.{name}" if name in choices else name
+        if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
             hint = did_you_mean(key, [*choices, *keys_of(SceneFile)])
             faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
+            continue
+        with faults.at(key):
+            plain = plain_value(key, value)
+            if twice := [path for path in _paths_in(key, plain) if _is_set(path, replaced)]:
+                raise tribo.InputError(f"{twice[0]} is given twice; give it once")
+            replaced[key] = plain
     return replaced
+
+
+def _paths_in(path: str, value: Any) -> list[str]:
+    """Paths of the entries in a value at a path: its own, or those of a table."""
+    return [entry for entry, _ in flat(replace_value({}, path, value))] or [path]
+
+
+def _is_set(path: str, entries: Entries) -> bool:
+    """True if `entries`, by path, have the entry at a path, a table around it, or one within it."""
+    listed = [entry for key, value in entries.items() for entry in _paths_in(key, value)]
+    return any(f"{path}.".startswith(f"{e}.") or e.startswith(f"{path}.") for e in listed)
 
 
 @np.errstate(under="ignore")

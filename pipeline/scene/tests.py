@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from pipeline.limits import MOST_ROWS
+from pipeline.limits import MOST_SCENES
 from pipeline.scene.build import Built, Files, build
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
@@ -17,7 +17,7 @@ from pipeline.scene.stages import stages_of, test_faults
 from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest
 from pipeline.sweep.conditions import with_test_conditions
-from pipeline.table import read_table, rows_of
+from pipeline.table import SCENE, read_table, rows_of
 from pipeline.words import quoted
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
@@ -29,6 +29,8 @@ _SHARED_ENTRIES = (
     "temperature.critical", "temperature.critical_area_fraction",
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""
+_OMISSIBLE = "load", "outcome", "step", "mild_up_to", "severe_at"
+"""Entries of a test that do not apply to each; without all others the scene's value is used."""
 
 
 def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries:
@@ -45,12 +47,11 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
         if len(faults) > before:
             continue
         with faults.at(f"{path}.file"):
-            sheet = read_table(
-                files.path("tests", listing.file), MOST_ROWS, listing.decimal, listing.ignore
-            )
+            file = files.path("tests", listing.file)
+            sheet = read_table(file, MOST_SCENES, listing.decimal, listing.ignore, SCENE)
             is_staged = {"mild_up_to", "severe_at"} & {column.name for column in sheet.columns}
             needed = ("velocity",) if is_staged else ("load", "velocity", "outcome")
-            rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed)
+            rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed, _OMISSIBLE)
     remaining = {key: value for key, value in entries.items() if key != "tests"}
     return remaining | ({"tests": rows} if rows else {})
 

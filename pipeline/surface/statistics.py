@@ -10,11 +10,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pipeline.arguments import in_si, plain_value
 from pipeline.quantities import display, display_sides
 from pipeline.surface.fit import SelfAffineFit, fit_self_affine
 from pipeline.surface.scan import Scan, read_scan
 from pipeline.surface.window import filled, form_words
-from pipeline.units import in_si
 from pipeline.words import quoted
 from tribo import Grid, InputError
 from tribo.errors import require_positive
@@ -224,14 +224,15 @@ def surface_statistics(
     correlation_length = "3.25 um"
     <BLANKLINE>
     """
-    unit = height_unit
-    if isinstance(unit, str):
-        unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
+    unit = plain_value("height_unit", height_unit)
+    if unit is not None:
+        text = f"1 {unit}" if isinstance(unit, str) and not unit[:1].isdigit() else unit
+        unit = in_si("height_unit", text, "1 um")
     sides = None
-    if pixel_size is not None:
-        if isinstance(pixel_size, str) or len(pixel_size) != 2:
+    if (listed := plain_value("pixel_size", pixel_size)) is not None:
+        if not isinstance(listed, list) or len(listed) != 2:
             raise InputError(f"pixel_size is {pixel_size!r}; give two sides, along x and y")
-        x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
+        x, y = (in_si("pixel_size", side, "1 um") for side in listed)
         require_positive(pixel_size_x=x, pixel_size_y=y)
         sides = x, y
     if unit is not None:

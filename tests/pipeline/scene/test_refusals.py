@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from pipeline import load_scene, new_scene, to_si
+from pipeline.arguments import in_count, in_si
 from pipeline.scene.contact_estimate import require_admissible_load
-from pipeline.units import in_si, require_count, share_of
+from pipeline.units import share_of
 from tests.helpers.refusals import refusal_tests
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
@@ -104,7 +105,7 @@ QUANTITIES = {
     "unknown": (lambda: to_si("4 kx", like="1 N"), "has an unknown unit: 'kx'"),
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
     "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
-    "count": (lambda: require_count("samples", 1.5), "samples is 1.5"),
+    "count": (lambda: in_count("samples", 1.5), "samples is 1.5"),
     "share": (lambda: share_of("ten"), '"ten" is not a number; give one such as 0.1'),
 }
 
@@ -222,7 +223,7 @@ ENTRIES = {
 
 TEXTS = {
     "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
-    "thousands": (text('["200 N"', '["1,200 N"'), "a decimal point and no thousands separator"),
+    "thousands": (text('["200 N"', '["1,200 N"'), "; write 1200 N or 1.200 N, whichever is meant"),
     "utf-16": (toml(TEXT.encode("utf-16")), "line 1 is not UTF-8"),
     "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),

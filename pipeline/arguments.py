@@ -1,0 +1,141 @@
+"""Values as users pass them in Python: to text with a unit, plain numbers, lists and tables.
+
+Whatever comes in as an override, an argument or an attribute of an array passes `plain_value`,
+which keeps the unit of a value or refuses the value.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+
+from pipeline.units import UnitError, share_of, to_si
+from pipeline.words import quoted
+from tribo import InputError
+
+_WITHOUT_UNIT = {"", "1", "-", "–", "dimensionless"}
+"""Units of numbers, as attributes of arrays state them."""
+_KINDS = "biufOU"  # of NumPy's types: truth values, numbers, objects and text
+_MOST_LEVELS = 10
+
+
+def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:
+    """Convert a value to what TOML can hold: text, number, truth value, list or table.
+
+    Numbers of NumPy and `decimal.Decimal` become numbers of Python, arrays, tuples, and objects of
+    pandas and xarray become lists. A quantity of pint, and a number in an array whose attributes
+    have ``units``, become text with the unit; `unit` is this unit. None stays None.
+
+    Raises
+    ------
+    InputError
+        If the value is of another type, or has a unit that cannot be kept; it begins with `name`.
+    """
+    if level > _MOST_LEVELS:
+        raise InputError(f"{name} has lists or tables nested more than {_MOST_LEVELS} deep")
+    package = type(value).__module__.partition(".")[0]
+    if callable(getattr(value, "to_base_units", None)):
+        return _plain_quantity(name, value, level)
+    if package in ("xarray", "pandas") and hasattr(value, "to_numpy"):
+        return _plain_array(name, value, level)
+    if value is None or isinstance(value, bool | np.bool_):
+        return value if value is None else bool(value)
+    if isinstance(value, str | os.PathLike):
+        return str(value)
+    if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype.kind in _KINDS:
+        return plain_value(name, value.tolist(), unit, level)
+    if isinstance(value, list | tuple | range):
+        return [plain_value(name, item, unit, level + 1) for item in value]
+    if isinstance(value, Mapping) and package not in ("xarray", "pandas"):
+        return {str(key): plain_value(name, item, unit, level + 1) for key, item in value.items()}
+    return _plain_number(name, value, unit)
+
+
+def _plain_number(name: str, value: Any, unit: str) -> Any:
+    """A number, or text with the number and its unit."""
+    is_time = isinstance(value, np.timedelta64)  # a subclass of whole numbers
+    if isinstance(value, Decimal) and value.is_finite():
+        value = int(value) if not unit and value == value.to_integral_value() else float(value)
+    if is_time or not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{name} is of type {type(value).__name__}; give a number or text")
+    number = int(value) if isinstance(value, int | np.integer) else float(value)
+    return f"{number!r} {unit}" if unit and not math.isnan(number) else number
+
+
+def _plain_quantity(name: str, value: Any, level: int) -> Any:
+    """Text of a quantity of pint in base units, or the number of a dimensionless one."""
+    if "delta_" in str(value.units):
+        raise InputError(f"{name} is a difference of temperatures; give a temperature")
+    try:
+        base = value.to_base_units()
+        unit = "" if base.dimensionless else f"{base.units:~C}"
+    except Exception as error:  # pint raises errors that are not its own
+        raise InputError(f"{name} is {value}, which cannot be converted: {error}") from error
+    rounded = _rounded(name, base.magnitude)
+    return plain_value(name, rounded, unit, level)
+
+
+def _rounded(name: str, magnitude: Any) -> Any:
+    """Magnitude in base units with 15 digits, so that 0.27 µm is 2.7e-07 m."""
+    if isinstance(magnitude, np.ndarray | list | tuple):
+        return [_rounded(name, item) for item in magnitude]
+    number = plain_value(name, magnitude)
+    return float(f"{number:.15g}") if isinstance(number, int | float) else number
+
+
+def _plain_array(name: str, value: Any, level: int) -> Any:
+    """List of an array of xarray or pandas; its attribute ``units`` is the unit of its numbers."""
+    if type(value).__name__ == "DataFrame":
+        raise InputError(f"{name} is a table; give one of its columns")
+    data = getattr(value, "data", None)
+    if callable(getattr(data, "to_base_units", None)):  # an array of pint within one of xarray
+        return plain_value(name, data, level=level)
+    attributes = getattr(value, "attrs", {})
+    unit = str(attributes.get("units", attributes.get("unit", "")) or "").strip()
+    items = value.to_numpy() if np.ndim(value) == 0 or hasattr(value, "dims") else [*value]
+    return plain_value(name, items, "" if unit in _WITHOUT_UNIT else unit, level)
+
+
+def single_value(name: str, value: Any, example: object) -> Any:
+    """Convert a value to a number or text; `InputError` for a list, a table or no value."""
+    plain = plain_value(name, value)
+    if plain is None or isinstance(plain, bool | list | dict):
+        is_list = isinstance(plain, list)
+        problem = "takes a single value" if is_list else f"is {quoted(plain)}, which is no number"
+        raise InputError(f"{name} {problem}; give one such as {quoted(example)}")
+    return plain
+
+
+def in_si(name: str, value: Any, like: str) -> float:
+    """Convert text with a unit, or a quantity, to SI; return a number as it is.
+
+    `like` is any quantity of the required dimension. Raises an `InputError` that begins with `name`
+    if the value is neither.
+    """
+    plain = single_value(name, value, like)
+    try:
+        return to_si(plain, like) if isinstance(plain, str) else float(plain)
+    except (UnitError, OverflowError) as error:
+        raise InputError(f'{name}: {error}; give one such as "{like}"') from error
+
+
+def in_share(name: str, value: Any) -> float:
+    """Convert a share to a number; `InputError` that begins with `name` if it is none."""
+    plain = single_value(name, value, 0.1)
+    try:
+        return float(share_of(plain))
+    except (InputError, OverflowError):
+        raise InputError(f"{name} is {plain!r}; give a number such as 0.1") from None
+
+
+def in_count(name: str, value: Any, minimum: int = 1) -> int:
+    """Convert a whole number of at least `minimum`; `InputError` that begins with `name`."""
+    plain = single_value(name, value, minimum)
+    if isinstance(plain, str) or not (plain >= minimum and plain == plain // 1):
+        raise InputError(f"{name} is {plain!r}; it must be a whole number of at least {minimum}")
+    return int(plain)
