@@ -6,6 +6,8 @@ MOST_SCENES = 10_000
 """Most combinations of `over`, rows of `along`, or surfaces: each is a scene, read in 0.5 ms."""
 MOST_POINTS = 10_000_000
 """Most points of a sweep."""
+MOST_INPUTS = 2**26
+"""Most numbers of a scene's files in a store: four of the largest scans."""
 MOST_ROWS = 1_000_000
 """Most rows of a table in text, which are read within a minute."""
 MOST_OPERATING_POINTS = 100_000
@@ -14,6 +16,10 @@ MOST_BYTES_OF_SCENE = 2_000_000
 """Most bytes of a scene file, which are parsed in a second."""
 MOST_LEVELS = 10
 """Most tables in tables of a scene, more than the format has."""
+MOST_WITHOUT = 1000
+"""Most entries that a scene leaves out of the one that it extends."""
+MOST_HINTS = 20
+"""Most unknown keys for which similar ones are looked up."""
 MOST_EXTENDED = 20
 """Most scenes that extend one another."""
 MOST_BYTES_OF_TEXT = 100_000_000

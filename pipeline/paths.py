@@ -79,6 +79,15 @@ def path_hint(path: Path) -> str:
     return ""
 
 
+def store_hint(path: Path) -> str:
+    """Words that suggest a store in results whose scene has a name like that of a missing path."""
+    names = [store.stem for store in Path("results").glob("*.zarr")]
+    is_name = path.parent == Path.cwd() and not path.suffix
+    for name in get_close_matches(path.name, names, 1, 0.8) if is_name else []:
+        return f' (did you mean "{name}"?)'
+    return ""
+
+
 _MAX_CONTROL_SHARE = 0.01  # share of control characters in a text
 _CONTROLS = {*range(32), 127} - {*b"\t\n\r\f\x1a\x1b\0"}
 _INSPECTED_BYTES = 4096  # at the beginning of a file, which tell its kind

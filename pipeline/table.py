@@ -52,7 +52,8 @@ _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
 _SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
 """Units of numbers that are given in Python without one."""
 _MAX_LISTED = 12  # names that a message lists
-_MOST_HEADINGS = 1000
+_MOST_HEADINGS = 1000  # lines above the rows
+_LONGEST_HEADING = 200
 _SYNONYMS = {
     "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
     "friction_coefficient": "friction", "coefficient_of_friction": "friction",
@@ -217,8 +218,10 @@ class Sheet:
             decimals = number.replace(",", ".")
             if decimals.count(".") > 1:
                 return f"may be {thousands}; write it without marks of thousands"
-            advice = self.advice.decimal.format(quoted(mark))
-            return f"may be {thousands} or {decimals}; write the one that is meant, or {advice}"
+            choice = f"may be {thousands} or {decimals}; write the one that is meant"
+            if self.advice is PYTHON:
+                return choice
+            return f"{choice}, or {self.advice.decimal.format(quoted(mark))}"
         if "," in marks:
             advice = self.advice.decimal.format(quoted(","))
             return f"has a comma; {advice}, if commas are decimal marks"
@@ -448,6 +451,8 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & ignored.keys()
         if keys:
             skipped |= keys
+        elif len(column.head) > _LONGEST_HEADING:
+            faults.append(f"the heading of column {k + 1} is too long; give a short one")
         elif not column.head:
             problem = f"column {k + 1} has no heading; give one, and merge no cells"
             faults += [problem] * any(column.cells)

@@ -27,7 +27,7 @@ def lift(angle: float) -> tuple[float, float]:
     return LIFT * s, LIFT * curvature / HALF_ANGLE**2
 
 
-print("angle [deg],load [N],velocity [m/s],pin.radius [mm],motion.slide_roll_ratio,"
+print("place,load [N],velocity [m/s],pin.radius [mm],motion.slide_roll_ratio,"
       "motion.pin_track_length [mm],motion.disk_track_length [mm]")  # fmt: skip
 for degrees in ANGLES:
     s, bend = lift(math.radians(degrees))
@@ -38,5 +38,6 @@ for degrees in ANGLES:
     ratio = sliding / ((cam + tappet) / 2)
     # Length that passes the contact in a revolution of the camshaft, at the velocity of the body.
     tracks = [2e3 * math.pi * abs(curvature) for curvature in (bend, radius)]
-    print(f"{degrees},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},"
+    place = f"nose {degrees}°" if degrees else "nose"
+    print(f"{place},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},"
           f"{tracks[0]:.1f},{tracks[1]:.1f}")  # fmt: skip

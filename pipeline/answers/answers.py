@@ -299,8 +299,14 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     overrides = in_arrays(conditions)
 
     def answer(case: CaseResults) -> xr.Dataset:
-        if not {*PLANE} <= {*ds["status"].dims}:
-            raise InputError("each case has its own load and velocity, so there is no boundary")
+        for name in PLANE:
+            if name not in ds["status"].dims and case.sweep.case_table.column(name):
+                raise InputError(f"each case has its own {name}, so there is no boundary")
+            if name not in ds["status"].dims:
+                value = f"{ds[name].item():g}"
+                raise InputError(
+                    f"{name} is a single value; select a list instead: ds.sel({name}=[{value}])"
+                )
         judged_case = JudgedCase(case)
         case_overrides = _arguments_of_case(overrides, case)
         template = xr.broadcast(*case_overrides.values())[0] if case_overrides else xr.DataArray(0)

@@ -81,7 +81,7 @@ def diagram(
     SI or as text with a unit, is marked; lists of equal length are pairs.
     """
     operating_points = _operating_points(load, velocity)
-    if not {*PLANE} <= {*ds["status"].dims}:
+    if any(sweep_of(ds).case_table.column(name) for name in PLANE):
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no plane of them; "
             "irg margin prints its rows"

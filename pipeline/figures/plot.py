@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.answers.conditions import NAMES, ConditionValues
-from pipeline.answers.results import dataset_of
+from pipeline.answers.results import dataset_of, sweep_of
 from pipeline.arguments import in_si
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
@@ -120,9 +120,7 @@ def plot(
         {} if study else {name: kind_options.pop(name) for name in {*NAMES} & kind_options.keys()}
     )
     ds = ds if study else dataset_of(ds)
-    drawn_kind: str = (
-        kind or study_kind or ("diagram" if {*PLANE} <= {*ds["status"].dims} else "rows")
-    )
+    drawn_kind: str = kind or study_kind or ("rows" if _is_listed(ds) else "diagram")
     # The first parameters are the data, and for a sweep the conditions.
     allowed = [*inspect.signature(kinds[drawn_kind]).parameters][1 if study else 2 :]
     for name in kind_options:
@@ -134,3 +132,9 @@ def plot(
     with style.fitted(metres, plain, title, dpi):
         figure: Figure = kinds[drawn_kind](ds, *[conditions] * (not study), **kind_options)
         return figure if path is None else style.save_figure(figure, path)
+
+
+def _is_listed(ds: Any) -> bool:
+    """True if each row of the sweep of a dataset has its own load and velocity."""
+    table = sweep_of(ds).case_table
+    return any(table.column(name) for name in PLANE)

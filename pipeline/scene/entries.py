@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from pipeline.limits import MOST_LEVELS
+
 Entries = Mapping[str, Any]
 _REPLACED = {"count": "step", "step": "count"}
 """Keys of a range that replace each other in a scene that extends another."""
-_LEVELS = 10  # depth of tables in tables, more than the format has
 
 
 def entry_at(tables: Any, path: str) -> Any:
@@ -17,6 +18,18 @@ def entry_at(tables: Any, path: str) -> Any:
     for key in path.split("."):
         entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
     return entry
+
+
+def find_deep(tables: Any, level: int = 0) -> str:
+    """Key below which tables or lists are nested more than `MOST_LEVELS` deep; else empty."""
+    inner = tables.items() if isinstance(tables, dict) else enumerate(tables)
+    for key, value in inner:
+        depth = level + 1 + (key.count(".") if isinstance(key, str) else 0)
+        if depth > MOST_LEVELS:
+            return f"{key}"[:80]
+        if isinstance(value, dict | list) and (deep := find_deep(value, depth)):
+            return deep if level else f"{key}"[:80]
+    return ""
 
 
 def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
@@ -29,13 +42,13 @@ def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
             yield path, inner
 
 
-def merged(lower: Entries, upper: Entries, levels: int = _LEVELS) -> dict[str, Any]:
-    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
+def merged(lower: Entries, upper: Entries) -> dict[str, Any]:
+    """Merge tables key by key; values of `upper` replace values of `lower`."""
     replaced = {_REPLACED.get(key) for key in upper}
     tables = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():
-        are_tables = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
-        tables[key] = merged(lower[key], value, levels - 1) if are_tables else value
+        are_tables = isinstance(value, dict) and isinstance(lower.get(key), dict)
+        tables[key] = merged(lower[key], value) if are_tables else value
     return tables
 
 

@@ -7,7 +7,7 @@ from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
 import tribo
-from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_WITHOUT
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
@@ -326,7 +326,7 @@ class SceneFile(Declared):
     extends: A[str | None,
         "Another scene that supplies the entries not given here: name of a shipped scene, or a "
         "path relative to this file."] = None
-    without: A[tuple[str, ...] | None, List(Text(), distinct=True),
+    without: A[tuple[str, ...] | None, List(Text(), distinct=True, max_length=MOST_WITHOUT),
         'Paths of entries that are not taken from it, such as ["wear", "friction.band"].'] = None
     title: A[str | None, "Title of figures and summaries; by default the name of the file."] = None
     note: A[str | None,

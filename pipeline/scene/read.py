@@ -11,12 +11,12 @@ import numpy as np
 
 import tribo
 from pipeline.arguments import in_si, plain_value
-from pipeline.limits import MOST_POINTS
+from pipeline.limits import MOST_LEVELS
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.entries import Entries, flat, replace_value, replace_values
-from pipeline.scene.faults import Faults, SceneFileError
+from pipeline.scene.entries import Entries, entry_at, find_deep, flat, replace_value, replace_values
+from pipeline.scene.faults import Fault, Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
@@ -29,7 +29,7 @@ from pipeline.sweep.case_table import SEED
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.words import did_you_mean
+from pipeline.words import did_you_mean, quoted
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
 """Entries that may name a file, relative to the scene's folder."""
@@ -102,6 +102,7 @@ class Source:
         entries, along = with_first_case(entries, self.files, faults)
         scene = build(entries, self.files, faults)
         if scene is None:
+            faults[:] = [self._at_list(fault, along) for fault in faults]
             return None
         listed = listed_cases(scene, along)
         seeds = listed.table.column("realization")
@@ -130,11 +131,24 @@ class Source:
             text=text_of(resolve_library(dict(entries), Faults())[0]),
             source=self,
         )
-        _require_few_points(sweep)
+        sweep.require_few_points()
         return sweep
+
+    def _at_list(self, fault: Fault, along: list[dict[str, Any]]) -> Fault:
+        """A fault of an entry that only ``over`` or ``along`` sets, at the key of this list."""
+        over = entry_at(self.entries, "sweep.over")
+        paths = {path: "over" for path, _ in flat(over)} if isinstance(over, dict) else {}
+        paths |= dict.fromkeys(along[0] if along else (), "along")
+        for path, name in paths.items():
+            is_within = fault.key == path or fault.key.startswith((f"{path}.", f"{path}["))
+            if is_within and entry_at(self.entries, path) is None:
+                return fault._replace(key=f"sweep.{name}.{quoted(path)}")
+        return fault
 
     def changed(self, path: str, value: Any) -> Sweep:
         """The sweep with another value of an entry; `InputError` for the first fault."""
+        if find_deep({path: []}):
+            raise tribo.InputError(f"{path[:80]}: no entry has more than {MOST_LEVELS} parts")
         values = {path: plain_value(path, value)}
         source = replace(self, entries=replace_values(self.entries, values))
         sweep = source.read(faults := Faults())
@@ -154,18 +168,6 @@ def _with_path(words: str, entries: Entries) -> str:
     return f"{' and '.join(paths)}: {words}" if paths else words
 
 
-def _require_few_points(sweep: Sweep) -> None:
-    """Raise an `InputError` if a sweep has too many points, before they are listed."""
-    table = sweep.case_table
-    loads = len(sweep.loads) if table.column("load") is None else 1
-    velocities = len(sweep.velocities) if table.column("velocity") is None else 1
-    if (count := len(table) * loads * velocities) > MOST_POINTS:
-        raise tribo.InputError(
-            f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
-            "loads, velocities or cases"
-        )
-
-
 def sweep_of(scene: SceneLike) -> Sweep:
     """Read a sweep from a path, with the errors of `load_scene`; return a sweep unchanged."""
     return scene if isinstance(scene, Sweep) else load_scene(scene)
@@ -182,6 +184,9 @@ def _path_overrides(
         if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
             hint = did_you_mean(key, [*choices, *keys_of(SceneFile)])
             faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
+            continue
+        if deep := find_deep({key: []}):
+            faults.refuse(deep, f"no entry has more than {MOST_LEVELS} parts")
             continue
         with faults.at(key):
             plain = plain_value(key, value)

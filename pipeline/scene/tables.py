@@ -30,7 +30,7 @@ from typing import (
     get_type_hints,
 )
 
-from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES
 from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
@@ -291,7 +291,7 @@ class Table(Kind):
             return None
         for key in value:
             if key not in self.keys:
-                hint = did_you_mean(key, self.keys)
+                hint = did_you_mean(key, self.keys) if len(faults) < MOST_HINTS else ""
                 problem = f"unknown key{hint}; allowed: {', '.join(self.keys)}"
                 problem = getattr(self.make, "refused", {}).get(key, problem)
                 faults.refuse(key_path(path, key), problem)

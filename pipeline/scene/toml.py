@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import MOST_BYTES_OF_TEXT
+from pipeline.limits import MOST_BYTES_OF_SCENE, MOST_EXTENDED, MOST_HINTS, MOST_LEVELS
 from pipeline.paths import read_file, reason_of
-from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_value
+from pipeline.scene.entries import Entries, entry_at, find_deep, flat, merged, replace_value
 from pipeline.scene.faults import Fault, Faults, SceneFileError
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import table_of
@@ -23,6 +23,10 @@ from pipeline.shipped import name_of, scene_path, shipped_scenes
 from pipeline.words import did_you_mean, key_path, quoted
 
 _KEYS = table_of(SceneFile).keys
+_LONG_KEY = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]{0,99}+"|'[^'\n]{0,99}+')[ \t]*+\.[ \t]*+){100}"""
+)
+"""A dotted key of so many parts that the parser would take seconds."""
 
 
 class Document(NamedTuple):
@@ -89,7 +93,11 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
-    if any(other.resolve() == file.resolve() for file in chain):
+    if len(chain) > MOST_EXTENDED:
+        raise SceneFileError(
+            path, [f"extends: {len(chain)} scenes extend one another; at most {MOST_EXTENDED} may"]
+        )
+    if any(_is_same(other, file) for file in chain):
         circle = " extends ".join(name_of(file) for file in (*chain, other))
         raise SceneFileError(
             path,
@@ -128,7 +136,8 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
         if entry_at(entries, key) is None:
-            hint = did_you_mean(key, [*entries, *(path for path, _ in flat(entries))])
+            names = [*entries, *(path for path, _ in flat(entries))]
+            hint = did_you_mean(key, names) if len(wrong) < MOST_HINTS else ""
             problem = (
                 f"is not an entry of {name_of(document.file)}{hint}; name one that exists there"
             )
@@ -144,7 +153,7 @@ def _toml(path: Path) -> dict[str, Any]:
         if path.exists() and not path.is_file():
             kind = "a store" if (path / "zarr.json").exists() else "not a file"
             raise SceneFileError(path, [f"cannot be read: {kind}; give a scene file (TOML)"])
-        content = read_file(path, MOST_BYTES_OF_TEXT)
+        content = read_file(path, MOST_BYTES_OF_SCENE)
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
@@ -152,13 +161,29 @@ def _toml(path: Path) -> dict[str, Any]:
             reason += hint or "; give a scene file, or a shipped scene (irg new --list)"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     try:
-        return tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
+        if key := _LONG_KEY.search(text):
+            line = text.count("\n", 0, key.start()) + 1
+            fault = f"line {line}: a key has 100 parts or more; an entry has {MOST_LEVELS} at most"
+            raise SceneFileError(path, [fault])
+        tables = tomllib.loads(text)
+        if deep := find_deep(tables):
+            raise SceneFileError(path, [f"{deep}: tables nested too deep"])
+        return tables
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
         raise SceneFileError(path, [f"is not valid TOML: {error}"]) from error
+
+
+def _is_same(first: Path, second: Path) -> bool:
+    """True if both paths are of one file; False if one cannot be found."""
+    try:
+        return first.samefile(second)
+    except OSError:
+        return False
 
 
 def text_of(tables: Entries) -> str:

@@ -166,6 +166,12 @@ StorePlace = Folder | Bucket
 """Location of the files of a store."""
 
 
+_SUFFIXES_OF_FILES = {
+    ".nc", ".nc4", ".cdf", ".h5", ".hdf5", ".he5", ".csv", ".txt", ".json", ".xlsx", ".parquet",
+    ".zip", ".toml", ".npy", ".npz", ".mat", ".png", ".pdf", ".svg", ".html", ".md",
+}  # fmt: skip
+
+
 def place_of(path: PathLike | None) -> StorePlace:
     """`Folder` or `Bucket` of a store from its path or address.
 
@@ -182,6 +188,11 @@ def place_of(path: PathLike | None) -> StorePlace:
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; choose a folder below it")
+    if folder.suffix.lower() in _SUFFIXES_OF_FILES and not folder.exists():
+        raise StoreError(
+            f"{folder} cannot be a store, which is a Zarr folder; give a name such as "
+            f"{folder.stem}.zarr"
+        )
     return Folder(folder)
 
 

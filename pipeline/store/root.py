@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.paths import path_hint
+from pipeline.limits import MOST_INPUTS
+from pipeline.paths import path_hint, store_hint
 from pipeline.store.arrays import Document, array_document, open_arrays, read_document
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.lock import holder_of
@@ -42,7 +43,7 @@ from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import judges_holds, sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
-from tribo import TriboError
+from tribo import InputError, TriboError
 from tribo.types import Array
 
 WRITER = "computed by "
@@ -165,7 +166,7 @@ def read_root(location: StorePlace) -> Root:
     if isinstance(location, Folder) and not location.path.exists():
         if location.sibling(NEW).path.exists():
             raise StoreError(f"a run was cut short as it made {location}; run its scene again")
-        hint = path_hint(location.path)
+        hint = path_hint(location.path) or store_hint(location.path)
     raise StoreError(
         f"no store at {location}{hint}; run a scene first, or give the path of a store"
     )
@@ -225,6 +226,7 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
         growths, field_growths = facts["growths"]
         arrays = _read_inputs(location, facts["inputs"], growths)
         sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
+        sweep.require_few_points()
         stored = facts["sweep"], arrays
         return Root.from_sweep(sweep, history, growths, field_growths, stored)
     except StoreError:
@@ -239,6 +241,8 @@ def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> d
     """Arrays from the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
+    if (count := sum(sizes.values())) > MOST_INPUTS:
+        raise InputError(f"it states {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
     document = array_document(variable, {DIM: sum(sizes.values())}, {}, growths)
     array = open_arrays(location.zarr, {INPUTS: document})[INPUTS]

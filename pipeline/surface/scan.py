@@ -7,6 +7,7 @@ such as a profile or a list of points, is refused.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 import warnings
@@ -45,8 +46,11 @@ _WORDS = re.compile(
     r"(?<![\w.+-])(-?1\.#\w+|-{2,}|\*+|n/?a|no ?data|bad|void)(?![\w.])", re.IGNORECASE
 )
 """Words for a missing height other than "nan" and an empty cell."""
-_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
-"""A number whose decimals follow a comma."""
+_COMMA = re.compile(r"[-+]?\d+(,\d+)+(e[-+]?\d+)?", re.IGNORECASE)
+"""A number with a comma, before decimals or thousands."""
+_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
+"""A number whose mark may divide thousands."""
+_WHOLE = re.compile(r"[-+]?[1-9]\d*")
 _HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
 """Half of a number that was split at a decimal comma: whole numbers have no leading zeros."""
 
@@ -207,18 +211,22 @@ def _array(content: bytes) -> Array:
 
 def _matrix(text: str) -> tuple[list[str], Array | None]:
     """Headings above the numbers of a text, and the matrix, a row for each y; None without one."""
-    lines = [row.strip(" ") for row in text.splitlines() if row.strip() and row.lstrip()[0] != "#"]
-    head = 0
+    rows = text.splitlines()
+    numbered = [(k, row.strip(" ")) for k, row in enumerate(rows, 1) if row.strip()]
+    numbered = [(k, row) for k, row in numbered if row.lstrip()[0] != "#"]
+    lines, head = [row for _, row in numbered], 0
     for line in lines[:_MAX_HEADINGS]:
         delimiter = _delimiter(line)
         if _numbers([line], delimiter) is not None:
             break
         cells = line.split(delimiter if delimiter != "," else None)
         if len(cells) > 1 and all(map(_COMMA.fullmatch, map(str.strip, cells))):
-            raise InputError(f"decimals have commas ({quoted(cells[0])}); write them with points")
+            raise InputError(_comma_problem(cells))
         head += 1
     else:
         return lines, None
+    _require_single_table([k for k, _ in numbered[head:]])
+    _require_decimals(lines[head:], delimiter)
     if delimiter == "," and (half := _HALF.search("\n".join(lines[head:]))):
         raise InputError(
             f"commas stand between numbers and before decimals ({quoted(half[1])} is no whole "
@@ -234,6 +242,45 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
         ) from error
 
 
+def _comma_problem(cells: list[str]) -> str:
+    """Why numbers with commas are refused, and how to write them."""
+    if all(map(_GROUPED.fullmatch, map(str.strip, cells))):
+        return _thousands_problem(cells[0].strip())
+    return f"decimals have commas ({quoted(cells[0])}); write them with points"
+
+
+def _thousands_problem(number: str) -> str:
+    plain, decimals = number.replace(",", "").replace(".", ""), number.replace(",", ".")
+    return (
+        f"{quoted(number)} may be {plain} or {decimals}, a thousand times less; write the heights "
+        "without marks of thousands, and decimals with points"
+    )
+
+
+def _require_single_table(numbers: list[int]) -> None:
+    """Raise an `InputError` if the rows of numbers, by their lines, are parted by other lines."""
+    starts = [k for k, (a, b) in enumerate(itertools.pairwise(numbers), 1) if b > a + 1]
+    if starts and len(starts) < len(numbers) - 1:  # else a line is empty below each row
+        sizes = [b - a for a, b in itertools.pairwise([0, *starts, len(numbers)])]
+        raise InputError(
+            f"{len(sizes)} tables of {', '.join(map(str, sizes[:4]))} rows, the second from line "
+            f"{numbers[starts[0]]} on; keep one of them"
+        )
+
+
+def _require_decimals(lines: list[str], delimiter: str | None) -> None:
+    """Raise an `InputError` if points may divide thousands, as in 23.173 beside 476."""
+    marked, has_whole = "", False
+    for cell in (cell.strip() for line in lines for cell in line.split(delimiter)):
+        if "." in cell:
+            if delimiter == "," or not _GROUPED.fullmatch(cell):
+                return
+            marked = marked or cell
+        has_whole |= _WHOLE.fullmatch(cell) is not None
+    if marked and has_whole:
+        raise InputError(_thousands_problem(marked))
+
+
 def _delimiter(line: str) -> str | None:
     """Delimiter of the numbers of a line; None for spaces."""
     return next((delimiter for delimiter in "\t;," if delimiter in line), None)
@@ -244,6 +291,10 @@ def _numbers(lines: list[str], delimiter: str | None, strict: bool = False) -> A
     if delimiter:
         while lines[0].endswith(delimiter) and all(line.endswith(delimiter) for line in lines):
             lines = [line[:-1] for line in lines]
+        first = [k for k, cell in enumerate(lines[0].split(delimiter)) if not cell.strip()]
+        for k in first if strict else []:
+            if not any("".join(line.split(delimiter)[k : k + 1]).strip() for line in lines):
+                raise InputError(f"column {k + 1} is empty, as between two tables; keep one table")
         empty = re.compile(rf"(?:^|(?<={delimiter})) *(?={delimiter}|$)")
         lines = [empty.sub("nan", line) for line in lines]
     lines = [_WORDS.sub("nan", line) for line in lines]

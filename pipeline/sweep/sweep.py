@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
+from pipeline.limits import MOST_POINTS
 from pipeline.sweep.case import LARGEST, Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, in_order, surfaces
 from pipeline.sweep.codec import NOT_STORED, digest
@@ -114,6 +115,17 @@ class Sweep:
         plane = self.loads, self.velocities, self.fields, self.steps
         words = self.title, self.note
         return digest(((self.base, *self.cases), plane, words, self.tests, self.case_table))
+
+    def require_few_points(self) -> None:
+        """Raise an `InputError` if the sweep has too many points, before they are listed."""
+        table = self.case_table
+        loads = len(self.loads) if table.column("load") is None else 1
+        velocities = len(self.velocities) if table.column("velocity") is None else 1
+        if (count := len(table) * loads * velocities) > MOST_POINTS:
+            raise InputError(
+                f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by "
+                "fewer loads, velocities or cases"
+            )
 
     @cached_property
     def all_warnings(self) -> tuple[SceneWarning, ...]:

@@ -109,7 +109,7 @@ REFUSALS = {
     "a command": (irg("boundry", "a.zarr"), "(did you mean \"boundary\"?)"),
     "swapped letters": (irg("rnu", "first_try"), "(did you mean \"run\"?)"),
     "a kind": (irg("plot", "a.zarr", "--kind", "ram"), "(did you mean \"ramp\"?)"),
-    "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "use a decimal point"),
+    "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "write 8.5 cm"),
     "of another": (irg("status", "a.zarr", "--friction", "0.1"),
                    "unknown option or argument: --friction 0.1; see"),
     "an option": (irg("boundary", "a.zarr", "--frction", "0.1"), '(did you mean "--friction"?)'),

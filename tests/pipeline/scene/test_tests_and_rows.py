@@ -176,5 +176,7 @@ def test_labels_are_words_and_names_stay_as_written(tmp_path):
     assert columns["number"] == (("007", "12E4"), None)
     assert columns["flank"] == (("a", "b"), None)
     angles = f"angle [deg],{heads}\n30,1,a,300,1\n"
-    with pytest.raises(pipeline.SceneFileError, match=r'"angle \[deg\]" has numbers \("30" in row 2'):
+    with pytest.raises(
+        pipeline.SceneFileError, match=r'"angle \[deg\]" has numbers \("30" in row 2'
+    ):
         pipeline.load_scene(scene(tmp_path, rows=angles))
