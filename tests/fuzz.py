@@ -70,7 +70,7 @@ def tables():
 
 def read_rows(path, rng):
     sheet = read_table(path, 1000, rng.choice([None, ".", ","]))
-    sheet.select(("load", "velocity", "friction"), ("load",), labels=True)
+    sheet.select(("load", "velocity", "friction"), ("load",))
 
 
 def scenes():

@@ -313,7 +313,7 @@ class SweepTable(Declared):
         "Rows, each with its own load and velocity, which replace those of the sweep: a table as "
         "CSV or Excel, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
-        "their paths, conditions such as `friction`, or labels."] = None
+        "their paths, conditions such as `friction`, or words."] = None
     fields: A[bool | str, Either(Flag(), OneOf(("steps",))),
         "True to store pressure, temperature rise and wear depth over the window at the end of "
         'each point; "steps" to store them at each step that is stored.'] = False

@@ -131,6 +131,11 @@ REFUSALS = {
         (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "its numbers are others"),
+    "file": (lambda: place_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
+    "many points": (changed(forged(lambda sweep, _: sweep.update(
+        loads=[*range(1, 5000)], velocities=[*range(1, 5000)]))), "2.499e+07 points are too many"),
+    "many inputs": (changed(forged(lambda _, facts: facts.update(inputs={"a": 10**9}))),
+                    "it states 1e+09 numbers of the scene's files"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "another version of this program (computed by irg-transition"),
     "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
