@@ -36,7 +36,7 @@ from pipeline.words import did_you_mean, fault_lines, quoted
 from tribo import InputError
 from tribo.types import Array
 
-Source = str | Path | Mapping[str, Sequence[Any]] | pd.DataFrame
+Source = str | Path | Mapping[str, Sequence[Any]]
 NAME = "number"
 """Column with the numbers or names of specimens and rows, which stay as they are written."""
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
@@ -280,7 +280,7 @@ _UNREADABLE = ValueError, ImportError, KeyError, SyntaxError, csv.Error, zipfile
 
 
 def _rows_of_frame(
-    source: Mapping[str, Sequence[Any]] | pd.DataFrame,
+    source: Mapping[str, Sequence[Any]],
 ) -> list[tuple[int, list[str]]]:
     """Rows of columns by heading, numbered from 1; headings first."""
     if isinstance(source, pd.DataFrame):
