@@ -133,6 +133,15 @@ ROWS = {
         "",
         presets,
     ),
+    "moving disk": Row(
+        "largest mean error of the rise, compared with loops of 384 positions of a moving disk, of "
+        "surfaces without a lay and with grooves along, across and oblique to sliding",
+        ("tribo",),
+        "python -m tests.promises.moving_disk",
+        "--scenes 2",
+        "",
+        last_line,
+    ),
     "stated": Row(
         "the stated errors hold, at points and between them",
         ("tribo", "pipeline/answers"),
