@@ -143,11 +143,12 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
         datasets = [xr.open_zarr(path, group=group) for group in (None, "about", "fields")]
         return [ds.drop_vars("wall_time", errors="ignore") for ds in datasets]
 
-    first = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
+    first = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.5))
     commit(path, first)
     opened_before = [opened_plainly()]
-    for load in (200.0, 100.0):  # indices of points change, and change back
-        commit(path, tiny.full(loads=(load,), velocities=(0.5,)))
+    # Indices of points change, and change back.
+    for load, velocity in ((200.0, 0.5), (100.0, 0.5), (900.0, 0.5), (600.0, 1.0)):
+        commit(path, tiny.full(loads=(load,), velocities=(velocity,)))
         reopened = [ds.load() for ds in opened_plainly()]
         for datasets in opened_before:
             for old in (variable for ds in datasets for variable in ds.data_vars.values()):
@@ -190,8 +191,10 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
     np.testing.assert_array_equal(fields["rise"].squeeze(), expected.astype(np.float32))
     with pytest.raises(KeyError):  # it would show realization 7 beside the fields of 1
         ds.sel(realization=7)["rise"]
-    with pytest.raises(KeyError, match="not a valid dimension"):
-        fields.sel(realization=7)
+    tree = xr.open_datatree(path, engine="zarr", chunks=None)
+    for of_one_surface in (fields, tree["fields/rise"]):
+        with pytest.raises(KeyError, match="not a valid dimension"):
+            of_one_surface.sel(realization=7)
     assert verify_store(path).is_clean
     pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
     with pytest.raises(tribo.InputError, match="a store keeps those of one surface realization"):

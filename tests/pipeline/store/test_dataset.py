@@ -176,9 +176,9 @@ def test_a_tree_and_open_sweep_join_fields_with_the_plane(path):
     tree = xr.open_datatree(path, engine="zarr", chunks=None)
     ds, fields = pipeline.open_sweep(path), xr.open_zarr(path, group="fields", chunks=None)
     for joined in (ds, xr.merge([tree.to_dataset(), fields])):
-        hot = joined["rise"].max(("x", "y"))
-        np.testing.assert_allclose(hot, joined["max_rise"].sel(step=0), rtol=1e-6)
-        assert hot.notnull().sum() == 2
+        worn = joined["wear_depth"].max(("x", "y"))
+        np.testing.assert_allclose(worn, joined["wear_depth_max"].sel(step=0), rtol=1e-6)
+        assert worn.notnull().sum() == 2
     inherited = tree.sel(load=600.0, velocity=1.5)["fields/pressure"]
     np.testing.assert_array_equal(inherited, ds["pressure"].sel(load=600.0, velocity=1.5))
     assert "x" not in tree.to_dataset().coords

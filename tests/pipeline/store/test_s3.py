@@ -3,19 +3,31 @@
 import os
 
 import boto3
+import numpy as np
 import pytest
 import s3fs
+import xarray as xr
 from aiobotocore.endpoint import AioEndpoint
 
 from pipeline import StoreError, StoreMismatchError, open_sweep, run_sweep, summary, verify_store
 from pipeline.store.create import copy_points, writing
 from pipeline.store.place import Bucket
+from pipeline.store.schema import FIELDS
+from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
 from tests.helpers.reported import Heard
 from tests.helpers.s3 import served
-from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, opened, record
+from tests.helpers.stores import (
+    Killed,
+    assert_is_as_computed,
+    commit,
+    done_points,
+    make,
+    opened,
+    record,
+)
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)
@@ -107,6 +119,27 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
     assert verify_store(address).is_clean
     with writing(tmp_path / "new.zarr", SWEEP) as store:
         assert copy_points(store, opened(address)) == 1
+
+
+@pytest.mark.parametrize(
+    "larger",
+    [
+        {"loads": (100.0,)},
+        {"loads": (300.0,)},
+        {"loads": (900.0,)},
+        {"velocities": (2.0,)},
+        {"case_table": surfaces((1, 2))},
+    ],
+)
+def test_plain_xarray_reads_fields_before_and_after_a_refused_growth(stored, larger):
+    before = xr.open_zarr(stored, group="fields")
+    with pytest.raises(StoreError, match="a plane is fixed"):
+        make(stored, tiny.full(**{"loads": SWEEP.loads, "velocities": SWEEP.velocities} | larger))
+    for fields in (before, xr.open_zarr(stored, group="fields", chunks=None)):
+        for name in FIELDS:
+            field = fields[name].sel(load=POINT.load, velocity=POINT.velocity)
+            np.testing.assert_array_equal(field, record(POINT).data[name])
+            assert fields[name].sel(load=OTHER.load, velocity=OTHER.velocity).isnull().all()
 
 
 def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(stored):
