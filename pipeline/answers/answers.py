@@ -30,18 +30,21 @@ from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import CaseResults, case_dims, cases_of, dataset_of, sweep_of
 from pipeline.answers.verdict import (
+    MILD,
     ORIGINS,
+    OUTSIDE,
     VERDICTS,
     Flag,
     JudgedCase,
     VerdictModel,
 )
 from pipeline.arguments import in_si
-from pipeline.constants import DECIDED
+from pipeline.constants import DECIDED, SHARP_ENDS
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.left_out import has_sharp_ends
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 
@@ -71,6 +74,14 @@ _VARIABLES = {
     "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
     "critical_load": ("N", "lowest load at which severe wear is computed"),
     "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
+    **{
+        f"{name}_safety_factor": ("1", f"critical over operating {meaning}")
+        for name, meaning in {
+            "friction": "coefficient of friction",
+            "velocity": "velocity",
+            "load": "load",
+        }.items()
+    },
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
     "critical_velocity_p05": (
         "m/s",
@@ -143,9 +154,9 @@ def margin(
     -------
     Dataset
         The verdict on the next specimen, its probability, temperatures, numerical errors and their
-        parts, critical velocity, load and friction, and flags; each with ``units`` and
-        ``long_name``, and codes with ``flag_meanings``. Attributes state what applies to all
-        points.
+        parts, critical velocity, load and friction with their safety factors, and flags; each with
+        ``units`` and ``long_name``, and codes with ``flag_meanings``. Attributes state what applies
+        to all points.
 
     Examples
     --------
@@ -260,6 +271,14 @@ def _judge_points(model: VerdictModel, points: Operation) -> dict[str, Any]:
                 columns[name][is_known] = values
         if model.evidence.specimens:
             columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
+    for axis in ("velocity", "load"):
+        factor = columns[f"critical_{axis}"] / getattr(points, axis)
+        is_outside = columns["verdict"] == OUTSIDE
+        columns[f"{axis}_safety_factor"] = np.where(is_outside, np.nan, factor)
+    if has_sharp_ends(model.case.sweep):
+        with np.errstate(invalid="ignore"):
+            is_near = columns["velocity_safety_factor"] * (1 - SHARP_ENDS[-1]) <= 1
+        columns["warning_flags"] += ((columns["verdict"] == MILD) & is_near) * Flag.SHARP_ENDS
     nearby = [
         ", ".join(model.evidence.nearby(*pair))
         for pair in zip(points.load.tolist(), points.velocity.tolist(), strict=True)

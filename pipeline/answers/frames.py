@@ -19,10 +19,8 @@ from pipeline.sweep.case_table import CASE
 _COMMON_ATTRIBUTES = ("conditions", "model_error", "not_included", "notes")
 _ROWS = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
-    "critical_velocity",
+    "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
-
-
 _HEADINGS = {
     "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
     "critical_velocity_p95": "95 %", "velocity_error": "numerical error",

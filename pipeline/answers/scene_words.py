@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from pipeline.constants import SHARP_ENDS
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
 from pipeline.sweep.case import SpecimenTest
@@ -154,8 +155,9 @@ def _words(warning: SceneWarning) -> str:
             )
         case "sharp_ends":
             return (
-                "the pin's sharp ends are not modelled; severe wear starts there at 9–23 % lower "
-                "velocity (irg help physics)"
+                "the pin's sharp ends are not modelled; severe wear starts there at "
+                f"{100 * SHARP_ENDS[0]:g} to {100 * SHARP_ENDS[1]:g} % lower velocity (irg help "
+                "physics)"
             )
 
 

@@ -47,6 +47,7 @@ class Flag(IntFlag):
     CONTACT_AT_EDGE = 1  # the contact reaches the edge of the window at neighbouring points
     FILM_UNKNOWN = 2
     RULED_OUT = 4  # a test rules the verdict out, or one without a result may
+    SHARP_ENDS = 8  # mild, but near the velocity that is critical for the pin's sharp ends
 
 
 class JudgedCase:
@@ -240,6 +241,7 @@ class VerdictModel:
                 for part, error in zip(PARTS, errors, strict=True)
             },
             "critical_friction": (critical - points.bulk_temperature) / rise_per_friction,
+            "friction_safety_factor": np.where(has_no_verdict, np.nan, np.exp(-log_ratio)),
             "origin": np.select(
                 (~is_known, is_simulated, is_extrapolated),
                 (-1, SIMULATED, EXTRAPOLATED),

@@ -21,7 +21,7 @@ from pipeline.answers.scene_words import (
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.tests import Evidence, waiting_text
 from pipeline.answers.verdict import VerdictModel
-from pipeline.constants import LEAST_STATED
+from pipeline.constants import DECIDED, LEAST_STATED, SHARP_ENDS
 from pipeline.quantities import UNITS, display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
@@ -32,6 +32,16 @@ from tribo.types import Array
 
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
 POINT_CONDITIONS = "given for each point"
+SHARP_PERCENTS = tuple(round(100 * share) for share in SHARP_ENDS)
+_SHARP_ENDS = "sharp pin ends (severe wear at {} to {} % lower velocity)"
+_MILD_BUT_FOR_ENDS = (
+    "Mild, but perhaps severe at the pin's sharp ends, which are not modelled and wear severely at "
+    "{} to {} % lower velocity"
+)
+_ENDS_OF_SOME = (
+    "mild wear may be severe at the pin's sharp ends, which are not modelled and wear severely at "
+    "{} to {} % lower velocity"
+)
 _MAX_NAMED = 6  # rows that a line lists
 _NUMBER = tuple("0123456789+-−.")
 _MIN_SHIFT = 0.05  # relative shift of the boundary by tests above which it is stated
@@ -63,7 +73,7 @@ def answer_attributes(model: VerdictModel) -> dict[str, str | int]:
 def not_included(model: VerdictModel) -> str:
     """Effects that are not included and may be unsafe, on one line."""
     sweep = model.case.sweep
-    parts = ["sharp pin ends (severe wear at 9 to 23 % lower velocity)"] * has_sharp_ends(sweep)
+    parts = [_SHARP_ENDS.format(*SHARP_PERCENTS)] * has_sharp_ends(sweep)
     parts += _earlier_revolutions(model)
     parts += ["an oil film that carries load (unknown here)"] * model.lacks_film
     parts.append("uncertain inputs")
@@ -188,9 +198,21 @@ def headline(point: xr.Dataset) -> str:
     where = f"{abs(margin):.3g} K {side} the critical temperature"
     tests = f"; tested nearby: {point['nearby_tests'].item()}" * bool(point["nearby_tests"].item())
     probability = f"probability of severe wear {probability_text(point['probability'].item())}"
-    return f"{verdict.capitalize()}: {probability}{probability_range}, {where}{tests}"
+    subject = verdict.capitalize()
+    if "sharp_ends" in flag_names(point["warning_flags"], point["warning_flags"].item()):
+        subject = _MILD_BUT_FOR_ENDS.format(*SHARP_PERCENTS)
+    return f"{subject}: {probability}{probability_range}, {where}{tests}"
 
 
+_REMEDIES = {
+    "interpolation": "simulate more points nearby",
+    "discretization": "use a finer preset",
+    "warnings": "do what the warnings of its points ask for",
+    "surface": "simulate more surface realizations (sweep.realizations)",
+}
+"""What makes each part of the numerical error smaller."""
+_TEST_HERE = "run a test at this point"
+_FIRST_COMPUTE = "{remedy}, as the numerical error may decide; if it stays undecided, {test}"
 _PARTS = {
     "interpolation": "interpolation", "discretization": "discretization", "warnings": "warnings",
     "surface": "surface sampling",
@@ -207,21 +229,22 @@ def error_text(point: xr.Dataset) -> str:
 
 
 def to_decide(point: xr.Dataset) -> str:
-    """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test."""
+    """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test.
+
+    A smaller numerical error comes first, if a verdict is possible within that error.
+    """
     if verdict_text(point) != "undecided" or point["reason"].item():
         return ""
-    if 0.05 < point["probability"].item() < 0.95:
-        nearby_tests = point["nearby_tests"].item()
-        return "change the conditions or the scene" if nearby_tests else "run a test at this point"
-    remedies = {
-        "interpolation": "simulate more points nearby", "discretization": "use a finer preset",
-        "warnings": "do what the warnings of its points ask for",
-        "surface": "simulate more surface realizations (sweep.realizations)",
-    }  # fmt: skip
-    sizes = {name: point[f"temperature_error_{name}"].item() for name in remedies}
-    return remedies[
-        max(sizes, key=lambda name: math.inf if math.isnan(sizes[name]) else sizes[name])
-    ]
+    low, middle, high = (point[f"probability{end}"].item() for end in ("_low", "", "_high"))
+    mild, _, severe = DECIDED
+    sizes = {name: point[f"temperature_error_{name}"].item() for name in _REMEDIES}
+    largest = max(sizes, key=lambda name: math.inf if math.isnan(sizes[name]) else sizes[name])
+    test = "change the conditions or the scene" if point["nearby_tests"].item() else _TEST_HERE
+    if not mild < middle < severe:
+        return _REMEDIES[largest]
+    if mild < low and high < severe:
+        return test
+    return _FIRST_COMPUTE.format(remedy=_REMEDIES[largest], test=test)
 
 
 def margin_lines(point: xr.Dataset) -> Iterator[str]:
@@ -285,17 +308,23 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
         value, outcome = point[f"critical_{axis}"].item(), str(outcome_texts(point, axis)[()])
         if not outcome:
             continue
-        ratio = f"{value / point[axis].item():.3g} times the operating {axis}"
-        text = f"{value:.4g} {UNITS[axis]}, {ratio}" + f"; {outcome}" * (outcome != "transition")
+        text = critical_text(point, axis, f"{value:.4g} {UNITS[axis]}")
         yield f"critical {axis}", outcome if math.isnan(value) else text
         tested_velocity = point["critical_velocity_p50"].item()
         if axis == "velocity" and not math.isnan(tested_velocity):
             yield "with tests", f"{tested_velocity:.4g} m/s (severe wear is 50 % probable)"
-    yield "critical friction", f"{point['critical_friction'].item():.3g}"
+    friction = f"{point['critical_friction'].item():.3g}"
+    yield "critical friction", critical_text(point, "friction", friction)
     if point["reason"].item():
         yield "verdict withheld", point["reason"].item()
     if advice := to_decide(point):
         yield "to decide", advice
+
+
+def critical_text(point: xr.Dataset, name: str, value: str) -> str:
+    """A critical value, with its safety factor if the point has a verdict."""
+    factor = point[f"{name}_safety_factor"].item()
+    return value if math.isnan(factor) else f"{value}, safety factor {factor:.3g}"
 
 
 def margin_warnings(point: xr.Dataset) -> Iterator[str]:
@@ -304,6 +333,8 @@ def margin_warnings(point: xr.Dataset) -> Iterator[str]:
     names = flag_names(flags, int(np.bitwise_or.reduce(flags.values.ravel())))
     if "contact_at_edge" in names:
         yield "the contact reaches the edge of the window nearby; increase window.pixels"
+    if "sharp_ends" in names and flags.ndim:
+        yield _ENDS_OF_SOME.format(*SHARP_PERCENTS)
 
 
 def flag_names(variable: xr.DataArray, flags: int) -> list[str]:

@@ -45,7 +45,8 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
 
     The temperature margin has its numerical error; at the right stands the probability of severe
-    wear. The most critical row is bold: that with the highest probability.
+    wear and the safety factor of friction. The most critical row is bold: that with the highest
+    probability.
     """
     margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
@@ -71,16 +72,14 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
                 margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
             )
     deciding = deciding_row(margins)
-    axes.annotate(
-        "probability of severe wear", (1.0, 1.0), (60, 5), xycoords="axes fraction", ha="right",
-        textcoords="offset points", annotation_clip=False, fontsize="small",
-    )  # fmt: skip
     ticks = positions if len(names) <= _MAX_LABELS else positions[:: -(-len(names) // _MAX_LABELS)]
     ticks = np.union1d(ticks, [deciding])
     axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
     for row in ticks:
-        probability = margins["probability"].values[row]
-        text = "" if np.isnan(probability) else words.probability_text(probability)
+        probability, factor = (
+            margins[name].values[row] for name in ("probability", "friction_safety_factor")
+        )
+        text = f"{words.probability_text(probability)}, {factor:.2f}" if factor > 0 else ""
         axes.annotate(
             "unknown" if np.isnan(margin[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
@@ -95,7 +94,10 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
     style.write_title(axes, title)
-    lines = [f"most critical: {names[deciding]}"]
+    lines = [
+        f"most critical: {names[deciding]}",
+        "at the right: probability of severe wear, safety factor of friction",
+    ]
     lines += words.conditions_lines(margins)
     lines += [f"model error: {text}" for text in words.attribute_texts(margins, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.answers import words
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -127,3 +128,69 @@ def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     assert np.isnan(margin.temperature_error)
     assert margin.verdict == "undecided"
     assert (margin.probability_low, margin.probability_high) == (0.0, 1.0)
+
+
+def test_safety_factors_are_the_critical_values_over_those_of_the_point():
+    """A power law turns the factor on friction into those on velocity and load."""
+    rng = np.random.default_rng(3)
+    points = rng.uniform(320, 480, 20), rng.uniform(1.6, 2.6, 20)
+    margin = pipeline.margin(without_model_error(), *points, friction=0.12)
+    factors = synthetic.limit(0.12) / synthetic.rise(*points, 0.9)
+    np.testing.assert_allclose(margin["friction_safety_factor"], factors, rtol=1e-12)
+    for axis, exponent in (
+        ("velocity", synthetic.VELOCITY_EXPONENT),
+        ("load", synthetic.LOAD_EXPONENT),
+    ):
+        known = margin[f"critical_{axis}"].notnull().values
+        assert known.sum() > 5
+        expected = factors[known] ** (1 / exponent)
+        np.testing.assert_allclose(margin[f"{axis}_safety_factor"][known], expected, rtol=1e-4)
+    outside = pipeline.margin(synthetic.sweep(), 9000.0, 2.0)
+    assert np.isnan([outside[f"{name}_safety_factor"] for name in ("friction", "velocity")]).all()
+
+
+def advice(ds, load, velocity, **conditions):
+    return words.to_decide(pipeline.margin(ds, load, velocity, **conditions))
+
+
+def test_a_test_is_advised_only_after_the_computing_that_may_decide():
+    """A small model error leaves the verdict to the numerical one, a large one to tests."""
+    sure, unsure = without_model_error(rise=wavy), synthetic.sweep(rise=wavy, tests=())
+    critical = asked(sure, 425.0, 2.1)
+    at_half = {"critical_temperature": critical.governing_temperature + 0.05}
+    margin = asked(sure, 425.0, 2.1, **at_half)
+    assert margin.probability_low <= 0.05 < margin.probability < 0.95 <= margin.probability_high
+    assert advice(sure, 425.0, 2.1, **at_half) == (
+        "simulate more points nearby, as the numerical error may decide; if it stays undecided, "
+        "run a test at this point"
+    )
+    assert advice(unsure, 425.0, 2.1, **at_half) == "run a test at this point"
+    beside = {
+        "critical_temperature": critical.governing_temperature + 0.8 * critical.temperature_error
+    }
+    assert advice(sure, 425.0, 2.1, **beside) == "simulate more points nearby"
+    assert advice(sure, 425.0, 0.6) == ""
+
+
+def test_the_computing_that_is_advised_decides():
+    ds = without_model_error(rise=wavy)
+    margin = asked(ds, 425.0, 2.1)
+    side = {"critical_temperature": margin.governing_temperature + 1.1 * margin.temperature_error}
+    assert advice(ds, 425.0, 2.1, **side) == "simulate more points nearby"
+    nearby = {"loads": (375.0, 400.0, 425.0, 450.0), "velocities": np.arange(1.8, 2.41, 0.1)}
+    assert asked(without_model_error(rise=wavy, **nearby), 425.0, 2.1, **side).verdict == "mild"
+
+
+@pytest.mark.parametrize(("share", "near"), [(0.80, True), (0.74, False)])
+def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first_line(share, near):
+    ds, critical = without_model_error(), float(synthetic.critical_velocity(400.0, LIMIT))
+    margin = pipeline.margin(ds, 400.0, share * critical)
+    first = next(iter(words.margin_lines(margin)))
+    ends = (
+        "Mild, but perhaps severe at the pin's sharp ends, which are not modelled and wear "
+        "severely at 9 to 23 % lower velocity: probability"
+    )
+    assert first.startswith(ends if near else "Mild: probability")
+    assert ("sharp_ends" in asked(ds, 400.0, share * critical).flags) == near
+    rows = pipeline.margin(ds, [400.0, 300.0], [share * critical, 0.5])
+    assert any("sharp ends" in line for line in words.row_warnings(rows)) == near
