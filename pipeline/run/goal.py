@@ -23,6 +23,7 @@ from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
 from pipeline.sweep.conditions import allowable_rise
 from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.user_laws import UserSurface
 from tribo import InputError, SelfAffineRoughness
 
 _MAX_PRESET_SHARE = 0.8  # of an accuracy, for the preset's error
@@ -63,6 +64,8 @@ def why_fixed(sweep: Sweep) -> str:
     if sweep.scene.roughness is None:
         return "smooth, not reduced by computing"
     if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
+        if isinstance(sweep.scene.roughness, UserSurface):
+            return "one surface of a user's class, not reduced by computing"
         areas = len(sweep.case_table.column("realization") or (0,))
         return f"{areas} area{'s' * (areas > 1)} of a scan, not reduced by computing"
     seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None

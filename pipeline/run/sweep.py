@@ -27,6 +27,7 @@ from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import Task, tasks
+from pipeline.sweep.stored import require_stored_classes
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError
 from tribo.errors import require_positive
@@ -124,6 +125,7 @@ def run_sweep(
     _require_cluster(client)
     sweep, goal = sweep_of(sweep), None
     require_free_names(sweep)  # before a folder is made
+    require_stored_classes(sweep)
     if accuracy is not None:
         goal = GoalRun(sweep, find_sweep(out), accuracy, progress or silent)
         if not (goal.is_fixed or isinstance(place_of(out), Folder)):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import pickle
+import sys
 import threading
 import zlib
 from dataclasses import dataclass
@@ -18,12 +19,14 @@ from pathlib import Path
 from platform import python_version
 from typing import NamedTuple
 
+import cloudpickle
 import numpy as np
 import scipy
 
 from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stored_steps import Fields, StoredSteps
 from pipeline.sweep.sweep import Point
+from pipeline.sweep.user_laws import UserObject
 from tribo import Scene, TriboError
 from tribo.simulation import RampCache
 
@@ -84,8 +87,14 @@ class Case:
     with_film: bool
 
     def pickled(self) -> bytes:
-        """The case as bytes, which a scan of a surface may fill with megabytes."""
-        return zlib.compress(pickle.dumps(self), level=1)
+        """The case as bytes, which a scan of a surface may fill with megabytes.
+
+        They contain the code of a user's wear law or surface, which workers need not have.
+        """
+        for part in (self.scene.wear, self.scene.roughness):
+            if isinstance(part, UserObject):
+                cloudpickle.register_pickle_by_value(sys.modules[part.name.partition(".")[0]])
+        return zlib.compress(cloudpickle.dumps(self), level=1)
 
 
 @functools.lru_cache(maxsize=64)

@@ -15,7 +15,7 @@ from pipeline.sweep.sweep import Sweep
 from tribo import InputError, Scene, contact_modulus
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication, summarize_surface
 from tribo.types import Array
-from tribo.wear import wear_over
+from tribo.wear import evaluate_wear
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
 _ROUGH_RISE = 3.0  # height of peaks above the smooth contact, in root mean square heights
@@ -175,7 +175,7 @@ def expect_contacts(
     for (i, j), distance in np.ndenumerate(slid):
         if wear:
             pressure = mean * hertz[i].peak_pressure
-            total = wear_over(wear, 0.0, distance, pressure, velocities[j])
+            total = evaluate_wear(wear, 0.0, distance, pressure, velocities[j])
             rates[i, j] = total.specific_wear_rate
     worn = rates * np.outer(impulses, velocities)
     if scene.velocities_at(max(velocities)).pin:  # a rolling pin wears all around, and stays round

@@ -15,6 +15,7 @@ from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import list_points_of_tests
 from pipeline.sweep.sweep import Sweep, case_words
+from pipeline.sweep.user_laws import UserObject
 from pipeline.words import quoted
 from tribo import InputError
 
@@ -134,6 +135,8 @@ def _text(value: Any) -> str:
     match value:
         case None:
             return "none"
+        case {"is": "UserLaw" | "UserSurface"}:
+            return repr(UserObject(**{name: value[name] for name in ("name", "text", "source")}))
         case {"is": "number", "text": text} | {"is": "array", "digest": text} | {"is": text}:
             return str(text)
         case float():

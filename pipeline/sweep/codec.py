@@ -18,12 +18,14 @@ from typing import Any
 import numpy as np
 
 from tribo import InputError
-from tribo.surface import UnknownHeights, array_digest
+from tribo.surface import array_digest
 from tribo.types import Array
 
 NOT_STORED = {"stored": False}
 """Metadata of a field that is not stored; decoded objects have its default."""
 _CLASS = "is"  # key with the name of an object's class
+_MISSING = "MissingSurface"  # class that takes the place of an array that was left out
+_SINGLE = "UserLaw", "UserSurface"  # classes whose objects are compared as one value
 
 
 class CodecError(InputError):
@@ -54,10 +56,10 @@ def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bo
     if isinstance(value, Mapping):
         items = [[key, encode(item, arrays, with_defaults)] for key, item in value.items()]
         return {_CLASS: "mapping", "items": items}
-    if isinstance(value, UnknownHeights):  # counts as the surface itself
+    cls: Any = type(value)
+    if cls.__name__ == _MISSING:  # counts as the surface itself
         array = {_CLASS: "array", "digest": value.digest, "shape": [*value.shape]}
         return {_CLASS: "MeasuredRoughness", "array": array}
-    cls: Any = type(value)
     if names := _fields(cls):
         values = {name: getattr(value, name) for name in names}
         if not with_defaults:
@@ -94,8 +96,8 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
                     raise ArrayError("an array is not what was written: its numbers are others")
                 return array
             case "array":
-                name = "MissingSurface"
-            case "MeasuredRoughness" if isinstance(values["array"], UnknownHeights):
+                name = _MISSING
+            case "MeasuredRoughness" if type(values["array"]).__name__ == _MISSING:
                 return values["array"]
         if name not in classes:
             raise CodecError(f"this version has no class {name!r:.60}")
@@ -127,7 +129,8 @@ def _float_if_equal(text: str) -> float | str:
 
 def differences(first: Any, second: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Yield the paths at which plain data differ, with both values."""
-    if isinstance(first, dict) and isinstance(second, dict) and first.keys() == second.keys():
+    are_dicts = isinstance(first, dict) and isinstance(second, dict)
+    if are_dicts and first.keys() == second.keys() and first.get(_CLASS) not in _SINGLE:
         for key in first:
             yield from differences(first[key], second[key], f"{path}.{key}" if path else key)
     elif first != second:

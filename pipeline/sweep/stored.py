@@ -17,7 +17,9 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneWarning
 from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.user_laws import UserLaw, UserSurface
 from tribo import InputError
+from tribo.simulation.lubrication import SurfaceSummary
 from tribo.surface import UnknownHeights
 from tribo.types import Array
 
@@ -48,10 +50,21 @@ _CLASSES: dict[str, type] = {
         MissingSurface, Conditions, tribo.Corrections, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
-        tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),
+        tribo.Fidelity, tribo.Oil, *tribo.PINS.values(), UserLaw, UserSurface, SurfaceSummary,
     )
 }  # fmt: skip
 """Classes whose objects a store may contain; no others are built from its data."""
+
+
+def require_stored_classes(sweep: Sweep) -> None:
+    """Raise an `InputError` if a part of the scene is of a class that no store keeps."""
+    for name in ("pin", "loading", "roughness", "wear"):
+        part = getattr(sweep.scene, name)
+        if part is not None and type(part).__name__ not in _CLASSES:
+            raise InputError(
+                f"{name} is {part!r:.200}, of a class that a store cannot keep; set wear laws and "
+                "surfaces by sweep.with_scene(wear=..., roughness=...)"
+            )
 
 
 def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:

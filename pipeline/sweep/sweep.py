@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
@@ -14,7 +14,12 @@ from pipeline.sweep.codec import NOT_STORED, digest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
 from pipeline.sweep.stored_steps import Fields, Steps, StoredSteps
-from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
+from pipeline.sweep.user_laws import user_law, user_surface
+from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness, Surface, WearLaw
+
+_REPLACED = {"wear": "wear", "roughness": "disk.roughness"}
+"""Tables of the scene file that `Sweep.with_scene` replaces, by its arguments."""
+_AS_STORED: dict[str, Callable[[Scene, Any], Any]] = {"wear": user_law, "roughness": user_surface}
 
 
 class Point(NamedTuple):
@@ -86,6 +91,8 @@ class Sweep:
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
     field_surface: int | None = None  # realization with fields in an existing store; or the first
     former: tuple[SpecimenTest, ...] = ()  # of earlier scenes, whose points a store keeps
+    # Arguments of `with_scene`, by name.
+    replaced: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
     # Conditions given by `judge`, by name.
     judged: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
     text: str = field(default="", repr=False, metadata=NOT_STORED)
@@ -241,13 +248,54 @@ class Sweep:
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
                 "the scene with another value: pipeline.load_scene(..., overrides={...})"
             )
+        for table in (_REPLACED[name] for name in self.replaced):
+            if f"{path}.".startswith(f"{table}."):
+                raise InputError(f"{path} has no effect, since with_scene has replaced {table}")
         sweep: Self = self.source.changed(path, value)
-        return sweep.judge(self.judged)
+        return sweep.with_scene(**self.replaced).judge(self.judged)
+
+    def with_scene(self, *, wear: WearLaw | None = None, roughness: Surface | None = None) -> Self:
+        """The sweep with a wear law or a surface of your own class, in all cases and tests.
+
+        The class must be in a module that can be imported, and its ``repr`` must state all values.
+        The surface has no realizations: it is the same in all cases.
+
+        Parameters
+        ----------
+        wear : WearLaw, optional
+            Wear law, see `tribo.WearLaw`, in place of ``[wear]``.
+        roughness : Surface, optional
+            Surface of the disk, see `tribo.Surface`, in place of ``[disk.roughness]``.
+
+        Raises
+        ------
+        InputError
+            If the law or surface fails, a store cannot keep what it is, or cases and tests of the
+            scene differ in the part that it replaces.
+        """
+        given = {"wear": wear, "roughness": roughness}
+        parts: dict[str, Any] = {name: part for name, part in given.items() if part is not None}
+        scenes = [case.scene for case in (*self.cases, *(test.case for test in self.tests))]
+        for name in parts:
+            if any(getattr(scene, name) != getattr(self.scene, name) for scene in scenes):
+                raise InputError(
+                    f"{name} cannot be replaced: {_REPLACED[name]} differs between cases or tests "
+                    "of the scene; leave out what changes it in sweep and tests"
+                )
+        stored = {name: _AS_STORED[name](self.scene, part) for name, part in parts.items()}
+        notes = [f"# {_REPLACED[name]} is replaced by {part!r}\n" for name, part in stored.items()]
+        text, replaced = "".join([*notes, self.text]), {**self.replaced, **parts}
+        sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
+        return replace(sweep, text=text, replaced=replaced)
 
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
-        base, *cases = (case.with_fidelity(fidelity, preset) for case in (self.base, *self.cases))
-        tests = tuple(replace(t, case=t.case.with_fidelity(fidelity, preset)) for t in self.tests)
+        return self._map_cases(lambda case: case.with_fidelity(fidelity, preset))
+
+    def _map_cases(self, change: Callable[[Case], Case]) -> Self:
+        """The sweep with each case changed, also those of tests."""
+        base, *cases = map(change, (self.base, *self.cases))
+        tests = tuple(replace(test, case=change(test.case)) for test in self.tests)
         return replace(self, base=base, cases=tuple(cases), tests=tests)
 
     def _with_realizations(self, count: int) -> Self:

@@ -41,7 +41,7 @@ from tribo.thermal import (
     rise_exceeded,
 )
 from tribo.wear import RollingWear
-from tribo.wear.laws import require_wear, wear_over
+from tribo.wear.laws import evaluate_wear, require_wear
 from workflows.paper.rig import critical_temperature_rig
 
 GRID, FREE = Grid((6, 5), (1e-6, 1e-6)), Grid((6, 5), (1e-6, 1e-6), (False, False))
@@ -87,7 +87,7 @@ class Law:
 
     pattern = "swept"
 
-    def over(self, begin, end, pressure, velocity):
+    def mean_wear(self, begin, end, pressure, velocity):
         return 1.0
 
 
@@ -142,8 +142,8 @@ REFUSALS = {
     "swept": (lambda: Wear(1.0, "swept").yielding(ElasticHalfSpace(FREE, 1e9), 1.0),
               "use the pattern 'local'"),
     "share worn": (lambda: RollingWear(1.0, "local", 0.0), "window_share is 0.0"),
-    "own wear": (lambda: wear_over(Law(), 0.0, 1.0, 1e9, 1.0), "it must be a tribo.Wear"),
-    "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
+    "own wear": (lambda: evaluate_wear(Law(), 0.0, 1.0, 1e9, 1.0), "it must be a tribo.Wear"),
+    "no law": (lambda: require_wear(1.0), "has no pattern, mean_wear; see tribo.WearLaw"),
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).load_steps(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),

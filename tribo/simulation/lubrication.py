@@ -44,7 +44,10 @@ def summarize_surface(scene: Scene) -> SurfaceSummary | None:
     For a random surface of over 10⁶ pixels no heights are computed: Rq is estimated from Ra.
     """
     surface = scene.roughness
-    return None if isinstance(surface, UnknownHeights) else _surface_summary(surface, scene.pixels)
+    if isinstance(surface, UnknownHeights):
+        known: SurfaceSummary | None = surface.summary
+        return known
+    return _surface_summary(surface, scene.pixels)
 
 
 @functools.lru_cache(maxsize=1)  # called again whenever a store grows
@@ -78,8 +81,7 @@ def _surface_summary(surface: Any, pixels: Grid) -> SurfaceSummary | None:
 
 def find_lubrication(scene: Scene, oil: Oil | None) -> Lubrication | None:
     """Lubrication of a scene by an oil; None if oil or roughness are missing or not fully known."""
-    is_known = not any(isinstance(entry, UnknownHeights) for entry in (scene.roughness, scene.pin))
-    if oil is None or oil.pressure_coefficient is None or not is_known:
+    if oil is None or oil.pressure_coefficient is None:
         return None
     summary = summarize_surface(scene)
     return Lubrication(scene, oil, summary.rq) if summary and summary.rq else None

@@ -43,15 +43,15 @@ class Pin(Protocol):
     """Interface (protocol) of a smooth pin, such as `Cylinder`, `Ball` and `Crowned`.
 
     A class of your own need not inherit from it. It must be a frozen dataclass with the fields
-    `material` and the sizes of the pin [m], and must have the properties ``radius``, ``length`` and
-    ``words`` and the methods ``profile``, ``windows``, ``hertz``, ``worn`` and ``film_thickness``.
+    `material` and the sizes of the pin [m], and must have the properties ``radius`` and ``length``
+    and the methods ``profile``, ``windows``, ``hertz``, ``worn`` and ``film_thickness``.
 
     Examples
     --------
     >>> import tribo
     >>> pin: Pin = Ball(radius=10e-3, material=steel)
-    >>> pin.words, f"{pin.hertz(10.0, 115e9).half_width * 1e6:.0f} µm"
-    ('ball, radius 10 mm', '87 µm')
+    >>> f"{pin.hertz(10.0, 115e9).half_width * 1e6:.0f} µm"
+    '87 µm'
     """
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
@@ -67,10 +67,6 @@ class Pin(Protocol):
     @property
     def material(self) -> Material:
         """Material of the pin."""
-
-    @property
-    def words(self) -> str:
-        """Shape and sizes in a few words."""
 
     def profile(self, grid: Grid) -> Array:
         """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
@@ -150,11 +146,6 @@ class Cylinder:
         """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         return minimum_line_film(*oil, normal_load / self.length, self.radius, contact_modulus)
 
-    @property
-    def words(self) -> str:
-        """Shape and sizes in a few words."""
-        return f"cylinder, {1e3 * self.length:g} mm long, radius {1e3 * self.radius:g} mm"
-
 
 @dataclass(frozen=True, slots=True)
 class Ball:
@@ -203,11 +194,6 @@ class Ball:
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
         """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         return minimum_point_film(*oil, normal_load, self.radius, contact_modulus)
-
-    @property
-    def words(self) -> str:
-        """Shape and sizes in a few words."""
-        return f"ball, radius {1e3 * self.radius:g} mm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,12 +253,6 @@ class Crowned:
         """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         ellipticity = self.hertz(1.0, contact_modulus).aspect  # the same at any load
         return minimum_point_film(*oil, normal_load, self.radius, contact_modulus, ellipticity)
-
-    @property
-    def words(self) -> str:
-        """Shape and sizes in a few words."""
-        shape = f"crowned, {1e3 * self.crown_radius:g} mm across sliding"
-        return f"{shape}, radius {1e3 * self.radius:g} mm"
 
 
 def _worn_ellipse(half_width: float, volume: float, radius: float, aspect: float) -> WornContact:

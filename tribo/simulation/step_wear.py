@@ -10,7 +10,7 @@ import numpy as np
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Mask
-from tribo.wear import RollingWear, Wear, wear_over
+from tribo.wear import RollingWear, Wear, evaluate_wear
 
 
 def step_wear(scene: Scene, before: State, distance: float, velocity: float) -> Wear | None:
@@ -27,7 +27,7 @@ def step_wear(scene: Scene, before: State, distance: float, velocity: float) -> 
     else:
         start_distance = before.sliding_distance
         pressure = nominal_pressure(scene, before)
-        wear = wear_over(
+        wear = evaluate_wear(
             scene.wear, start_distance, start_distance + distance, pressure, abs(velocity)
         )
     wear = replace(wear, pattern=scene.contact_pattern)

@@ -117,10 +117,13 @@ class MeasuredRoughness:
 
 
 class UnknownHeights:
-    """Placeholder for a surface of unknown heights: its scene can be read, but not simulated."""
+    """Base class of a surface whose heights may be unknown when its scene is read.
 
-    digest: str
-    shape: tuple[int, ...]
+    The scene can then be read, but not simulated. `summary` has what is known of the heights, see
+    `tribo.simulation.lubrication.SurfaceSummary`, or is None.
+    """
+
+    summary: Any = None
 
 
 def surface_heights(surface: Any, pixels: Grid) -> Array:

@@ -8,5 +8,5 @@ from tribo.wear.archard import Wear as Wear
 from tribo.wear.archard import WearPattern as WearPattern
 from tribo.wear.archard import WearScheme as WearScheme
 from tribo.wear.laws import WearLaw as WearLaw
+from tribo.wear.laws import evaluate_wear as evaluate_wear
 from tribo.wear.laws import require_wear as require_wear
-from tribo.wear.laws import wear_over as wear_over

@@ -1,7 +1,7 @@
 """Protocol of user-defined wear laws, whose rate depends on distance, pressure and velocity.
 
-A law is any object with the attributes of `WearLaw`. If its method `over` returns anything but a
-`tribo.Wear`, `wear_over` raises an `InvariantError`.
+A law is any object with the attributes of `WearLaw`. If its method `mean_wear` returns anything but
+a `tribo.Wear`, `evaluate_wear` raises an `InvariantError`.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ class WearLaw(Protocol):
     ...     distance: float
     ...     pattern: str = "swept"
     ...
-    ...     def over(self, begin, end, pressure, velocity):
+    ...     def mean_wear(self, begin, end, pressure, velocity):
     ...         mean = math.log((self.distance + end) / (self.distance + begin)) / (end - begin)
     ...         return tribo.Wear(self.rate * velocity * self.distance * mean, self.pattern)
     >>> law: tribo.WearLaw = Fading(6e-15, 2.0)
-    >>> f"{law.over(2.0, 2.001, pressure=5e8, velocity=1.5).specific_wear_rate:.1e} m²/N"
+    >>> f"{law.mean_wear(2.0, 2.001, pressure=5e8, velocity=1.5).specific_wear_rate:.1e} m²/N"
     '4.5e-15 m²/N'
     """
 
@@ -47,7 +47,7 @@ class WearLaw(Protocol):
         pressure, as the disk's roughness moves past the pin.
         """
 
-    def over(self, begin: float, end: float, pressure: float, velocity: float) -> Wear:
+    def mean_wear(self, begin: float, end: float, pressure: float, velocity: float) -> Wear:
         """A `Wear` with the law's mean rate in a step, from sliding distance `begin` to `end` [m].
 
         `pressure` is the nominal pressure at the step's begin [Pa]: the load over the area that
@@ -57,13 +57,13 @@ class WearLaw(Protocol):
         """
 
 
-def wear_over(
+def evaluate_wear(
     wear: Wear | WearLaw, begin: float, end: float, pressure: float, velocity: float
 ) -> Wear:
     """A `Wear` with a constant rate: the mean from sliding distance `begin` to `end` [m].
 
-    `wear` is a law, called with the arguments of `WearLaw.over`, or a `Wear`, which is returned
-    unchanged. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
+    `wear` is a law, called with the arguments of `WearLaw.mean_wear`, or a `Wear`, which is
+    returned unchanged. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def wear_over(
     if not end > begin:
         return Wear(0.0, wear.pattern)
     with law_errors(f"wear law {wear!r}"):
-        step_wear: object = wear.over(begin, end, pressure, velocity)
+        step_wear: object = wear.mean_wear(begin, end, pressure, velocity)
     if not isinstance(step_wear, Wear):
         raise InvariantError(
             f"wear law: its wear over {begin:g} to {end:g} m is {step_wear!r}; it must be a "
@@ -88,5 +88,5 @@ def require_wear(wear: object) -> None:
     """Raise `InputError` unless `wear` is None, a `Wear` or has the attributes of a `WearLaw`."""
     if wear is None or isinstance(wear, Wear):
         return
-    if missing := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
+    if missing := ", ".join(name for name in ("pattern", "mean_wear") if not hasattr(wear, name)):
         raise InputError(f"the wear law {wear!r} has no {missing}; see tribo.WearLaw")

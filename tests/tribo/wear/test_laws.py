@@ -21,7 +21,7 @@ class RunningIn:
     distance: float
     pattern: str = "swept"
 
-    def over(self, begin, end, pressure, velocity):
+    def mean_wear(self, begin, end, pressure, velocity):
         slid_fraction = (end - begin) / self.distance
         faded = -math.exp(-begin / self.distance) * math.expm1(-slid_fraction) / slid_fraction
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
@@ -57,7 +57,7 @@ class ByPressure:
     rate: float
     pattern: str = "local"
 
-    def over(self, begin, end, pressure, velocity):
+    def mean_wear(self, begin, end, pressure, velocity):
         return tribo.Wear(self.rate * pressure, self.pattern)
 
 
@@ -69,7 +69,7 @@ class Hastened:
     exponent: float
     pattern: str = "swept"
 
-    def over(self, begin, end, pressure, velocity):
+    def mean_wear(self, begin, end, pressure, velocity):
         return tribo.Wear(self.rate * velocity**self.exponent, self.pattern)
 
 
@@ -123,7 +123,7 @@ class Recorded:
     calls: list = field(default_factory=list, compare=False, hash=False)
     pattern: str = "swept"
 
-    def over(self, begin, end, pressure, velocity):
+    def mean_wear(self, begin, end, pressure, velocity):
         self.calls.append((begin, pressure, velocity))
         return tribo.Wear(1.2e-15, self.pattern)
 
