@@ -50,4 +50,4 @@ class Grooves:
 
     def heights(self, pixels):
         nx, ny = pixels.shape
-        return np.tile(self.depth * np.cos(np.pi * np.arange(nx))[:, None], (1, ny))
+        return np.tile(self.depth * np.cos(2 * np.pi * np.arange(nx) / 8)[:, None], (1, ny))

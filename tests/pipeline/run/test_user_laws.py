@@ -10,11 +10,11 @@ import pytest
 
 import pipeline
 from pipeline import StoreMismatchError, run_sweep
-from pipeline.store.create import find_sweep
+from pipeline.store.create import find_sweep, writing
 from pipeline.sweep.plan import points
 from tests.helpers import laws, tiny
 
-OIL = tiny.tribo.Oil((32e-6, 5e-6), 866.0, 20e-9)
+SWEEP = tiny.sweep(velocities=(0.5, 1.5))
 
 
 @pytest.fixture
@@ -27,47 +27,73 @@ def module(tmp_path, monkeypatch):
     return importlib.import_module("laws_of_a_user")
 
 
-def parts_of(module):
-    return {
+def with_class_of(module, name):
+    """The tiny sweep with an object of a user's class."""
+    parts = {
         "pressure": {"wear": module.ByPressure()},
         "table": {"wear": module.Tabled()},
         "surface": {"roughness": module.Grooves()},
     }
-
-
-SWEEP = tiny.sweep(velocities=(0.5, 1.5))
-
-
-def forget(module):
-    """Delete a module's file and the module, so that nothing can import it."""
-    Path(module.__file__).unlink()
-    del sys.modules[module.__name__]
+    return SWEEP.with_scene(**parts[name])
 
 
 @pytest.mark.parametrize("name", ["pressure", "table", "surface"])
-def test_a_sweep_with_a_user_s_class_is_computed_and_answered_without_its_module(
-    path, module, name
-):
-    sweep = SWEEP.with_scene(**parts_of(module)[name])
+def test_workers_and_answers_need_no_module_of_a_user_s_class(path, module, name):
+    sweep = with_class_of(module, name)
     expected = [pipeline.run_point(sweep, *point[:2]) for point in points(sweep)]
-    Path(module.__file__).unlink()  # from which workers would import it
+    Path(module.__file__).unlink()  # a worker would import it otherwise
     assert run_sweep(sweep, path, workers=1).done == 6
-    forget_only = sys.modules.pop(module.__name__)
+    del sys.modules[module.__name__]
     with pipeline.open_sweep(path) as ds:
-        for point in expected:
-            load, velocity, _ = point.point
+        for result in expected:
+            load, velocity, _ = result.point
             stored = ds["max_rise"].sel(load=load, velocity=velocity, step=0)
-            assert stored == point.columns["max_rise"][-1]
+            assert stored == result.columns["max_rise"][-1]
     assert pipeline.verify_store(path).is_clean
     assert np.isfinite(pipeline.margin(path, 300.0, 1.0)["governing_temperature"])
-    assert forget_only.__name__ not in sys.modules
-    known = find_sweep(path)
-    assert known == sweep
-    assert known.scene.wear.pattern == sweep.scene.wear.pattern
+    assert find_sweep(path) == sweep
+    assert find_sweep(path).scene.wear.pattern == sweep.scene.wear.pattern
+    assert module.__name__ not in sys.modules
 
 
-def test_answers_read_the_roughness_of_a_user_s_surface(path, module):
-    sweep = SWEEP.with_scene(roughness=module.Grooves())
-    summary = find_summary(sweep)
-    assert summary.rq == pytest.approx(0.5e-6, rel=1e-6)
-    assert summary.lay == pytest.approx(90.0)
+def test_the_roughness_of_a_user_s_surface_is_stored(path, module):
+    with writing(path, with_class_of(module, "surface")):
+        surface = find_sweep(path).scene.roughness.summary
+    assert surface.rq == pytest.approx(0.5e-6 / 2**0.5, rel=1e-2)
+    assert surface.lay == pytest.approx(90.0)
+
+
+def test_a_run_continues_and_grows_the_store_of_the_same_law(path, module):
+    sweep = with_class_of(module, "table")
+    run_sweep(replace(sweep, loads=(150.0, 600.0)), path, workers=1)
+    again = with_class_of(importlib.reload(module), "table")
+    assert run_sweep(again, path, workers=1).computed == 2
+    assert run_sweep(again, path, workers=1).computed == 0
+
+
+@pytest.mark.parametrize("changed", ["values", "class", "source", "scene file"])
+def test_a_run_with_another_law_is_refused_in_a_line(path, module, changed):
+    with writing(path, with_class_of(module, "table")):
+        pass
+    other = SWEEP
+    if changed == "values":
+        other = SWEEP.with_scene(wear=module.Tabled(module.Table(rates=(4e-15, 2e-15, 2e-15))))
+    elif changed == "class":
+        other = SWEEP.with_scene(wear=module.ByPressure())
+    elif changed == "source":
+        file = Path(module.__file__)
+        text = file.read_text(encoding="utf-8").replace("(begin + end) / 2", "0.5 * (begin + end)")
+        file.write_text(text, encoding="utf-8")
+        other = with_class_of(importlib.reload(module), "table")
+    with pytest.raises(StoreMismatchError) as error:
+        run_sweep(other, path, workers=1)
+    heading, line = str(error.value).splitlines()
+    assert "belongs to another scene" in heading
+    assert "wear: Tabled(table=Table(distances=(0.0" in line
+
+
+def test_a_changed_entry_keeps_the_law(module):
+    scene = pipeline.load_scene("first_try").with_scene(wear=module.ByPressure())
+    wider = scene.changed("pin.radius", "3 mm")
+    assert (wider.scene.pin.radius, wider.scene.wear) == (3e-3, scene.scene.wear)
+    assert wider.text.startswith("# wear is replaced by ByPressure(rate=2e-24, pattern='local') of")

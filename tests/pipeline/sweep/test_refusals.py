@@ -1,16 +1,22 @@
 """All refusals of sweeps, their conditions, cases: causes, and what each says."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+import pipeline
 import tribo
 from pipeline import Conditions
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column, surfaces
 from pipeline.sweep.conditions import known_critical_temperature
-from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
-from tests.helpers import tiny
+from pipeline.sweep.stored import (
+    MissingSurface,
+    plain_sweep,
+    require_stored_classes,
+    sweep_of_plain,
+)
+from tests.helpers import laws, tiny
 from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
 from tribo.surface.areal import areal_roughness, remove_form
@@ -35,6 +41,51 @@ def other_heights():
 
 
 SMOOTH = tiny.sweep(roughness=None)
+
+
+class Unclear:
+    """A wear law whose text does not state its values."""
+
+    pattern = "swept"
+
+
+@dataclass
+class Counting:
+    """A wear law that changes when it is used."""
+
+    count: int = 0
+    pattern: str = "swept"
+
+    def mean_wear(self, begin, end, pressure, velocity):
+        self.count += 1
+        return tribo.Wear(1e-15)
+
+
+def law_in(module):
+    """A wear law of a class in a module that has no file."""
+    return type("Law", (laws.ByPressure,), {"__module__": module})()
+
+
+def with_law(law, sweep=SMOOTH):
+    return lambda: sweep.with_scene(wear=law)
+
+
+def without_original():
+    """Use the law of a sweep that was read from its data."""
+    law = sweep_of_plain(*plain_sweep(with_law(laws.Tabled())())).scene.wear
+    return law.mean_wear(0.0, 1.0, 1e8, 1.0)
+
+
+def of_unknown_class():
+    scene = replace(SMOOTH.scene, wear=laws.ByPressure())
+    return require_stored_classes(replace(SMOOTH, base=replace(SMOOTH.base, scene=scene)))
+
+
+def varied():
+    seeds = surfaces((1, 2))
+    return tiny.sweep(case_table=seeds).with_scene(roughness=laws.Grooves())
+
+
 REFUSALS = {
     # conditions
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
@@ -64,6 +115,18 @@ REFUSALS = {
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
     "array": (other_heights, "its numbers are others"),
+    # wear laws and surfaces of users
+    "script": (with_law(law_in("__main__")), "is of class Law of a script or notebook"),
+    "no class of yours": (with_law(tribo.Wear(1e-15)), "is no class of yours; set it in the"),
+    "no text": (with_law(type("Plain", (Unclear,), {"mean_wear": None})()),
+                "does not state its values, but has 'at 0x"),
+    "no source": (with_law(law_in("nowhere")), "of class Law, whose source cannot be found"),
+    "state": (with_law(Counting()), "becomes Counting(count=1, pattern='swept') when it is used"),
+    "no code": (without_original, "the store has no code of Tabled("),
+    "not set": (of_unknown_class, "wear is ByPressure(rate=2e-24, pattern='local'), of a class"),
+    "varied": (varied, "roughness cannot be replaced: disk.roughness differs between cases"),
+    "replaced": (lambda: pipeline.load_scene("first_try").with_scene(
+        wear=laws.Tabled()).changed("wear.pattern", "local"), "wear.pattern has no effect"),
     # surfaces
     "not beside": (lambda: MissingSurface("0", (1, 1)).heights(None), "heights of the measured"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
