@@ -41,6 +41,7 @@ def other_heights():
 
 
 SMOOTH = tiny.sweep(roughness=None)
+MANY = tuple(np.linspace(1.0, 2.0, 4000).tolist())
 
 
 class Unclear:
@@ -105,6 +106,8 @@ REFUSALS = {
             "the sweep has no realization 5; it has realization 1 to 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing: realization 1, pin b"),
+    "many points": (lambda: replace(SMOOTH, loads=MANY, velocities=MANY).require_few_points(),
+                    "1.6e+07 points are too many; give"),
     # data of sweeps
     "class": (data(warnings=[{"is": "os"}]), "this version has no class 'os'"),
     "field less": (data(warnings=[{"is": "SceneWarning"}]), "this version needs SceneWarning.code"),
