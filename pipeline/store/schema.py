@@ -221,13 +221,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     columns = sorted(name for name in placed if table[name].dims != (name,))
     table["status"] = _with_coordinates(table["status"], (*columns, *PROGRESS))
     for name in FIELDS if sweep.fields else ():
-        *outer, x, y = table[name].dims
+        *point_dims, x, y = table[name].dims
         steps = ("step",) * (sweep.fields == "steps")
-        field = table[name]._replace(dims=(*outer, *steps, x, y))
+        field = table[name]._replace(dims=(*point_dims, *steps, x, y))
         seed = (FIELD_REALIZATION,) * bool(sweep.surface_with_fields)
         table[name] = _with_coordinates(field, (*columns, *seed))
         # The group has its own copy of each coordinate, so that it can be opened without the root.
-        table |= {f"{OF_FIELDS}/{name}": table[name] for name in (*outer, *steps, *columns)}
+        table |= {f"{OF_FIELDS}/{name}": table[name] for name in (*point_dims, *steps, *columns)}
     if TEST_POINT not in sweep.case_table.axes:
         return table
     return {
