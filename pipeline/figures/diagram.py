@@ -27,7 +27,7 @@ from pipeline.answers.scene_words import value_words
 from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED
 from pipeline.figures import style
-from pipeline.figures.fields import QuantityLike, wanted_values
+from pipeline.figures.fields import QuantityLike, select_realization, wanted_values
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
 from pipeline.figures.tests import UNDECIDED_LABEL, mark_tests, velocities_at_friction
 from pipeline.store.schema import PLANE
@@ -86,7 +86,7 @@ def diagram(
             "each row of the sweep has its own load and velocity, so there is no plane of them; "
             "irg margin prints its rows"
         )
-    ds = ds if realization is None else ds.sel(realization=[realization])
+    ds = select_realization(ds, realization)
     case = cases_of(ds)[0]
     is_plane = min(len(case.loads), len(case.velocities)) > 1
     figure, axes = style.canvas(_SIZE)

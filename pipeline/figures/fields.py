@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ from pipeline.answers.scene_words import heating_words
 from pipeline.answers.verdict import conditions_of, outside_reason
 from pipeline.arguments import in_si
 from pipeline.figures import style
-from pipeline.quantities import shown_in
+from pipeline.quantities import ROUNDING, UNITS, shown_in
 from pipeline.store.read import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.conditions import Conditions, allowable_rise
@@ -63,15 +64,28 @@ class DrawnCase(NamedTuple):
 def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> DrawnCase:
     """The surface realization of a sweep for a figure; by default the one with stored fields."""
     refuse_cases(ds)
-    if "realization" in ds["status"].dims:
+    if realization is None and "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
-        if realization is not None and realization not in seeds:
-            raise InputError(f"realization {realization} is not in the sweep, which has {seeds}")
         field_seed = dict(sweep_of(ds).surface_with_fields).get("realization")
-        default_seed = field_seed if field_seed in seeds else seeds[0]
-        ds = ds.sel(realization=[default_seed if realization is None else realization])
-    case = cases_of(ds)[0]
+        realization = field_seed if field_seed in seeds else seeds[0]
+    case = cases_of(select_realization(ds, realization))[0]
     return DrawnCase(case, conditions_of(case, conditions))
+
+
+def select_realization(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
+    """The dataset of one surface realization, by its seed; unchanged for None."""
+    if realization is None:
+        return ds
+    if "realization" in ds.coords:
+        seeds = np.atleast_1d(ds["realization"].values).tolist()
+    else:  # a sweep of a single surface
+        seed = getattr(sweep_of(ds).scene.roughness, "seed", None)
+        seeds = [] if seed is None else [seed]
+    if realization not in seeds:
+        known = ", ".join(map(str, seeds)) or "a single surface without a number"
+        raise InputError(f"realization {realization} is not in the sweep, which has {known}")
+    is_dimension = "realization" in ds["status"].dims
+    return ds.sel(realization=[realization]) if is_dimension else ds
 
 
 def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) -> list[PointIndex]:
@@ -118,12 +132,22 @@ def wanted_values(axis: str, values: Any) -> list[float]:
 
 
 def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[int]:
-    """Indices of the loads or velocities of a case nearest to `values`; empty for None."""
+    """Indices of the loads or velocities of a case nearest to `values`; empty for None.
+
+    Warns of a value that is not simulated.
+    """
     axis_values, indices = case.loads if axis == "load" else case.velocities, list[int]()
     for value in wanted_values(axis, values):
-        if refusal := outside_reason({axis: (axis_values[0], axis_values[-1])}, **{axis: value}):
+        ends = {axis: (axis_values[0].item(), axis_values[-1].item())}
+        if refusal := outside_reason(case, ends, **{axis: value}):
             raise InputError(refusal)
         indices.append(int(np.abs(axis_values - value).argmin()))
+        nearest, unit = axis_values[indices[-1]].item(), UNITS[axis]
+        if not math.isclose(nearest, value, rel_tol=ROUNDING):
+            warnings.warn(
+                f"{axis} {value:g} {unit} is not simulated; the figure shows {nearest:g} {unit}",
+                stacklevel=2,
+            )
     return indices
 
 

@@ -154,11 +154,15 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     max_lines = math.ceil(_MAX_CAPTION_LINES * max(1.0, 72 * _USUAL / width))
-    lines = [line for part in caption.splitlines() for line in textwrap.wrap(part, letters)]
+    parts = map(printable, caption.split("\n"))
+    lines = [line for part in parts for line in textwrap.wrap(part, letters)]
     title = "\n".join(lines[:max_lines]) + " …" * (len(lines) > max_lines)
     title = "" if _LOOK.get().plain else title
     handles = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
     options = {"handles": [*itertools.chain(*handles)]} | options  # no warning if there are none
+    if labels := options.get("labels"):
+        texts = map(as_text, labels)
+        options["labels"] = [f" {text}" if text.startswith("_") else text for text in texts]
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
     breadth, height = figure.get_size_inches()
@@ -206,9 +210,14 @@ def write_title(owner: Axes | Figure, words: str) -> None:
 
 
 def as_text(words: str) -> str:
-    """Prepare text for a figure: shorten it to 240 letters, and drop control characters.
+    """Prepare text of a user for a figure: `printable`, and shortened to 240 letters."""
+    return textwrap.shorten(printable(words[:1000]), 240, placeholder=" …")
 
-    Each $ is escaped, so that Matplotlib does not set the text as a formula.
+
+def printable(words: str) -> str:
+    """Prepare text for a figure: without control characters, and never set as a formula.
+
+    For this, each $ is escaped, unless it is already.
     """
-    printable = "".join(character for character in words[:1000] if character.isprintable())
-    return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")
+    text = "".join(character for character in words if character.isprintable())
+    return text.replace(r"\$", "$").replace("$", r"\$")

@@ -112,7 +112,8 @@ def draw_test_marker(
         alpha=FAINT if faint else 1.0, gid=f"test {outcome}{', elsewhere' * faint}", **look,
     )  # fmt: skip
     axes.annotate(
-        number, label or position, (8, 0), textcoords="offset points", fontsize="small",
+        style.as_text(number), label or position, (8, 0), textcoords="offset points",
+        fontsize="small",
         va="center", color=BLACK, gid="number of a test", path_effects=style.HALO, zorder=5,
     )  # fmt: skip
 
