@@ -14,6 +14,8 @@ from pipeline.cli.output import print_note
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ROUNDING
+from pipeline.store.place import StoreError
+from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
@@ -24,6 +26,8 @@ from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from pipeline.store.store import Store
 
 _FILES = ("disk.roughness.file", "loading.file", "sweep.along")
 _TWICE = "{} is given twice; give it once"
@@ -69,10 +73,21 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
     return sweep
 
 
-def stored_tests_of(sweep: Sweep) -> str | None:
-    """Path of the scene's store in results, if there is one, whose tests need not be simulated."""
+def stored_tests_of(sweep: Sweep) -> Store | None:
+    """The scene's store in results, whose tests need not be simulated; None if there is none.
+
+    A note is printed if the store cannot be read.
+    """
+    from pipeline.store.store import opened  # Zarr, which irg check does without
+
     path = Path("results") / f"{sweep.name}.zarr"
-    return str(path) if path.is_dir() else None
+    if not path.is_dir():
+        return None
+    try:
+        return opened(path)
+    except StoreError as error:
+        print_note(f"note: the tests are simulated, since no results can be copied: {error}")
+        return None
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
@@ -105,20 +120,28 @@ def dataset_in(options: argparse.Namespace) -> xr.Dataset:
     return ds.assign_attrs(without_tests="yes") if options.without_tests else ds
 
 
-def _select_entry(ds: xr.Dataset, path: str, value: str) -> xr.Dataset:
-    """Select a value of an entry that varies in a sweep."""
-    dim = dimension_of(path)
-    if dim not in ds.dims:
-        varied = ", ".join(map(str, ds["status"].dims[:-2])) or "nothing"
-        suggestion = did_you_mean(path, _CONDITION_OF)
+def _select_entry(ds: xr.Dataset, name: str, value: str) -> xr.Dataset:
+    """Select a value of an entry that varies in a sweep, or the rows with a label in a column."""
+    columns = {
+        str(key): column
+        for key, column in ds.coords.items()
+        if column.ndim == 1 and column.dims[0] in ds["status"].dims and key not in PLANE
+    }
+    name = name.partition(" [")[0]  # a printed heading has its unit
+    key = name if name in columns else dimension_of(name.replace(" ", "_"))
+    if key not in columns:
+        if suggestion := did_you_mean(name, [*_CONDITION_OF, *columns]):
+            raise InputError(f"{name} does not vary in this sweep{suggestion}")
         raise InputError(
-            f"{path} does not vary in this sweep ({varied} does){suggestion}; run the scene with "
-            f"{path} = {value} into another store"
+            f"{name} does not vary in this sweep, only "
+            f"{', '.join(columns) or 'load and velocity'}; "
+            f"run the scene with {name} = {value} into another store"
         )
-    labels = ds[dim].values
+    column, labels = columns[key], columns[key].values
     is_text = labels.dtype.kind not in "if"
     is_equal = labels == value if is_text else np.isclose(labels, to_si(value, value), ROUNDING, 0)
     if not is_equal.any():
-        known_words = ", ".join(value_words(ds[dim], label) for label in labels.tolist())
-        raise InputError(f"{path} {value} is not in the sweep, which has {known_words}")
-    return ds.isel({dim: int(np.flatnonzero(is_equal)[0])})
+        known_words = ", ".join(value_words(column, label) for label in labels.tolist())
+        raise InputError(f"{name} {value} is not in the sweep, which has {known_words}")
+    rows = np.flatnonzero(is_equal).tolist()
+    return ds.isel({column.dims[0]: rows[0] if len(rows) == 1 else rows})

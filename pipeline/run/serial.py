@@ -6,28 +6,35 @@ from collections.abc import Iterator, Sequence
 
 import xarray as xr
 
-from pipeline.progress import Report, silent
+from pipeline.progress import Progress, Report, silent
 from pipeline.store.create import copy_points
 from pipeline.store.read import store_dataset
-from pipeline.store.store import Store, opened
+from pipeline.store.store import Store
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tribo import TriboError
 
 
 def run_serial(
-    store: Store, points: Sequence[Point] = (), source: str | None = None, report: Report = silent
+    store: Store, points: Sequence[Point] = (), source: Store | None = None, report: Report = silent
 ) -> None:
     """Simulate the pending points of the tests in a store, then `points`, in their order.
 
-    Points that the store at `source` has are copied. An error at the first of `points` is
-    raised; another one becomes the message of its point.
+    Points that the store `source` has are copied. An error at the first of `points` is raised;
+    another one becomes the message of its point. `report` is called with the number of steps done,
+    of those of all points.
     """
     if source is not None:
-        copy_points(store, opened(source))
-    if store.tests:
-        store.tests.commit(_simulated(store.tests, store.tests.pending(), (), report))
-    store.commit(_simulated(store, points, points[:1], report))
+        copy_points(store, source)
+    groups = [(store.tests, store.tests.pending(), points[:0])] if store.tests else []
+    groups.append((store, points, points[:1]))
+    total = sum(
+        _step_count(group, point) for group, group_points, _ in groups for point in group_points
+    )
+    done = 0
+    for group, group_points, needed in groups:
+        group.commit(_simulated(group, group_points, needed, report, done, total))
+        done += sum(_step_count(group, point) for point in group_points)
 
 
 def computed_dataset(store: Store) -> xr.Dataset:
@@ -35,18 +42,37 @@ def computed_dataset(store: Store) -> xr.Dataset:
     return store_dataset(store).load()
 
 
+def _step_count(store: Store, point: Point) -> int:
+    """Number of steps that are simulated at a point."""
+    scene = store.sweep.case(point.case).scene
+    return choose_stored_steps(store.sweep).select(scene, point.load)[-1].index
+
+
 def _simulated(
-    store: Store, points: Sequence[Point], needed: Sequence[Point], report: Report
+    store: Store,
+    points: Sequence[Point],
+    needed: Sequence[Point],
+    report: Report,
+    done: int,
+    total: int,
 ) -> Iterator[PointRecord]:
+    """Yield the record of each point; reports begin at `done` of `total` steps."""
     stored_steps = choose_stored_steps(store.sweep)
     for point in points:
-        scene = store.sweep.case(point.case).scene
+        case = store.sweep.case(point.case)
+
+        def report_step(progress: Progress, before: int = done) -> None:
+            report(Progress(done=before + progress.done, total=total))
+
         try:
-            film, fields = store.sweep.case(point.case).has_film, store.fields_of(point.case)
-            result = run_point(scene, stored_steps, point, None, report, film, fields)
+            fields = store.fields_of(point.case)
+            result = run_point(
+                case.scene, stored_steps, point, None, report_step, case.has_film, fields
+            )
         except TriboError as error:
             if point in needed:
                 raise
             yield PointRecord(point, None, str(error))
         else:
             yield result.record(bool(fields))
+        done += _step_count(store, point)

@@ -267,3 +267,12 @@ def test_the_lines_of_the_page_run_and_find_numbers(folder_with_results, monkeyp
         result = eval(ast.unparse(line), names)
         values = result[0].get_ydata() if "plot" in ast.unparse(line) else result
         assert np.isfinite(values).any(), ast.unparse(line)
+
+
+def test_the_progress_of_several_points_never_goes_back():
+    reports = []
+    with writing(None, tiny.full()) as store:
+        run_serial(store, points(tiny.full())[:3], report=reports.append)
+    counts = [progress.done for progress in reports]
+    assert counts == sorted(counts)
+    assert {progress.total for progress in reports} == {counts[-1]}
