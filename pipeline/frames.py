@@ -20,6 +20,7 @@ from pipeline.paths import user_path
 from pipeline.quantities import DIMENSIONS, SIZES, shown_in
 from pipeline.store.files import store_file, sync
 from tribo import InputError
+from tribo.types import Mask
 
 TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
@@ -48,9 +49,10 @@ def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.Data
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
 
-def some_rows(frame: pd.DataFrame, max_rows: int) -> pd.DataFrame:
-    """Pick at most `max_rows` rows of a frame, evenly spaced, with the first and the last row."""
-    return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, max_rows).round().astype(int))]
+def some_rows(frame: pd.DataFrame, count: int, is_needed: Mask) -> pd.DataFrame:
+    """Pick `count` rows of a frame, evenly spaced, with the first and the last, and needed rows."""
+    spaced = np.linspace(0, len(frame) - 1, count).round().astype(int)
+    return frame.iloc[np.union1d(spaced, np.flatnonzero(is_needed))]
 
 
 def transposed(frame: pd.DataFrame) -> pd.DataFrame:

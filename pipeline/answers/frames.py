@@ -88,14 +88,11 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     user_columns = [
         str(name) for name, array in answer.coords.items() if array.ndim and name not in hidden
     ]
-    frame = without_columns(
-        answer_frame(answer, *user_columns, *_ROWS),
-        [CASE] * bool(user_columns and CASE in answer.sizes),
-    )
+    frame = answer_frame(answer, *user_columns, *_ROWS)
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]
-    return frame
+    return without_columns(frame, [CASE] * bool(user_columns and CASE in answer.sizes))
 
 
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:

@@ -208,6 +208,7 @@ class CaseResults:
     name: CaseName  #: The case, as the sweep names it.
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
+    is_row: bool = False  #: True if each case of the sweep has its own load and velocity.
     _arrays: dict[str, Array] = field(default_factory=dict, repr=False)
 
     @property
@@ -426,7 +427,8 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
     is_moving = ds["velocity"] > 0
     if is_moving.any() and not is_moving.all():
         ds = ds.isel(velocity=np.flatnonzero(is_moving))
-    return CaseResults(case, labels, name, ds, tests)
+    is_row = any(sweep.case_table.column(axis) is not None for axis in PLANE)
+    return CaseResults(case, labels, name, ds, tests, is_row)
 
 
 def _label(labels: tuple[Label, ...], value: Any) -> Label:

@@ -29,7 +29,7 @@ from pipeline.constants import DECIDED, FARTHEST
 from pipeline.quantities import UNITS
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from pipeline.words import join_notes
-from tribo import WarningKind
+from tribo import Stages, WarningKind
 from tribo.types import Array, Mask
 
 MILD, UNDECIDED, SEVERE, OUTSIDE, UNKNOWN = range(5)
@@ -38,6 +38,7 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
+_AXES = {"load": "loads", "velocity": "velocities"}
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -161,11 +162,11 @@ class VerdictModel:
 
     @functools.cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Lowest and highest load [N] and velocity [m/s] of the sweep, without 0."""
+        """Lowest and highest load [N] and velocity [m/s] of the case, without 0."""
         case, sweep = self.case, self.case.sweep
         axes = {"load": (case.loads, sweep.loads), "velocity": (case.velocities, sweep.velocities)}
         values = {
-            k: [*computed.tolist(), *(x for x in swept if x > 0)]
+            k: [*computed.tolist(), *(x for x in swept if x > 0 and not case.is_row)]
             for k, (computed, swept) in axes.items()
         }
         return {name: (min(axis_values), max(axis_values)) for name, axis_values in values.items()}
@@ -270,7 +271,7 @@ class VerdictModel:
         is_inside = ((low <= values) & (values <= high) & (values > 0)).all(axis=0)
         for k in np.flatnonzero(~is_inside).tolist():
             load, velocity = values[:, k].tolist()
-            reasons[k] = outside_reason(ranges, load=load, velocity=velocity)
+            reasons[k] = outside_reason(self.case, ranges, load=load, velocity=velocity)
         reasons[np.isnan(rise) & (reasons == "")] = _TOO_FEW
         return reasons
 
@@ -361,14 +362,31 @@ class VerdictModel:
         return velocity_errors(self.field, parts, loads, velocities)
 
 
-def outside_reason(ranges: Mapping[str, tuple[float, float]], **point: float) -> str:
+def outside_reason(
+    case: CaseResults, ranges: Mapping[str, tuple[float, float]], **point: float
+) -> str:
     """Reason that a load and a velocity are unknown; empty if they lie within `ranges`."""
-    parts = []
-    for name, value in point.items():
+    outside = {
+        name: value
+        for name, value in point.items()
+        if not (ranges[name][0] <= value <= ranges[name][1] and value > 0)
+    }
+    if not outside:
+        return ""
+    texts = []
+    for name, value in outside.items():
         (low, high), unit = ranges[name], UNITS[name]
-        if not (low <= value <= high and value > 0):
-            range_text = f"({low:g} to {high:g} {unit})"
-            parts.append(f"{name} {value:g} {unit} is outside the sweep {range_text}")
-    is_possible = all(0 < value < math.inf for value in point.values())
-    advice = "add it to the scene, and run it again" if is_possible else "give a value inside it"
-    return f"{', '.join(parts)}; {advice}" if parts else ""
+        texts.append(f"{name} {value:g} {unit} is outside the sweep ({low:g} to {high:g} {unit})")
+    limits = ", ".join(texts)
+    if not all(0 < value < math.inf for value in point.values()):
+        return f"{limits}; give a value inside it"
+    if case.is_row:
+        requested = ", ".join(f"{name} {value:g} {UNITS[name]}" for name, value in point.items())
+        return (
+            f"{requested} is not a case of the sweep, in which each case has its own load and "
+            "velocity; add it to sweep.along, and run the scene again"
+        )
+    if isinstance(case.sweep.scene.loading, Stages):  # which end at the highest load
+        return f"{limits}; run the scene with it into another store"
+    entries = " and ".join(f"sweep.{_AXES[name]}" for name in outside)
+    return f"{limits}; add it to {entries}, and run the scene again"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+import shlex
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -13,16 +15,24 @@ import pipeline
 from pipeline.answers import words
 from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
+from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_words import named_value
 from pipeline.answers.verdict import UNKNOWN
 from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, pluralized, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
+from pipeline.shipped import typed_name
 from pipeline.store.place import REMEDY, StoreError
+from pipeline.store.resume import mismatches
+from pipeline.store.root import GOAL
+from pipeline.store.schema import PLANE
 from pipeline.store.status import states
-from tribo import InputError
+from pipeline.words import quoted
+from tribo import InputError, TriboError
+from tribo.types import Mask
 
-_MAX_ROWS = 8  # most rows of a printed table; --all, --json and files have all
+_MAX_ROWS = 8  # rows of a printed table, and those of tests; --all, --json and files have all
+_ROW_HEADS = {"load": "load [N]", "velocity": "velocity [m/s]"}
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
 
@@ -80,11 +90,48 @@ def margin(options: argparse.Namespace) -> Result:
     if options.load is None:
         text = _rows_text(margins, options.all)
     elif (margins["verdict"] == UNKNOWN).all():
-        raise InputError(str(margins["reason"].values.flat[0]))
+        reason = str(margins["reason"].values.flat[0])
+        command = _extending_command(ds, options)
+        raise InputError(f"{reason}: {command}" if command else reason)
     else:
         text = _point_text(margins)
     warned = pipeline.points_with_warnings(ds)
     return Result(text=wrapped(text), warned=warned, frames=[whole_frame(margins)])
+
+
+def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
+    """Command that simulates a point outside a sweep; empty if none would do so."""
+    from pipeline.scene.contact_estimate import require_admissible_load  # other answers do without
+
+    sweep, settings = sweep_of(ds), dict[str, Any]()
+    if not {*PLANE} <= {*ds["status"].dims}:
+        return ""
+    for path, unit, value, values in (
+        ("sweep.loads", "N", options.load, sweep.loads),
+        ("sweep.velocities", "m/s", options.velocity, sweep.velocities),
+    ):
+        if not values[0] <= value <= values[-1]:
+            settings[path] = [f"{value:.10g} {unit}"]
+    name = typed_name(sweep.name)
+    try:
+        scene = pipeline.load_scene(name)
+        extended = pipeline.load_scene(name, cast(Any, sweep.preset), settings)
+        require_admissible_load(extended, options.load, "--load")
+    except TriboError:  # the scene is elsewhere, or does not allow these values
+        return ""
+    if not settings or any(mismatches(sweep, extended)):
+        return ""
+    is_usual = Path(options.store).absolute() == Path("results", f"{sweep.name}.zarr").absolute()
+    history = str(ds.attrs.get("history", "")).splitlines()
+    goals = [line.removeprefix(GOAL) for line in history if line.startswith(GOAL)]
+    choices = [] if is_usual else ["-o", str(options.store)]
+    if goals:
+        choices += ["--accuracy", goals[-1]]
+    elif sweep.preset and sweep.preset != scene.preset:
+        choices += ["--preset", sweep.preset]
+    for path, new_values in settings.items():
+        choices += ["--set", f"{path}={quoted(new_values)}"]
+    return shlex.join(["irg", "run", name, *choices])
 
 
 def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
@@ -108,7 +155,9 @@ def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     )
     count = pluralized(int(counts.sum()), "operating point", "operating points")
     frame = margin_frame(margins)
-    printed = frame if has_all else frame.sort_values("temperature margin [K]").head(_MAX_ROWS)
+    margin_head = "temperature margin [K]"  # missing if no point has an answer
+    ordered = frame.sort_values(margin_head) if margin_head in frame else frame
+    printed = frame if has_all else ordered.head(_MAX_ROWS)
     omitted = len(frame) - len(printed)
     return [
         f"{count}: {verdict_counts}",
@@ -139,7 +188,7 @@ def boundary(options: argparse.Namespace) -> Result:
     with working("computing the boundary"):
         results = pipeline.boundary(ds, **conditions)
     rows = without_columns(boundary_frame(results, options.by))
-    printed = rows if options.all else some_rows(rows, _MAX_ROWS)
+    printed = rows if options.all else some_rows(rows, _MAX_ROWS, _are_tested(ds, rows, options.by))
     hint = [f"{len(rows) - len(printed)} more rows: use --all, or -o TABLE.csv"]
     text = [
         *words.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
@@ -147,3 +196,10 @@ def boundary(options: argparse.Namespace) -> Result:
     ]  # fmt: skip
     parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
     return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])
+
+
+def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:
+    """Mask of the rows of a boundary that are at the load, or at the velocity, of a test."""
+    tests = () if ds.attrs.get("without_tests") else sweep_of(ds).tests
+    values = [test.normal_load if by == "load" else test.velocity for test in tests]
+    return np.isin(rows[_ROW_HEADS[by]], values)

@@ -42,8 +42,10 @@ def run(options: argparse.Namespace) -> Result:
     choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
     remote_client = None
     if options.scheduler or options.scheduler_file:
-        from pipeline.run.cluster import client_of  # Dask, which irg check does without
+        from pipeline.run.cluster import PATIENCE, client_of  # Dask, which irg check does without
 
+        address = options.scheduler or options.scheduler_file
+        print_note(f"connecting to the Dask scheduler at {address}, for at most {PATIENCE:g} s")
         remote_client = client_of(options.scheduler, options.scheduler_file)
     with remote_client or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
@@ -98,6 +100,8 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
         return [f"next: irg plot {store} --kind ramp"]
     if not {*PLANE} <= {*ds["status"].dims}:
         return [f"next: irg margin {store}, irg plot {store}"]
+    if max(ds.sizes[axis] for axis in PLANE) == 1:
+        return [f"one point has no boundary; next: irg margin {store}"]
     boundary_lines = list[str]()
     if not case_dims(ds):  # one scene; irg boundary has a table of several
         # Without a boundary, for example if too few points are done, irg boundary prints why.

@@ -52,3 +52,27 @@ def test_a_value_is_chosen_or_asked_for(swept, irg):
     for command in ("boundary", "plot"):
         output = irg(command, swept, "--at", "pin.radius=3 mm", code=2)
         assert "pin.radius 3 mm is not in the sweep, which has 2 mm, 4 mm" in output
+    output = irg("boundary", swept, "--at", "temperature.critcal=150 degC", code=2)
+    assert output.endswith('does not vary in this sweep (did you mean "temperature.critical"?)\n')
+
+
+def test_a_row_is_chosen_by_the_label_under_a_printed_heading(tmp_path, irg):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    rows = [
+        {"place": place, "load": load, "velocity": "1 m/s"}
+        for place, load in (("A", "200 N"), ("B", "300 N"), ("B", "400 N"))
+    ]
+    entries = {"without": ["sweep.loads", "sweep.velocities"], "sweep.along": rows}
+    commit_all(
+        store := tmp_path / "out.zarr",
+        pipeline.load_scene(tmp_path / "scene.toml", overrides=entries),
+    )
+    (row,) = irg("margin", store, "--at", "place=A", "--json")
+    assert row["load [N]"] == 200
+    assert [row["load [N]"] for row in irg("margin", store, "--at", "place=B", "--json")] == [
+        300,
+        400,
+    ]
+    assert "place C is not in the sweep, which has A, B, B" in irg(
+        "margin", store, "--at=place=C", code=2
+    )

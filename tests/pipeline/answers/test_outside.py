@@ -3,9 +3,12 @@
 import pytest
 
 import pipeline
+from pipeline.run.serial import computed_dataset
+from pipeline.store.create import writing
 from pipeline.store.schema import PENDING
-from tests.helpers import synthetic
+from tests.helpers import synthetic, tiny
 from tests.helpers.answer_at import asked, named
+from tests.helpers.entries import placed_rows
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -17,11 +20,30 @@ def test_a_place_outside_is_known_after_a_run_with_it(tmp_path):
     commit_all(store, pipeline.load_scene(scene))
     before = asked(pipeline.open_sweep(store), 150.0, 1.5)
     assert before.verdict == "unknown"
-    assert before.reason.endswith("outside the sweep (200 to 400 N); add it to the scene, and run "
-                                  "it again")  # fmt: skip
+    assert before.reason == (
+        "load 150 N is outside the sweep (200 to 400 N); add it to sweep.loads, and run the scene "
+        "again"
+    )
     new = {"sweep.loads": ["150 N", "200 N", "400 N"]}
     commit_all(store, pipeline.load_scene(scene, overrides=new))
     assert asked(pipeline.open_sweep(store), 150.0, 1.5).verdict != "unknown"
+
+
+def test_what_to_do_outside_depends_on_the_kind_of_sweep():
+    def reason(ds, *point):
+        return asked(ds, *point).reason
+
+    assert reason(synthetic.sweep(), 900.0, 5.0).endswith(
+        "velocity 5 m/s is outside the sweep (0.5 to 4 m/s); add it to sweep.loads and "
+        "sweep.velocities, and run the scene again"
+    )
+    case = tiny.sweep(case_table=placed_rows((250.0, 1.0)))
+    with writing(None, case) as store:
+        rows = pipeline.margin(computed_dataset(store), 300.0, 1.0)
+    assert rows["reason"].item() == (
+        "load 300 N, velocity 1 m/s is not a case of the sweep, in which each case has its own "
+        "load and velocity; add it to sweep.along, and run the scene again"
+    )
 
 
 @pytest.mark.parametrize("point", [(-1.0, 2.0), (400.0, 0.0), (float("inf"), 2.0), (400.0, 9e9)])

@@ -3,7 +3,9 @@
 import csv
 import json
 import re
+import shlex
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +14,14 @@ import xarray as xr
 import pipeline
 from pipeline.cli import main
 from pipeline.constants import PRESET_BOUNDS
+from pipeline.run import cluster
+from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
 from pipeline.store.store import opened
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import fail
+from tests.pipeline.conftest import commit_all
 
 # The numerical error of a preset is known.
 STANDARD = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
@@ -207,3 +212,55 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
     assert (rows[0][0], rows[0][-1]) == (rows[1][0], rows[1][-1])
     assert "7 more rows: use --all, or -o TABLE.csv" in few
     assert max(map(len, few.splitlines())) <= 100
+
+
+def test_a_point_outside_is_simulated_by_the_command_that_is_printed(tmp_path, monkeypatch, irg):
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(SCENE)
+    entries = {"increments": 2, "sweep.loads": ["400 N"], "sweep.velocities": ["1 m/s", "2 m/s"]}
+    commit_all("results/small.zarr", pipeline.load_scene("small.toml", overrides=entries))
+    Path("small.toml").write_text(SCENE.replace("increments = 10", "increments = 2"))
+    point = "margin", "small", "--load", "410 N", "--velocity", "1 m/s"
+    advice = irg(*point, code=2)
+    assert "load 410 N is outside the sweep (400 to 400 N); add it to sweep.loads" in advice
+    program, *command = shlex.split(advice.rpartition("again: ")[2])
+    assert (program, command[0]) == ("irg", "run")
+    assert main([*command, "--workers", "1", "--quiet"]) == 0
+    assert "outside the sweep" not in irg(*point)
+    assert irg(*point[:3], "1e7 N", *point[4:], code=2).endswith("run the scene again\n")
+
+
+def test_tests_of_a_store_of_another_version_are_simulated_again(tmp_path, monkeypatch, irg):
+    monkeypatch.chdir(tmp_path)
+    tested = '[[tests]]\nload = "200 N"\nvelocity = "1 m/s"\noutcome = "severe"\n'
+    Path("small.toml").write_text(SCENE.replace("increments = 10", "increments = 2") + tested)
+    sweep = pipeline.load_scene("small.toml", overrides={"sweep.loads": ["200 N"]})
+    commit_all("results/small.zarr", sweep)
+    usual = irg("infer", "small.toml")
+    assert "cannot be copied" not in usual
+    document = Path("results/small.zarr/about/zarr.json")
+    facts = json.loads(document.read_text())
+    facts["attributes"]["format"] += 1
+    document.write_text(json.dumps(facts))
+    note, *rest = irg("infer", "small.toml").splitlines()[::-1]
+    assert "irg: note: the tests are simulated, since no results can be copied: " in note
+    assert rest[::-1] == usual.splitlines()
+
+
+def test_a_run_says_at_once_that_it_waits_for_a_scheduler(tmp_path, monkeypatch, irg):
+    def refuse(address, file):
+        raise ExecutionError(f"no Dask scheduler answers at {address}")
+
+    monkeypatch.setattr(cluster, "client_of", refuse)
+    (tmp_path / "small.toml").write_text(SCENE)
+    output = irg("run", tmp_path / "small.toml", "--scheduler", "tcp://a:1", code=2)
+    assert "connecting to the Dask scheduler at tcp://a:1, for at most 30 s\n" in output
+
+
+def test_a_sweep_of_one_point_ends_with_the_command_for_its_margin(tmp_path, monkeypatch, irg):
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(SCENE)
+    point = "--set", 'sweep.loads=["200 N"]', "--set", 'sweep.velocities=["1 m/s"]'
+    output = irg("run", "small.toml", *point, "--set", "increments=2", "--workers", 1)
+    (command,) = re.findall(r"one point has no boundary; next: irg (.*)\n", output)
+    assert "1 operating point: " in irg(*shlex.split(command))

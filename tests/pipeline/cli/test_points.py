@@ -5,6 +5,7 @@ import csv
 import pytest
 
 import pipeline
+from pipeline.answers.results import sweep_of
 from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
@@ -88,3 +89,10 @@ def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeyp
     monkeypatch.chdir(tmp_path)
     output = irg("check", "scenes/own.toml", "--set", "sweep.along=rows.csv")
     assert "points   2: 2 cases" in output
+
+
+def test_a_load_with_a_test_is_among_the_printed_rows(store, irg):
+    loads = {test.normal_load for test in sweep_of(store).tests}
+    assert len(store["load"]) > 8
+    for load in loads:
+        assert f"\n{load:g} " in irg("boundary", "out.zarr")
