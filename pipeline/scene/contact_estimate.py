@@ -17,7 +17,6 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication, summa
 from tribo.types import Array
 from tribo.wear import evaluate_wear
 
-USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
 _ROUGH_RISE = 3.0  # height of peaks above the smooth contact, in root mean square heights
 
 

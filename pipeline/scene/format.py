@@ -45,6 +45,7 @@ from pipeline.scene.tables import (
     table_of,
 )
 from pipeline.sweep.case import OUTCOMES
+from tribo.simulation.usual_values import USUAL
 
 SEED = Integer(at_least=0)
 LATER = "Acts after the simulation."
@@ -135,15 +136,17 @@ FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
 class MaterialTable(Declared):
     like: A[str | None,
         "Material of the library that supplies the values not given here."] = None
-    elastic_modulus: A[float, Quantity("210 GPa", usual=(1, 1200)), "Young's modulus."]
+    elastic_modulus: A[float, Quantity("210 GPa", usual=USUAL["elastic_modulus"].ends),
+        "Young's modulus."]
     poisson_ratio: A[float, Number(above=-1, at_most=0.5), "Poisson's ratio."]
-    hardness: A[float, Quantity("6.6 GPa", usual=(0.01, 100)),
+    hardness: A[float, Quantity("6.6 GPa", usual=USUAL["hardness"].ends),
         'Highest possible contact pressure, also as "62 HRC", "750 HV" or "250 HB"; the softer '
         "body limits it, and a body without a hardness stays elastic."] = math.inf
-    thermal_conductivity: A[float, Quantity("45 W/(m K)", usual=(0.05, 2500)),
+    thermal_conductivity: A[float, Quantity("45 W/(m K)", usual=USUAL["thermal_conductivity"].ends),
         "Thermal conductivity."]
-    density: A[float, Quantity("7800 kg/m^3", usual=(500, 25000)), "Density."]
-    specific_heat: A[float, Quantity("470 J/(kg K)", usual=(100, 5000)), "Specific heat capacity."]
+    density: A[float, Quantity("7800 kg/m^3", usual=USUAL["density"].ends), "Density."]
+    specific_heat: A[float, Quantity("470 J/(kg K)", usual=USUAL["specific_heat"].ends),
+        "Specific heat capacity."]
 
 
 class Body(Declared):
@@ -159,9 +162,9 @@ class Body(Declared):
 
 class _Shape(Declared):
     shape: A[str, OneOf(tuple(tribo.PINS)), "Shape of the pin."]
-    radius: A[float, Quantity("2 mm", usual=(0.1, 1000)),
+    radius: A[float, Quantity("2 mm", usual=USUAL["radius"].ends),
         "Radius in the plane of sliding; for two curved bodies the reduced radius."]
-    length: A[float | None, Quantity("3.4 mm", usual=(0.1, 1000)),
+    length: A[float | None, Quantity("3.4 mm", usual=USUAL["length"].ends),
         "Length of the line contact, along y; needed for a cylinder."] = None
     crown_radius: A[float | None, SIZE, "Radius across sliding; needed for a crowned pin."] = None
 
@@ -169,7 +172,7 @@ class PinTable(Body, _Shape):
     pass
 
 class RandomSurface(Declared):
-    ra: A[float, Quantity("0.27 um", usual=(0.001, 10)),
+    ra: A[float, Quantity("0.27 um", usual=USUAL["ra"].ends),
         "Ra, the mean deviation of the heights from their mean plane."]
     hurst_exponent: A[float, Number(above=0, at_most=1),
         "Hurst exponent; a larger one is smoother at short wavelengths."]
@@ -235,7 +238,7 @@ class Record(TableFile):
     fit: A[bool, "True to replace the record by a straight line through it."] = False
 
 class MotionTable(Declared):
-    slide_roll_ratio: A[float, Share(usual=(-20, 20)),
+    slide_roll_ratio: A[float, Share(usual=USUAL["slide_roll_ratio"].ends),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."]
     pin_track_length: A[float | None, Quantity("314 mm"),

@@ -17,6 +17,7 @@ from pipeline.sweep.notes import unusual_warning
 from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from pipeline.words import did_you_mean, quoted
 from tribo import InputError
+from tribo.simulation.usual_values import USUAL
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
 _LARGEST_INTEGER = 2**63 - 1  # largest whole number that a store keeps
@@ -283,10 +284,10 @@ class UnitText(Kind):
 LOAD = Quantity("200 N")
 DURATION = Quantity("4 s", zero=True)
 HOLD = Quantity("60 s")
-VELOCITY = Quantity("1.25 m/s", zero=True, usual=(0, 100))
+VELOCITY = Quantity("1.25 m/s", zero=True, usual=USUAL["velocity"].ends)
 SPEED = Quantity("1.25 m/s")
-BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
-CRITICAL = QuantityOrTests("145 degC", usual=(50, 800))
-ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
-SIZE = Quantity("100 mm", usual=(0.1, 1e5))
-FRICTION = Share(at_least=0, usual=(0, 1))
+BULK = Quantity("25 degC", usual=USUAL["bulk_temperature"].ends, ends=OIL_WORKS)
+CRITICAL = QuantityOrTests("145 degC", usual=USUAL["critical_temperature"].ends)
+ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=USUAL["specific_wear_rate"].ends)
+SIZE = Quantity("100 mm", usual=USUAL["crown_radius"].ends)
+FRICTION = Share(at_least=0, usual=USUAL["friction"].ends)

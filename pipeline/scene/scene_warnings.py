@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Mapping
 
 from pipeline.scene.contact_estimate import (
-    USUAL_HARDNESS,
     ContactEstimate,
     Span,
     estimate_contact,
@@ -20,6 +19,7 @@ from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep
 from pipeline.words import key_path
 from tribo import Ramp, SelfAffineRoughness
+from tribo.simulation.usual_values import USUAL
 
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
 _REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
@@ -103,14 +103,15 @@ def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warnings of values outside their usual range, where several entries determine the value."""
     for body, material in (("pin", sweep.scene.pin.material), ("disk", sweep.scene.disk)):
         share = material.hardness / material.elastic_modulus
-        usual = USUAL_HARDNESS if math.isfinite(share) else None
+        usual = USUAL["hardness_share"].ends if math.isfinite(share) else None
         name = sweep.source.entries[body]["material"]
         path = key_path(key_path("materials", name), "hardness")
         yield from unusual_warning(path, share, usual, "times the elastic modulus")
-    yield from unusual_warning("loading", facts.duration.high, (0.05, 1e6), "s")
+    yield from unusual_warning("loading", facts.duration.high, USUAL["duration"].ends, "s")
     loading, highest = sweep.scene.loading, max(sweep.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps
-        span = highest / 100, highest * 100
+        low, high = USUAL["reference_load"].ends
+        span = low * highest, high * highest
         yield from unusual_warning("loading.reference_load", loading.reference_load, span, "N")
     if facts.surface and facts.surface.measured:
         path = "disk.roughness.ra"

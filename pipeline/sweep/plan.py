@@ -22,7 +22,7 @@ from pipeline.sweep.case_table import CaseName, CaseRow
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
-from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
+from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures
 from tribo.simulation import (
     PointWarning,
     RampCache,
@@ -32,6 +32,7 @@ from tribo.simulation import (
     fit_elements,
     heat,
     mechanics,
+    point_warnings,
     stages_of,
 )
 from tribo.simulation.film import film_inlet
@@ -101,7 +102,8 @@ class PointResult:
 
     def verdict(self, conditions: Conditions) -> Verdict:
         """Mild or severe wear at the worst step of the point's loading, under `conditions`."""
-        return verdict(self.columns, self.least_load, conditions)
+        judged = verdict(self.columns, self.least_load, conditions)
+        return replace(judged, warnings=self.warnings)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -213,7 +215,7 @@ def run_point(
         state=state,
         shape=scene.grid.shape,
         least_load=least_load_evaluated(scene, load),
-        warnings=tuple(warnings(scene, state)),
+        warnings=tuple(point_warnings(scene, state)),
         wall_time=time.perf_counter() - began,
         film=film,
     )

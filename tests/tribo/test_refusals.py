@@ -257,7 +257,7 @@ ELSEWHERE = {
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
-    "judge.judge InputError": "a point always touches; for the type checker",
+    "judge._states InputError": "a point always touches; for the type checker",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""
 

@@ -26,6 +26,7 @@ from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point import stages_of as stages_of
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
+from tribo.simulation.point_warnings import point_warnings as point_warnings
 from tribo.simulation.point_warnings import warnings as warnings
 from tribo.simulation.ramp_cache import RampCache as RampCache
 from tribo.simulation.ramp_cache import Recorder as Recorder

@@ -6,13 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.errors import InputError
+from tribo.errors import InputError, TriboError
 from tribo.loading import Ramp, Stages
 from tribo.simulation.conditions import Conditions
+from tribo.simulation.corrections import Corrections
 from tribo.simulation.point import simulate, stages_of
+from tribo.simulation.point_warnings import warnings
 from tribo.simulation.ramp_cache import RampCache
 from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
+from tribo.simulation.usual_values import unusual_values
 from tribo.simulation.verdict import Verdict, verdict
 
 
@@ -43,14 +47,16 @@ def judge(
     Verdict
         Mild or severe at the worst time, when the rise is highest, once the load is reached. The
         candidates are the beginning and the end of a hold, or all its steps if bodies keep heat.
-        For a specimen in stages they are onset and end of all stages up to this one.
+        For a specimen in stages they are onset and end of all stages up to this one. Its
+        `warnings` are those of the last state, and of values outside their usual range.
 
     Raises
     ------
     InputError
         If a value is not allowed, or nothing is in contact at `load`.
     ConvergenceError
-        If a contact or a heat partition does not reach its tolerance.
+        If a contact or a heat partition does not reach its tolerance. The notes of an error name
+        values outside their usual range.
 
     Examples
     --------
@@ -68,6 +74,26 @@ def judge(
     conditions = conditions.with_loading(scene.loading)
     if corrections := conditions.corrections:
         conditions = replace(conditions, corrections=replace(corrections, motion=scene.motion))
+    try:
+        states, min_load = _states(scene, load, velocity, corrections, ramp_cache)
+    except TriboError as error:
+        for text in unusual_values(scene, load, velocity, conditions):
+            error.add_note(text)
+        raise
+    records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
+    columns = {name: np.array([record[name] for record in records]) for name in records[0]}
+    reasons = tuple(warnings(scene, states[-1], conditions))
+    return replace(verdict(columns, min_load, conditions), warnings=reasons)
+
+
+def _states(
+    scene: Scene,
+    load: float,
+    velocity: float,
+    corrections: Corrections | None,
+    ramp_cache: RampCache | None,
+) -> tuple[list[State], float]:
+    """States by which a point is judged, and their least load [N]."""
     if isinstance(scene.loading, Stages):
         states, min_load = stages_of(scene, load, velocity, ramp_cache), 0.0
     else:
@@ -79,6 +105,4 @@ def judge(
     states = [state for state in states if state.heat is not None and state.normal_load >= min_load]
     if not states:
         raise InputError(f"load is {load:g} N, at which nothing is in contact")
-    records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
-    columns = {name: np.array([record[name] for record in records]) for name in records[0]}
-    return verdict(columns, min_load, conditions)
+    return states, min_load

@@ -1,4 +1,4 @@
-"""Warnings about the result of a point: their kinds, and the rules that raise them."""
+"""Warnings about the result of a point: their kinds, and the rules that find them."""
 
 from __future__ import annotations
 
@@ -25,12 +25,14 @@ from tribo.constants import (
 )
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
+from tribo.simulation.conditions import Conditions
 from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
+from tribo.simulation.usual_values import unusual_values
 from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 
@@ -45,6 +47,9 @@ class WarningKind(IntFlag):
 
     Attributes
     ----------
+    UNUSUAL_VALUE
+        A value is outside its usual range. Found by `warnings` and `judge`; a scene of ``pipeline``
+        has this warning when it is read.
     CONTACT_AT_EDGE
         The contact reaches an edge of the window.
     FEW_NODES
@@ -72,6 +77,7 @@ class WarningKind(IntFlag):
     ['contact at edge', 'few nodes']
     """
 
+    UNUSUAL_VALUE = 1
     CONTACT_AT_EDGE = 2
     FEW_NODES = 4
     FEW_STEPS = 8
@@ -115,9 +121,13 @@ class PointWarning(NamedTuple):
         return self.text
 
 
-@np.errstate(under="ignore")
-def warnings(scene: Scene, state: State) -> list[PointWarning]:
-    """Reasons for caution about the result of a state.
+def warnings(
+    scene: Scene, state: State, conditions: Conditions | None = None
+) -> list[PointWarning]:
+    """Reasons for caution about a state, its scene, and the conditions that judge it.
+
+    They are values outside their usual range, such as a number in GPa instead of Pa, and limits of
+    the model or of the numerical choices, such as a contact that reaches an edge of the window.
 
     Examples
     --------
@@ -125,7 +135,19 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
     []
+    >>> celsius = tribo.Conditions(0.1, bulk_temperature=25.0)
+    >>> print(*tribo.warnings(scene, state, celsius))  # doctest: +NORMALIZE_WHITESPACE
+    conditions.bulk_temperature: 25 K is unusual (-50 to 250 °C is common): convert the number to
+    SI, if it is in °C
     """
+    texts = unusual_values(scene, state.normal_load, state.speed, conditions, state.time)
+    unusual = [PointWarning(WarningKind.UNUSUAL_VALUE, text) for text in texts]
+    return [*unusual, *point_warnings(scene, state)]
+
+
+@np.errstate(under="ignore")
+def point_warnings(scene: Scene, state: State) -> list[PointWarning]:
+    """Reasons for caution about the result of a state, other than unusual values."""
     rules = (
         _warn_few_steps,
         _warn_edge,

@@ -15,6 +15,7 @@ import numpy as np
 
 from tribo.errors import InputError
 from tribo.simulation.conditions import Conditions
+from tribo.simulation.point_warnings import PointWarning
 from tribo.thermal import failed_share
 from tribo.types import Array, Indices
 
@@ -44,6 +45,8 @@ class Verdict:
         [K].
     added_rise : float
         Third part: the rise added by earlier turns [K].
+    warnings : tuple of PointWarning
+        Reasons for caution about the point, see `tribo.warnings`.
 
     Examples
     --------
@@ -59,6 +62,7 @@ class Verdict:
     bulk_temperature: float
     contact_rise: float
     added_rise: float
+    warnings: tuple[PointWarning, ...] = ()
 
 
 def allowable_rise(conditions: Conditions) -> float:

@@ -156,6 +156,7 @@ def test_a_point_warns_where_it_should_and_nowhere_else(kind, scene, build_state
 
 def test_kinds_keep_the_bits_that_stores_have():
     assert {kind.label: kind.value for kind in WarningKind} == {
+        "unusual value": 1,
         "contact at edge": 2,
         "few nodes": 4,
         "few steps": 8,

@@ -1,0 +1,74 @@
+"""Warnings of values outside their usual range (tribo/simulation/usual_values.py)."""
+
+from dataclasses import replace
+
+import pytest
+
+import pipeline
+import tribo
+from tests.helpers.scenes import STEEL, small_scene
+from tribo.simulation.usual_values import USUAL
+
+SCENE = small_scene(increments=2)
+OIL = tribo.Conditions(0.1, 298.0, 418.0)
+
+
+def unusual(scene=SCENE, conditions=OIL, velocity=1.25):
+    """Texts of the warnings of a verdict that are about values."""
+    warnings = tribo.judge(scene, 600.0, velocity, conditions).warnings
+    return [w.text for w in warnings if w.kind == tribo.WarningKind.UNUSUAL_VALUE]
+
+
+def test_usual_values_carry_no_warning():
+    assert unusual() == []
+
+
+@pytest.mark.parametrize(
+    ("change", "path", "unit"),
+    [
+        (lambda: unusual(replace(SCENE, wear=tribo.Wear(1.2e-9))),
+         "wear.specific_wear_rate: 1.2e-09 m²/N is unusual (1e-11 to 0.01 mm³/(N m) is common)",
+         "mm³/(N m)"),
+        (lambda: unusual(conditions=tribo.Conditions(0.1, 25.0, 418.0)),
+         "conditions.bulk_temperature: 25 K is unusual (-50 to 250 °C is common)", "°C"),
+        (lambda: unusual(conditions=tribo.Conditions(0.1, 25.0, 145.0)),
+         "conditions.critical_temperature: 145 K is unusual (50 to 800 °C is common)", "°C"),
+        (lambda: unusual(replace(SCENE, disk=replace(STEEL, density=7.8))),
+         "disk.density: 7.8 kg/m³ is unusual (500 to 25000 kg/m³ is common)", "g/cm³"),
+        (lambda: unusual(replace(SCENE, pin=tribo.Cylinder(2.0, 3.4e-3, STEEL))),
+         "pin.radius: 2 m is unusual (0.1 to 1000 mm is common)", "mm"),
+        (lambda: unusual(conditions=tribo.Conditions(10.0, 298.0, 418.0)),
+         "conditions.friction: 10 is unusual (0 to 1 is common)", "%"),
+    ],
+)  # fmt: skip
+def test_a_value_in_another_unit_than_si_is_named_with_its_likely_unit(change, path, unit):
+    assert f"{path}: convert the number to SI, if it is in {unit}" in change()
+
+
+def test_a_value_that_no_unit_explains_is_to_be_checked():
+    (text,) = unusual(replace(SCENE, wear=tribo.Wear(3e-28)))
+    assert text.endswith("is common): check number and unit")
+
+
+def test_an_error_of_a_simulation_has_the_warnings_as_notes():
+    with pytest.raises(tribo.ConvergenceError) as error:
+        unusual(replace(SCENE, wear=tribo.Wear(1.2e-6)))
+    assert error.value.__notes__ == [
+        "wear.specific_wear_rate: 1.2e-06 m²/N is unusual (1e-11 to 0.01 mm³/(N m) is common): "
+        "convert the number to SI, if it is in mm³/(N m)"
+    ]
+
+
+def test_a_verdict_has_the_warnings_of_its_point():
+    narrow = replace(SCENE, pixels=tribo.Grid((16, 16), (4e-6, 8e-6)))
+    verdict = tribo.judge(narrow, 600.0, 1.25, OIL)
+    assert tribo.WarningKind.CONTACT_AT_EDGE in {warning.kind for warning in verdict.warnings}
+
+
+def test_units_have_the_sizes_that_pint_gives():
+    for usual in USUAL.values():
+        for unit, size in ((usual.unit, usual.size), *usual.mistaken):
+            if size != 1 and unit != "%":
+                assert pipeline.to_si(f"1 {unit}", like=f"1 {unit}") == pytest.approx(
+                    size, rel=1e-12
+                )
