@@ -21,7 +21,7 @@ from pipeline.scene.entries import entry_at
 from pipeline.store.read import store_dataset
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.sweep.conditions import allowable_rise
+from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.user_laws import UserSurface
 from tribo import InputError, SelfAffineRoughness
@@ -49,12 +49,12 @@ def require_boundary(sweep: Sweep) -> None:
         reason = "each row of the sweep has its own load and velocity"
     elif not any(velocity > 0 for velocity in sweep.velocities):
         reason = "sweep.velocities has none above 0"
-    elif any(case.critical_from_tests for case in sweep.cases):
-        reason = (
-            "temperature.critical is from tests, whose points come first; run without an accuracy"
-        )
-    elif not np.isfinite([allowable_rise(case.conditions) for case in sweep.cases]).all():
+    elif not all(case.conditions.friction for case in sweep.cases):
         reason = "friction.coefficient is 0"
+    else:
+        for case in sweep.cases:
+            if not case.critical_from_tests:
+                known_critical_temperature(case.conditions)
     if reason:
         raise InputError(f"there is no boundary whose error can be a goal: {reason}")
 

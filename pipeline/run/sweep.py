@@ -148,7 +148,11 @@ def run_sweep(
         if goal:
             store.leave_out_pending()
         tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
-        if goal:
+        # A critical temperature from tests is known only when their points are done.
+        has_tests_first = any(case.critical_from_tests for case in sweep.cases) and bool(
+            store.tests and store.tests.pending()
+        )
+        if goal and not has_tests_first:
             store = _ask_for_goal(store, goal)
             tally.follow(store)
         test_queue, queue = [
@@ -164,6 +168,10 @@ def run_sweep(
                 if store.tests and test_queue:
                     compute(dask_client, watch, store.tests, test_queue, tally)
                 computed_tests = tally.computed
+                if goal and has_tests_first:
+                    store = _ask_for_goal(store, goal)
+                    tally.follow(store)
+                    queue = TaskQueue(_tasks(store))
                 while queue:
                     compute(dask_client, watch, store, queue, tally)
                     store = _ask_for_goal(store, goal) if goal else store

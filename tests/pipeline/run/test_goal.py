@@ -164,3 +164,17 @@ def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_
     assert {0.5, 4.0} < {*velocities.tolist()}
     critical_velocity = pipeline.boundary(out)["critical_velocity"].item()
     assert np.abs(velocities / critical_velocity - 1).min() < 0.02
+
+
+def test_a_critical_temperature_from_tests_is_found_before_the_boundary_is_searched(tmp_path):
+    with_tests = {name: value for name, value in SMALL.items() if name != "without"}
+    sweep = pipeline.load_scene(
+        "first_try", overrides={**with_tests, "temperature.critical": "from tests"}
+    )
+    outcome = run(sweep, tmp_path / "a.zarr", 0.06)
+    assert outcome.tests.done == outcome.tests.total == 4
+    assert 0 < outcome.computed == outcome.done < 40
+    boundary = pipeline.boundary(tmp_path / "a.zarr")
+    assert (boundary["velocity_error"] < 0.06).all()
+    assert "(median, from tests)" in boundary.attrs["conditions"]
+    assert run(sweep, tmp_path / "a.zarr", 0.06).computed == 0
