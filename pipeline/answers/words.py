@@ -421,6 +421,15 @@ def error_lines(answer: xr.Dataset) -> Iterator[str]:
     yield model_error_line(answer)
 
 
+def temperature_error_line(answer: xr.Dataset) -> str:
+    """Line on the numerical error of the governing temperature at several points."""
+    errors = answer["temperature_error"].values
+    if not np.isfinite(errors).any():
+        return "numerical error of the governing temperature: unknown"
+    ends = dict.fromkeys(f"{end:.2g}" for end in (np.nanmin(errors), np.nanmax(errors)))
+    return f"numerical error (95 %): ± {' to '.join(ends)} K of the governing temperature"
+
+
 def model_error_line(answer: xr.Dataset) -> str:
     """Line on the model error of the first case, and the number of further cases."""
     first, *rest = attribute_texts(answer, "model_error")

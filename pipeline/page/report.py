@@ -7,7 +7,6 @@ import hashlib
 import io
 import math
 import re
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -37,13 +36,11 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.rows import deciding_row, draw_rows
 from pipeline.figures.tests import draw_tests
 from pipeline.frames import cells_of, without_columns, writable_path, write_text
-from pipeline.scene.entries import flat
+from pipeline.page.inputs import case_rows, input_rows
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
-from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.codec import digest
-from pipeline.sweep.notes import library_tables
 from pipeline.words import quoted, split_notes
 from tribo import InputError
 
@@ -71,11 +68,11 @@ _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_NOT_INPUTS = ("fidelity", "tests", "sweep", "title", "note", "extends", "without")
 _Y = "log_rise_ratio"
 _DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # variables in the figure of tests
 _TABLE_BELOW = "The table below has the numbers."
 _AS_COMPUTED = "Critical velocity as computed"
+_LIMIT_NODES = 401  # loads or velocities among which the highest mild one is found
 _NARROW_WIDTH = 0.075  # width of figures on a telephone [m]
 
 Conditions = Mapping[str, Any]
@@ -215,9 +212,8 @@ def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) ->
         raise InputError(reason)
     point = margin["load"].item(), margin["velocity"].item()
     facts, deciding_test = dict(words.margin_facts(margin)), words.to_decide(margin)
-    sentences = [_verdict(margin), *words.not_included_lines(margin)]
-    if "critical velocity" in facts:
-        sentences.append(f"critical velocity at {point[0]:.4g} N: {facts['critical velocity']}")
+    sentences = [_verdict(margin), *_mild_limits(ds, conditions, point)]
+    sentences += words.not_included_lines(margin)
     sentences += [f"The verdict is withheld: {reason}"] * bool(reason)
     sentences += [f"To decide it, {deciding_test}"] * bool(deciding_test)
     sentences += _without_help(words.common_lines(margin))
@@ -229,6 +225,28 @@ def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) ->
     headline = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
     lines = [*map(_as_sentence, sentences)]
     return Answer(words.verdict_text(margin), headline, lines, [*sections, *other_sections])
+
+
+def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) -> Iterator[str]:
+    """Yield sentences on the highest velocity and load at an operating point that are mild."""
+    for axis, fixed in (("velocity", point[0]), ("load", point[1])):
+        values = ds[axis].values[ds[axis].values > 0]
+        if len(values) < 2:
+            continue
+        grid = np.linspace(values[0], values[-1], _LIMIT_NODES)
+        line = (fixed, grid) if axis == "velocity" else (grid, fixed)
+        is_mild = pipeline.margin(ds, *line, **conditions)["verdict"].values == MILD
+        unit, fixed_unit = ("m/s", "N") if axis == "velocity" else ("N", "m/s")
+        if not is_mild[0]:
+            yield f"at {fixed:.4g} {fixed_unit}, wear is not mild at any simulated {axis}"
+        elif is_mild.all():
+            end = f"{grid[-1]:.4g} {unit}, the highest simulated {axis}"
+            yield f"at {fixed:.4g} {fixed_unit}, wear is mild up to {end}"
+        else:
+            highest = grid[int(is_mild.argmin()) - 1]
+            digit = 10.0 ** (math.floor(math.log10(highest)) - 2)
+            highest = digit * math.floor(highest / digit)  # not rounded up
+            yield f"at {fixed:.4g} {fixed_unit}, wear is mild up to {highest:.3g} {unit}"
 
 
 def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> Answer:
@@ -256,8 +274,8 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         margin_frame(margins), "Operating points; the deciding one is bold", deciding
     )
     notes = [
-        *words.conditions_lines(margins), *words.not_included_lines(margins),
-        *words.reason_lines(margins), *words.row_warnings(margins), *words.common_lines(margins),
+        *words.conditions_lines(margins), *words.reason_lines(margins),
+        *words.row_warnings(margins), *words.common_lines(margins),
     ]  # fmt: skip
     notes = [*map(_as_sentence, _without_help(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, notes])]
@@ -266,7 +284,8 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         coordinates = (values.values.ravel().tolist() for values in points)
         sections += _plane(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
     else:
-        sections.append(("Errors", [_errors(words.model_error_line(margins))]))
+        lines = words.temperature_error_line(margins), words.model_error_line(margins)
+        sections.append(("Errors", [_errors(*lines)]))
     numbers = ", ".join(f"{number} {text}" for text, number in Counter(verdicts).items())
     sentences = [f"Operating points: {numbers}", *words.not_included_lines(margins)]
     if codes[deciding] in HEADLINES:
@@ -347,17 +366,12 @@ def _common(
 ) -> Iterator[Section]:
     """Yield the last sections of each report: inputs, limits that are not yet `stated`, origin."""
     sweep = sweep_of(ds)
-    rows = dict[str, list[str]]()
-    for path, value in flat(tomllib.loads(ds.attrs.get("scene", ""))):
-        if not (path.startswith(_NOT_INPUTS) or dimension_of(path) in ds.coords):
-            is_material = path.startswith("materials")
-            table = path.rpartition(".")[0] if is_material else path.partition(".")[0]
-            name = path.removeprefix(f"{table}.").replace("_", " ").replace(".", " ")
-            rows.setdefault(table, []).append(f"{name} {_value_text(value)}")
-    cells = [[table, "; ".join(texts), "scene"] for table, texts in rows.items()]
-    cells += [[*text.split(": ", 1), source] for text, source in library_tables(sweep.sources)]
-    inputs = Grid("Inputs, and where each comes from", ["part", "values", "source"], cells)
-    yield "Conditions and inputs", [inputs]
+    inputs = Grid(
+        "Inputs, and where each comes from", ["part", "values", "source"], [*input_rows(sweep)]
+    )
+    heads, rows = case_rows(sweep)
+    cases = [Grid("Cases of the sweep", heads, rows)] if rows else []
+    yield "Conditions and inputs", [inputs, *cases]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
     notes = split_notes(words.attribute_texts(pipeline.points(ds, **single), "notes"))
     limits = _without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
@@ -375,10 +389,6 @@ def _common(
         _PAPER,
     ]
     yield "How this was computed", [origin]
-
-
-def _value_text(value: Any) -> str:
-    return ", ".join(map(_value_text, value)) if isinstance(value, list) else str(value)
 
 
 def _without_help(lines: Iterable[str]) -> list[str]:

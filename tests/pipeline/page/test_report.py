@@ -9,6 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.frames import boundary_frame
+from pipeline.answers.results import sweep_of
 from pipeline.answers.words import probability_text, verdict_text
 from pipeline.figures.rows import deciding_row
 from pipeline.frames import cells_of
@@ -217,3 +218,19 @@ def test_refusals(sweep, tmp_path):
         pipeline.report(sweep, 400.0)
     with pytest.raises(InputError, match=r"load 4000 N is outside the sweep \(200 to 750 N\)"):
         pipeline.report(sweep, 4000.0, 1.0)
+
+
+def test_inputs_are_those_that_were_simulated_whatever_the_text_of_the_scene(undrawn, sweep):
+    radius = sweep_of(sweep).scene.pin.radius
+    page = pipeline.report(sweep.assign_attrs(scene="this is no TOML"), 400.0, 1.9)
+    assert f"radius {1e3 * radius:g} mm" in page
+    assert page.count('<th scope="row">material of the ') == 2
+
+
+def test_a_report_states_the_highest_mild_velocity_and_load(undrawn, sweep):
+    page = pipeline.report(sweep, 400.0, 0.6)
+    velocity = float(re.search(r"At 400 N, wear is mild up to ([\d.]+) m/s", page)[1])
+    load = float(re.search(r"At 0.6 m/s, wear is mild up to ([\d.]+) N", page)[1])
+    for point in ((400.0, velocity), (load, 0.6)):
+        assert verdict_text(pipeline.margin(sweep, *point)) == "mild"
+    assert verdict_text(pipeline.margin(sweep, 400.0, 1.03 * velocity)) != "mild"

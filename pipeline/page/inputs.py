@@ -1,0 +1,172 @@
+"""Inputs of a sweep as tables, from the objects that were simulated, not from the scene's text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.quantities import display
+from pipeline.sweep.case import Case
+from pipeline.sweep.case_table import PLACE_UNITS, Column, Label
+from pipeline.sweep.notes import FromLibrary
+from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.user_laws import UserObject
+from pipeline.units import to_si
+from tribo import Material
+from tribo.surface import UnknownHeights
+
+_UNITS = {
+    "elastic_modulus": "GPa", "thermal_conductivity": "W/(m K)", "density": "kg/m^3",
+    "specific_heat": "J/(kg K)", "hardness": "GPa",
+    "radius": "mm", "crown_radius": "mm", "length": "mm",
+    "ra": "µm", "correlation_length": "µm", "pixel_size": "µm",
+    "rate": "N/s", "reference_load": "N", "hold": "s", "loads": "N", "holds": "s", "times": "s",
+    "specific_wear_rate": "mm³/(N m)", "pin_track_length": "mm", "disk_track_length": "mm",
+    "viscosities": "mm²/s", "pressure_coefficient": "1/GPa",
+    "bulk_temperature": "°C", "critical_temperature": "°C", "added_rise_fraction": "%",
+    "critical_area_fraction": "%", "model_bias": "%", "model_scatter": "%",
+}  # fmt: skip
+"""Unit of each quantity in the table; others are numbers."""
+_IN_LIBRARY = {
+    "viscosities": "kinematic_viscosity",
+    "pressure_coefficient": "pressure_viscosity_coefficient",
+}
+"""Entries of the library, if they have other names than the quantities of the objects."""
+_MAX_NUMBERS = 8  # numbers of a quantity that are all listed
+_DIFFERS = "differs between the cases"
+
+Part = Mapping[str, str]
+"""Values of a part of the inputs as text, by quantity."""
+
+
+def input_rows(sweep: Sweep) -> Iterator[list[str]]:
+    """Yield rows (part, values, source); each material and the oil have one."""
+    base, *others = (dict(_parts(case)) for case in (sweep.base, *sweep.cases))
+    for part, values in base.items():
+        texts = [
+            f"{quantity.replace('_', ' ')} {_common(text, part, quantity, others)}".strip()
+            for quantity, text in values.items()
+        ]
+        yield [part, "; ".join(texts), _source(part, sweep)]
+
+
+def case_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of the cases that the user chose; no rows for a single case."""
+    table = sweep.case_table.without_surfaces
+    heads = [column.name.replace("_", " ") for column in table.columns]
+    rows = [[_label(column, row[column.name]) for column in table.columns] for row in table.rows]
+    return heads, rows if heads else []
+
+
+def _label(column: Column, label: Label) -> str:
+    """A label of a case with its unit."""
+    unit = PLACE_UNITS.get(column.name)
+    is_number = not isinstance(label, str)
+    return display(label, unit, 5) if unit and is_number else str(column.to_text(label))
+
+
+def _parts(case: Case) -> Iterator[tuple[str, Part]]:
+    """Yield the parts of a case, with their values as text."""
+    scene = case.scene
+    yield "pin", {"shape": type(scene.pin).__name__.lower(), **_texts(scene.pin, ["material"])}
+    yield "material of the pin", _texts(scene.pin.material)
+    yield "material of the disk", _texts(scene.disk)
+    yield "roughness of the disk", _texts(scene.roughness) if scene.roughness else {"": "none"}
+    shape = " × ".join(map(str, scene.pixels.shape))
+    yield "window", {"pixels": shape, "pixel size": _text("pixel_size", scene.pixels.spacing)}
+    yield "loading", _texts(scene.loading)
+    yield "wear", _texts(scene.wear) if scene.wear else {"": "none"}
+    if scene.motion:
+        yield "motion", _texts(scene.motion)
+    if case.lubricant:
+        yield "oil", _texts(case.lubricant)
+    corrections = case.conditions.corrections
+    yield (
+        "conditions",
+        {
+            **_texts(case.conditions, ["corrections"]),
+            **({"corrections": corrections.text} if corrections else {}),
+            **({"critical temperature": "from tests"} if case.critical_from_tests else {}),
+        },
+    )
+    errors = {name: getattr(case, name) for name in ("model_bias", "model_scatter")}
+    yield "model error", {name: _text(name, value) for name, value in errors.items()}
+
+
+def _texts(part: Any, without: Iterable[str] = ()) -> Part:
+    """Values of an object's fields as text; what an object of a user says of itself."""
+    if not is_dataclass(part) or isinstance(part, UserObject | UnknownHeights):
+        return {"": str(part)}
+    values = {field.name: getattr(part, field.name) for field in fields(part)}
+    return {
+        name: _text(name, value)
+        for name, value in values.items()
+        if name not in without and not (value is None or name == "digest")
+    }
+
+
+def _text(name: str, value: Any) -> str:
+    """A value with its unit; several are listed, or counted if they are many."""
+    unit = _UNITS.get(name, "")
+    if isinstance(value, str | bool):
+        return str(value)
+    numbers = np.asarray(value)
+    if numbers.size > _MAX_NUMBERS:
+        return f"{' × '.join(map(str, numbers.shape))} values"
+    texts = [display(number, unit, 5).rstrip() for number in numbers.ravel().tolist()]
+    return ", ".join(dict.fromkeys(texts))
+
+
+def _common(text: str, part: str, quantity: str, cases: Iterable[Mapping[str, Part]]) -> str:
+    """Text of a value that all cases have."""
+    is_common = all(case.get(part, {}).get(quantity) == text for case in cases)
+    return text if is_common else _DIFFERS
+
+
+def _source(part: str, sweep: Sweep) -> str:
+    """The scene, and the sources of the values that a part has from the library."""
+    base = sweep.base
+    materials = {"material of the pin": base.scene.pin.material,
+                 "material of the disk": base.scene.disk}  # fmt: skip
+    if part in materials:
+        values = _of_material(materials[part], sweep.sources)
+        names = [field.name for field in fields(Material)]
+    elif part == "oil":
+        values = [value for value in sweep.sources if value.key.startswith("oil.")]
+        names = [_IN_LIBRARY.get(field.name, field.name) for field in fields(base.lubricant)]
+    else:
+        return "scene"
+    quantities = dict[str, list[str]]()
+    for value in values:
+        quantities.setdefault(value.source, []).append(value.key.rpartition(".")[2])
+    sourced = {name for group in quantities.values() for name in group}
+    if rest := [name for name in names if name not in sourced]:
+        quantities["scene"] = rest
+    if [*quantities] == ["scene"]:
+        return "scene"
+    return "; ".join(
+        f"{', '.join(group).replace('_', ' ')}: {source}" for source, group in quantities.items()
+    )
+
+
+def _of_material(material: Material, sources: Iterable[FromLibrary]) -> list[FromLibrary]:
+    """Values of the library's material that agrees with a material in the largest number."""
+    tables = dict[str, list[FromLibrary]]()
+    for value in sources:
+        tables.setdefault(value.key.rpartition(".")[0], []).append(value)
+    matches = [
+        values
+        for name, values in tables.items()
+        if name.startswith("materials.") and all(_agrees(material, value) for value in values)
+    ]
+    return max(matches, key=len, default=[])
+
+
+def _agrees(material: Material, value: FromLibrary) -> bool:
+    """True if a material has a value of the library."""
+    name = value.key.rpartition(".")[2]
+    stored = getattr(material, name, None)
+    return stored is not None and bool(np.isclose(to_si(value.value, value.value), stored))
