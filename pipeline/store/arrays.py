@@ -9,7 +9,6 @@ import asyncio
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -22,7 +21,7 @@ from zarr.core.sync import sync
 from zarr.storage import LocalStore, StorePath
 
 from pipeline.paths import read_file
-from pipeline.store.files import store_file
+from pipeline.store.files import store_file, wrong_kind
 from pipeline.store.schema import Variable, attributes_of, path_of
 
 if TYPE_CHECKING:
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
 
 Document = dict[str, Any]
 """Content of a JSON document."""
+_MAX_CHECKSUMS = 256  # of a chunk: each takes time, and metadata have a limited size
 
 _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # reading detects a changed byte
 _MAX_DOCUMENT_BYTES = 2**28  # bytes of a JSON document with the data of a sweep
@@ -51,7 +51,7 @@ def array_document(
     else:
         is_byte = np.dtype(variable.dtype).itemsize == 1
         first = {"name": "bytes"} | ({} if is_byte else {"configuration": {"endian": "little"}})
-    checksums = [{"name": "crc32c"}] * growths
+    checksums = [{"name": "crc32c"}] * (growths % _MAX_CHECKSUMS)
     return {
         "shape": [sizes[dim] for dim in dims],
         "data_type": "string" if is_text else variable.dtype,
@@ -61,14 +61,19 @@ def array_document(
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": _FILLS.get(variable.dtype, 0),
-        # Each growth adds a checksum, so that a dataset opened before it cannot decode the new
-        # chunks, which have other points at the same keys.
+        # Each growth changes the number of checksums, so that a dataset opened before it cannot
+        # decode the new chunks, which have other points at the same keys.
         "codecs": [first, {"name": "zstd", "configuration": _ZSTD}, *checksums],
         "attributes": attributes_of(variable),
         "dimension_names": [*dims],
         "zarr_format": 3,
         "node_type": "array",
     }
+
+
+def growths_of(document: Document) -> int:
+    """Number of growths, modulo the largest number of checksums, in the metadata of an array."""
+    return [codec["name"] for codec in document["codecs"]].count("crc32c")
 
 
 class FolderStore(LocalStore):
@@ -91,10 +96,13 @@ class FolderStore(LocalStore):
     ) -> Buffer | None:
         """Content of the file `key`; None if there is none."""
         make = (prototype or default_buffer_prototype()).buffer.from_bytes
-        with suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
-            max_bytes = self.max_bytes.get(key.rpartition("/")[0], _MAX_DOCUMENT_BYTES)
+        max_bytes = self.max_bytes.get(key.rpartition("/")[0], _MAX_DOCUMENT_BYTES)
+        try:
             return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
-        return None
+        except FileNotFoundError:
+            return None
+        except (IsADirectoryError, NotADirectoryError) as error:
+            raise wrong_kind(self.root, key) from error
 
     async def set(self, key: str, value: Buffer) -> None:
         """Create or replace the file `key`."""

@@ -5,9 +5,12 @@ fixed: if a run needs further points, a larger store is written and replaces it:
 
     NAME.zarr.irg-lock  is the lock of all of these
     NAME.zarr.irg-new   is written, with the points of NAME.zarr
-    NAME.zarr       →   NAME.zarr.irg-old       ┐ two renames; if the process dies in between,
-    NAME.zarr.irg-new → NAME.zarr               ┘ the next run does the second one
+    NAME.zarr       →   NAME.zarr.irg-old
+    NAME.zarr.irg-new → NAME.zarr
     NAME.zarr.irg-old   is deleted
+
+If the process dies, up to three copies are left. The next run reads all of them, continues the one
+with most sound points, and deletes the others.
 """
 
 from __future__ import annotations
@@ -22,14 +25,13 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
-from pipeline.store.check import Checked, checked_points, mend
+from pipeline.store.check import Checked, checked_points, find_damage, mend
 from pipeline.store.files import PARTIAL, link_files, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
@@ -37,6 +39,7 @@ from pipeline.store.place import (
     OLD,
     ROOT,
     Bucket,
+    DamagedError,
     Folder,
     PathLike,
     StoreError,
@@ -46,8 +49,18 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.resume import join, mismatches
-from pipeline.store.root import FACTS, GOAL, WRITER, Root, find_root, stale_documents
-from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, path_of
+from pipeline.store.root import (
+    FACTS,
+    GOAL,
+    WRITER,
+    Root,
+    find_root,
+    has_results,
+    restored_root,
+    stale_documents,
+    without_facts,
+)
+from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, INPUTS, PENDING, path_of
 from pipeline.store.store import Damage, Index, Store
 from pipeline.sweep.case import TEST
 from pipeline.sweep.plan import choose_stored_steps, points
@@ -73,9 +86,10 @@ def writing(
     """
     location, note = place_of(path), "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
     if isinstance(location, Folder):
-        find_root(location)  # raises before a lock is created next to another program's files
+        with suppress(DamagedError):  # `_opened` may restore it
+            find_root(location)  # raises before a lock is created next to another program's files
         with locked(location, progress) as lock:
-            _end_what_was_begun(location)
+            _keep_best_copy(location, sweep, progress)
             yield _opened(location, sweep, lock, progress, note)
         return
     if not location.is_written:
@@ -90,9 +104,21 @@ def enlarged(store: Store, sweep: Sweep) -> Store:
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
-    """Read the sweep of a store; None if there is nothing, `StoreError` for other content."""
-    root = find_root(place_of(path))
-    return root.sweep if root else None
+    """Read the sweep that a run continues; None if there is none, `StoreError` for other content.
+
+    A store that a run has to restore has none yet. If a growth was cut short between its renames,
+    the sweep is that of a copy.
+    """
+    location = place_of(path)
+    with suppress(DamagedError):
+        if root := find_root(location):
+            return root.sweep
+    copies = map(location.sibling, (NEW, OLD)) if isinstance(location, Folder) else ()
+    for copy in copies:
+        with suppress(DamagedError):
+            if root := _root_of_copy(copy):
+                return root.sweep
+    return None
 
 
 def _opened(
@@ -103,7 +129,7 @@ def _opened(
     note: str = "",
 ) -> Store:
     """Create, enlarge or open the store of a sweep."""
-    before = find_root(location)
+    before = _root_or_restored(location, sweep, progress)
     if before and (differing := [*mismatches(before.sweep, sweep)]):
         advice = "use the values of the store, or write to another store"
         goals = [line for line in before.history if line.startswith(GOAL)]
@@ -119,6 +145,8 @@ def _opened(
     joined = join(before.sweep if before else None, sweep)
     root = Root.from_sweep(joined, lines, growths, field_growths)
     if before and _have_the_same_points(before, root):
+        with io_errors(location, "written"):
+            _update(location, root)
         store = Store(location, root, lock, None if isinstance(location, Bucket) else Damage())
         if store.damage and (count := sum(map(mend, store.groups))):
             progress(
@@ -126,8 +154,6 @@ def _opened(
                     f"{location} had {count} damaged points or files, which are computed again"
                 )
             )
-        with io_errors(location, "written"):
-            _update(location, root)
     elif isinstance(location, Folder):
         if before:  # open datasets must not read values of other points
             field_growths += not root.plane.continues_fields_of(before.plane)
@@ -161,7 +187,7 @@ def _fill(
     before: StorePlace | None = None,
     stored: Collection[str] = (),
 ) -> None:
-    """Write all of a store without points; what makes it one comes last.
+    """Write all of a store without points; the data of its sweep, which make it one, come last.
 
     Attributes that users gave to the store `before` stay. The files of the variables `stored` are
     in place.
@@ -171,8 +197,8 @@ def _fill(
         with suppress(ValueError, KeyError, TypeError, RecursionError):  # a damaged document
             old_document = json.loads(read_document(before, key) or b"{}") if before else {}
             document["attributes"] = old_document["attributes"] | document["attributes"]
-    last = {FACTS: documents.pop(FACTS)}
-    write_documents(location, documents)
+    last = {key: documents.pop(key) for key in (FACTS, ROOT)}
+    write_documents(location, documents | {ROOT: without_facts(last[ROOT])})
     for group in root.groups:
         flags = np.full([group.sizes[dim] for dim in group.dims], PENDING, np.int8)
         parts = [("status", ..., flags)]
@@ -194,16 +220,96 @@ def _update(location: StorePlace, root: Root) -> None:
 # Folders
 
 
-def _end_what_was_begun(location: Folder) -> None:
-    """Complete or undo the changes of a killed run in a folder or next to it."""
-    new, old = location.sibling(NEW).path, location.sibling(OLD).path
+def _keep_best_copy(location: Folder, sweep: Sweep, progress: Report) -> None:
+    """Of the copies that a killed run left, keep the one with most sound points at `location`.
+
+    A copy is deleted only if it was read, or if another one that has no damage stays.
+    """
+    new, old = location.sibling(NEW), location.sibling(OLD)
+    if not (new.path.exists() or old.path.exists()):
+        _remove_partial_files(location)
+        return
+    counts, fault = dict[Folder, tuple[int, bool]](), None
+    for copy in (location, new, old):
+        try:
+            if root := _root_of_copy(copy, sweep):
+                counts[copy] = _count_sound_points(Store(copy, root, None, Damage()))
+        except DamagedError as error:
+            fault = error
+    # The first of equal copies, which is `location` if it is among them.
+    best = max(counts, key=lambda copy: counts[copy][0]) if counts else None
+    if fault and not (best and counts[best][1]):
+        raise fault
     with io_errors(location, "written"):
-        if old.exists() and not location.path.exists():
-            (new if new.exists() else old).rename(location.path)  # killed between two renames
-        for folder in filter(Path.exists, (new, old)):
-            shutil.rmtree(folder)
+        if best and best != location:
+            spare = new if best == old else old
+            _remove(spare)
+            if location.path.exists():
+                location.path.rename(spare.path)
+            best.path.rename(location.path)
+            sync(location.path.parent)
+            progress(Progress(f"{location} was restored from {best}, left by a run cut short"))
+        for copy in (new, old):
+            _remove(copy)
+    _remove_partial_files(location)
+
+
+def _root_of_copy(copy: Folder, sweep: Sweep | None = None) -> Root | None:
+    """Root of a store or a copy of it; None without its root's documents or any results.
+
+    Raises a `DamagedError` if it cannot be read, not even with the scene of its points.
+    """
+    with io_errors(copy):
+        keys = copy.keys()
+    if not {FACTS, ROOT} & keys or not has_results(keys):
+        return None
+    return _root_or_restored(copy, sweep, silent) if sweep else find_root(copy)
+
+
+def _count_sound_points(store: Store) -> tuple[int, bool]:
+    """Number of done points without damage, and whether a store has no damage at all."""
+    count, is_clean = 0, True
+    for group in store.groups:
+        damage = find_damage(group)
+        damaged_points = sum(bool(group.flags[index] == DONE) for index in damage.points)
+        count += int(np.count_nonzero(group.flags == DONE)) - damaged_points
+        is_clean &= not (damage.points or damage.files)
+    return count, is_clean
+
+
+def _remove(copy: Folder) -> None:
+    """Delete a folder, its root first: after a kill, what is left of it is no store."""
+    if copy.path.exists():
+        for key in (FACTS, ROOT):
+            (copy.path / key).unlink(missing_ok=True)
+        shutil.rmtree(copy.path)
+
+
+def _remove_partial_files(location: Folder) -> None:
+    """Delete the files of a store that a killed run has not completed."""
+    with io_errors(location, "written"):
         for file in [*location.path.rglob(f"*{PARTIAL}")]:
             file.unlink()
+
+
+def _root_or_restored(location: StorePlace, sweep: Sweep, progress: Report) -> Root | None:
+    """Root of a store; if both of its documents are lost, that of a scene with the same points.
+
+    Raises the `DamagedError` of the root if the scene disagrees with any array or done point.
+    """
+    try:
+        return find_root(location)
+    except DamagedError:
+        root = restored_root(location, join(None, sweep))
+        if root is None:
+            raise
+        store = Store(location, root, None, Damage())
+        for group in store.groups:
+            damage = find_damage(group)
+            if damage.points or damage.files.keys() - {INPUTS}:
+                raise
+        progress(Progress(f"the root of {location} is lost; it is restored from the scene"))
+        return root
 
 
 def _moved_in(
@@ -217,9 +323,9 @@ def _moved_in(
     continues = before and root.plane.continues_fields_of(before.plane)
     stored = [*before.plane.fields] if before and continues else []
     with io_errors(new, "written"):
+        _fill(new, root, location if before else None, stored)
         for path in map(path_of, stored):
             link_files(location.path / path, new.path / path, _CHUNK)
-        _fill(new, root, location if before else None, stored)
     if before:
         store, other = Store(new, root, lock, Damage()), Store(location, before, None, Damage())
         for group, other_group in zip(store.groups, other.groups, strict=False):
@@ -235,8 +341,7 @@ def _moved_in(
             location.path.rename(old.path)
         new.path.rename(location.path)
         sync(location.path.parent)
-        if old.path.exists():
-            shutil.rmtree(old.path)
+        _remove(old)
     return Store(location, root, lock, Damage())
 
 

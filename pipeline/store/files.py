@@ -20,6 +20,17 @@ def path_below(folder: Path, key: str) -> Path:
     return path
 
 
+def wrong_kind(folder: Path, key: str) -> OSError:
+    """Error that a folder has the name of the file `key`, or a file the name of a folder above."""
+    path = folder / key
+    for above in reversed(path.parents[: key.count("/")]):
+        if not above.is_dir():
+            problem = "it is a file, where a store has a folder: move it to another place"
+            return NotADirectoryError(errno.ENOTDIR, problem, os.fspath(above))
+    problem = "it is a folder, where a store has a file: move it to another place"
+    return IsADirectoryError(errno.EISDIR, problem, os.fspath(path))
+
+
 def store_file(folder: Path, key: str, content: bytes) -> Path:
     """Create or replace the file `key` below a folder; return the folder to sync."""
     path = path_below(folder, key)

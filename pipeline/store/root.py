@@ -1,6 +1,7 @@
 """Documents of a store; the group ``about`` has the data of the sweep, with a digest.
 
-Only this group is read; the other documents are for other programs.
+Zarr's copy of all metadata in the root has the same data. Either of the two is enough to read a
+store; a run corrects the other one. All other documents are for other programs.
 """
 
 from __future__ import annotations
@@ -8,19 +9,28 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.limits import MOST_INPUTS
 from pipeline.paths import path_hint, store_hint
-from pipeline.store.arrays import Document, array_document, open_arrays, read_document
+from pipeline.store.arrays import (
+    Document,
+    array_document,
+    growths_of,
+    open_arrays,
+    read_document,
+)
+from pipeline.store.files import PARTIAL
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     NEW,
+    OLD,
     ROOT,
     Bucket,
+    DamagedError,
     Folder,
     StoreError,
     StorePlace,
@@ -36,6 +46,7 @@ from pipeline.store.schema import (
     OF_TESTS,
     inputs_variable,
     is_coordinate,
+    path_of,
     split_arrays,
 )
 from pipeline.sweep.codec import ArrayError
@@ -51,10 +62,13 @@ WRITER = "computed by "
 GOAL = "run with --accuracy "
 """Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
-"""Key of the document with the data of the sweep; it is written last."""
+"""Key of the document with the data of the sweep, which makes a folder a store."""
 _COPY = "consolidated_metadata"
 _SOURCE = "simulated by irg-transition"
-_ELSEWHERE = "restore it from a backup, or run the scene into another store"
+_LOST = (
+    "irg run restores it with the scene of all its points; otherwise restore it from a backup, or "
+    "run the scene into another store"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +178,7 @@ def read_root(location: StorePlace) -> Root:
         raise StoreError(f"{location} is being created by {holder}; try again in a few seconds")
     hint = ""
     if isinstance(location, Folder) and not location.path.exists():
-        if location.sibling(NEW).path.exists():
+        if any(location.sibling(ending).path.exists() for ending in (NEW, OLD)):
             raise StoreError(f"a run was cut short as it made {location}; run its scene again")
         hint = path_hint(location.path) or store_hint(location.path)
     raise StoreError(
@@ -173,16 +187,32 @@ def read_root(location: StorePlace) -> Root:
 
 
 def find_root(location: StorePlace) -> Root | None:
-    """Read the root of a store; None if there is nothing, `StoreError` for other content."""
+    """Read the root of a store; None if there is nothing, `StoreError` for other content.
+
+    Raises a `DamagedError` if both documents with the data of the sweep are lost or damaged.
+    """
+    if isinstance(location, Folder) and location.path.exists() and not location.path.is_dir():
+        raise StoreError(f"{location} is not a store: {_describe_content(location, set())}")
+    fault: StoreError | None = None
+    for key in (FACTS, ROOT):
+        try:
+            with io_errors(location):
+                content = read_document(location, key)
+            if content is not None:
+                return _parse(location, key, content)
+        except StoreError as error:
+            # A damaged `ROOT` alone may be of another program.
+            if key == FACTS or not isinstance(error, DamagedError):
+                fault = fault or error
+    if fault:
+        raise fault
     with io_errors(location):
-        content = read_document(location, FACTS)
-        keys = location.keys() if content is None else set()
-    if content is not None:
-        return _parsed(location, content)
-    is_file = isinstance(location, Folder) and location.path.exists() and not location.path.is_dir()
-    if is_file or (keys and not _is_begun(location, keys)):
-        raise StoreError(f"{location} is not a store: {_what_it_is(location, keys)}")
-    return None
+        keys = location.keys()
+    if not keys or _is_begun(location, keys):
+        return None
+    if f"{ABOUT}/checksum/{ROOT}" in keys:
+        raise DamagedError(f"{location}: its {FACTS} is lost; {_LOST}")
+    raise StoreError(f"{location} is not a store: {_describe_content(location, keys)}")
 
 
 def _is_begun(location: StorePlace, keys: set[str]) -> bool:
@@ -191,19 +221,45 @@ def _is_begun(location: StorePlace, keys: set[str]) -> bool:
         source = json.loads(read_document(location, ROOT) or b"")["attributes"]["source"]
     except (ValueError, KeyError, TypeError):
         return False
-    names = {key.rpartition("/")[0].rpartition("/")[2] for key in keys if not key.endswith(ROOT)}
-    return (
-        isinstance(location, Bucket)
-        and source == _SOURCE
-        and all(is_coordinate(name) or name == "status" for name in names)
-    )
+    return isinstance(location, Bucket) and source == _SOURCE and not has_results(keys)
 
 
-def _parsed(location: StorePlace, content: bytes) -> Root:
-    """Root from its document; a `StoreError` of one line for a damaged one or another version's."""
+def has_results(keys: Iterable[str]) -> bool:
+    """True if the keys of a store have a chunk of a variable that only points have."""
+    arrays = {key.rpartition("/")[0] for key in keys if not key.endswith((ROOT, PARTIAL))}
+    names = {array.rpartition("/")[2] for array in arrays}
+    return not all(is_coordinate(name) or name == "status" for name in names)
 
-    def is_damaged(why: object) -> StoreError:
-        return StoreError(f"{location}: its {FACTS} is damaged ({f'{why}'[:300]}); {_ELSEWHERE}")
+
+def without_facts(document: Document) -> Document:
+    """The document `ROOT` of a store that is not complete yet: it has no data of the sweep."""
+    members = {
+        path: member for path, member in document[_COPY]["metadata"].items() if path != ABOUT
+    }
+    return document | {_COPY: document[_COPY] | {"metadata": members}}
+
+
+def restored_root(location: StorePlace, sweep: Sweep) -> Root | None:
+    """Root of a store whose data of the sweep are lost, if it has the arrays of this sweep."""
+    try:
+        growths, field_growths = (
+            growths_of(json.loads(read_document(location, f"{path}/{ROOT}") or b"{}"))
+            for path in ("status", path_of("pressure") if sweep.fields else "status")
+        )
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    root = Root.from_sweep(sweep, (), growths, field_growths)
+    return None if stale_documents(location, root).keys() - {ROOT, FACTS} else root
+
+
+def _parse(location: StorePlace, key: str, content: bytes) -> Root:
+    """Root from the document `key`, `FACTS` or `ROOT`.
+
+    Raises a `DamagedError` for a damaged document, a `StoreError` for one of another version.
+    """
+
+    def is_damaged(why: object) -> DamagedError:
+        return DamagedError(f"{location}: its {key} is damaged ({f'{why}'[:300]}); {_LOST}")
 
     def of_other_version(why: object) -> StoreError:
         return StoreError(
@@ -212,7 +268,8 @@ def _parsed(location: StorePlace, content: bytes) -> Root:
         )
 
     try:
-        facts = json.loads(content)["attributes"]
+        document = json.loads(content)
+        facts = (document if key == FACTS else document[_COPY]["metadata"][ABOUT])["attributes"]
         version, history = facts["format"], facts["history"]
         writer = [f"{line}" for line in history if f"{line}".startswith(WRITER)][-1]
         is_intact = version == FORMAT and facts["digest"] == _digest(facts)
@@ -250,14 +307,19 @@ def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> d
         return split_arrays(array[:], variable.attributes)
 
 
-def _what_it_is(location: StorePlace, keys: set[str]) -> str:
+def _describe_content(location: StorePlace, keys: set[str]) -> str:
     """Say what is at a path that is no store, and what to do."""
     if not keys and str(location).endswith(".toml"):
         return "it is a scene file; run it with irg run, then give the resulting store"
     if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
         return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
+    for folder in location.path.parents if isinstance(location, Folder) else ():
+        if (folder / FACTS).is_file():
+            return f"it is a part of the store {folder}; give the path of the store"
     if ROOT in keys:
-        return f"it is of another program, or has lost its {FACTS}; {_ELSEWHERE}"
+        return (
+            f"it is of another program, or has lost its {FACTS}; run the scene into another store"
+        )
     kind = "a folder with other files" if keys else "not a folder"
     return f"it is {kind}; give the folder written by irg run, or a new one"
 

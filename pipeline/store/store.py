@@ -152,7 +152,9 @@ class Store:
                 return self.arrays[name].oindex[key]
         finally:
             if self.location.stamp() != self._stamp:
-                raise StoreError(f"{self.location} was enlarged since it was opened; open it again")
+                raise StoreError(
+                    f"{self.location} was enlarged or repaired since it was opened; open it again"
+                )
 
     def try_read(self, name: str, block: Slices) -> Any:
         """Read a variable at `block`, the slices of a chunk; None if the chunk is damaged.

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import xarray as xr
 
-from pipeline.store import files, root
+from pipeline.store import files, place, root
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK
 from pipeline.store.schema import DONE
@@ -138,16 +138,18 @@ def killed_after(monkeypatch, count, since=None):
 
 
 def forge(store, change):
-    """Change the facts of a store, and give them the right digest.
+    """Change the facts of a store in both of its documents, and give them the right digest.
 
     `change` is called with the sweep and the facts.
     """
-    file = store / "about" / "zarr.json"
-    document = json.loads(file.read_bytes())
+    first, copy = store / root.FACTS, store / place.ROOT
+    document, with_copy = (json.loads(file.read_bytes()) for file in (first, copy))
     facts = document["attributes"]
     change(facts["sweep"], facts)
     facts["digest"] = root._digest(facts)
-    file.write_text(json.dumps(document))
+    with_copy["consolidated_metadata"]["metadata"]["about"] = document
+    first.write_text(json.dumps(document))
+    copy.write_text(json.dumps(with_copy))
 
 
 def contents(path):

@@ -8,7 +8,7 @@ import xarray as xr
 import zarr
 
 import tribo
-from pipeline import boundary, open_sweep, summary
+from pipeline import boundary, open_sweep, summary, verify_store
 from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import ROOT, place_of
@@ -43,6 +43,35 @@ def load(path):
 
 def put(name, content):
     return lambda path: (path / name).write_bytes(content)
+
+
+def put_root(content):
+    """Function that replaces one document with the data of the sweep, and deletes the other."""
+
+    def write(path):
+        (path / FACTS).write_bytes(content)
+        (path / ROOT).unlink()
+
+    return write
+
+
+def flip_root(path):
+    put_root((path / FACTS).read_bytes().replace(b"tiny", b"huge"))(path)
+
+
+def lose_root(path):
+    for key in (FACTS, ROOT):
+        (path / key).unlink()
+
+
+def folder_for_a_file(path):
+    (path / "about/message/c.0.0").unlink()
+    (path / "about/message/c.0.0").mkdir()
+
+
+def file_for_a_folder(path):
+    shutil.rmtree(path / "mean_rise")
+    (path / "mean_rise").touch()
 
 
 def lock_elsewhere(path):
@@ -125,10 +154,9 @@ REFUSALS = {
                   "on node7; if that has ended, delete"),
     "being made": (unfinished, "is being created by process"),
     # the root
-    "old": (changed(put(FACTS, OLD)), "its format is 3, this version reads"),
-    "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
-    "digest": (changed(lambda path: (path / FACTS).write_text(
-        (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
+    "old": (changed(put_root(OLD)), "its format is 3, this version reads"),
+    "torn": (changed(put_root(b"{")), "is damaged (JSONDecodeError"),
+    "digest": (changed(flip_root), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "its numbers are others"),
     "file": (lambda: place_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
@@ -138,12 +166,19 @@ REFUSALS = {
                     "it states 1e+09 numbers of the scene's files"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "another version of this program (computed by irg-transition"),
-    "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
+    "lost": (changed(lose_root), "its about/zarr.json is lost; irg run restores it with the scene"),
+    "lost for a run": (changed(lose_root, lambda path: commit(path, tiny.full(increments=7), ())),
+                       "its about/zarr.json is lost; irg run restores it with the scene"),
+    "group": (lambda: verify_store("tiny.zarr/fields/rise"), "it is a part of the store "),
     "replaced": (replaced, "a.zarr now; open it again, and keep its attributes"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),
                  "status cannot be read; irg verify names what is damaged"),
+    "folder in a file's place": (changed(folder_for_a_file, verify_store),
+               "message/c.0.0 cannot be read: it is a folder, where a store has a file"),
+    "file in a folder's place": (changed(file_for_a_folder, verify_store),
+             "mean_rise cannot be read: it is a file, where a store has a folder"),
     "missing": (changed(lambda path: (path / "mean_rise" / "c.0.0.0").unlink(), load),
                 "mean_rise is missing at 150 N, 0.5 m/s and at 8 more; irg verify"),
     "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),

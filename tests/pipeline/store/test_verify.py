@@ -12,14 +12,17 @@ import pipeline
 import tribo
 from pipeline import StoreError
 from pipeline.store.create import copy_points, writing
-from pipeline.store.schema import path_of
+from pipeline.store.schema import DATA, RECORDS, path_of
 from pipeline.store.store import opened
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.crash.drive import computing
 from tests.helpers import tiny
+from tests.helpers.entries import changed
+from tests.helpers.points import run_point
 from tests.helpers.reported import Heard
+from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
@@ -124,6 +127,30 @@ def test_files_that_were_exchanged_are_named_left_out_of_a_new_store_and_compute
         assert copy_points(store, opened(copy)) == 9 - len(harmed)
     assert resumed(copy, SWEEP)[0].computed == len(harmed)
     assert stored(copy) == before
+
+
+ALONE = tiny.full(loads=(250.0,), velocities=(1.0,))
+STRANGERS = {
+    "case": changed(ALONE, pin=tribo.Cylinder(9e-3, 3e-3, STEEL)),
+    "load": changed(ALONE, loads=(240.0,)),
+    "velocity": changed(ALONE, velocities=(1.5,)),
+}
+
+
+@pytest.mark.parametrize("kind", STRANGERS)
+def test_all_variables_of_a_point_of_another_store_are_noticed(path, tmp_path, kind):
+    """The values agree with the checksum beside them, but the point is another."""
+    commit_all(path, ALONE)
+    commit_all(tmp_path / "other.zarr", STRANGERS[kind])
+    for name in (DATA | RECORDS).keys() & opened(path).arrays.keys():
+        for file in chunks(tmp_path / "other.zarr", name):
+            shutil.copy(file, path / path_of(name) / file.name)
+    assert reasons(path) == {POINT: EXCHANGED}
+    commit_all(path, ALONE)
+    assert pipeline.verify_store(path).is_clean
+    assert (
+        plain_values(path)["max_rise"][0, 0, -1] == run_point(ALONE, POINT).columns["max_rise"][-1]
+    )
 
 
 @pytest.mark.parametrize(("harm", "name"), HARMED)

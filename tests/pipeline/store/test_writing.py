@@ -110,7 +110,7 @@ def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(
             tiny.full(velocities=tuple(sorted((0.75, *tiny.VELOCITIES)))),
             [Point(250.0, 0.75)],
         )
-        with pytest.raises(StoreError, match="was enlarged since it was opened; open it again"):
+        with pytest.raises(StoreError, match="was enlarged or repaired since it was opened"):
             ds.load()
     with open_sweep(copy) as ds:
         assert ds["mean_rise"].notnull().any("step").sum() == 10
