@@ -32,7 +32,14 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
 
 PAGES_BY_TASK = {
     "begin": ("install", "first-hour"),
-    "compute your own contact": ("scenes", "your-system", "scene", "own-laws", "cluster"),
+    "compute your own contact": (
+        "scenes",
+        "your-system",
+        "designers",
+        "scene",
+        "own-laws",
+        "cluster",
+    ),
     "use tests of a laboratory": ("your-tests",),
     "know how sure and how fast answers are": ("choosing", "measured"),
     "understand the model": ("model", "physics", "reproducing", "paper"),
