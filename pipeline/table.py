@@ -42,7 +42,10 @@ NAME = "number"
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
 _SAME = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 _NUMBER = re.compile(NUMBER, re.ASCII)
-_NUMERIC = re.compile(r"[~≈<>≤≥±=]*\s*[-+]?\.?\d|[-+]?(nan|inf)|=.|#[A-Z]+[/!?\d]", re.IGNORECASE)
+_NUMERIC = re.compile(
+    r"[~≈<>≤≥±=]*\s*[-+]?\.?\d|[-+]?(nan|inf)\b|=.|#[A-Z]+[/!?\d]|(HV|HBW?|HR[A-C]?) *\d",
+    re.IGNORECASE,
+)
 """Beginning of a cell that is no word: a number, a formula, or an error of a spreadsheet."""
 _ERRORS = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
@@ -421,7 +424,7 @@ def _cell_text(cell: Any, formula_cell: Any) -> str:
         if formula_cell.data_type != "f":
             return ""
         formula = formula_cell.value
-        return formula if isinstance(formula, str) else f"={getattr(formula, 'text', '')}"
+        return formula if isinstance(formula, str) else getattr(formula, "text", None) or "=table"
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and "%" in (cell.number_format or ""):
         return f"{(Decimal(repr(value)) * 100).normalize():f} %"

@@ -145,7 +145,10 @@ def to_si(text: str, like: str) -> float:
         ...
     pipeline.units.UnitError: "7 kg" cannot be converted to N; its weight is 68.65 N
     """
-    return float(exact_si(text, like))
+    value = float(exact_si(text, like))
+    if math.isinf(value):
+        raise UnitError(f"{_quoted(text)} is too large")
+    return value
 
 
 @functools.lru_cache(maxsize=256)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -72,7 +73,7 @@ def load_scene(
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, faults = scene_path(path), Faults()
-    replaced = _path_overrides(overrides or {}, preset, faults)
+    replaced = _path_overrides(overrides or {}, preset, path, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
     folders = {key: document.file_of(key).parent for key in FILES}
     source = Source(path.stem, document.entries, Files(folders))
@@ -174,7 +175,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 
 
 def _path_overrides(
-    overrides: Mapping[str, Any], preset: str | None, faults: Faults
+    overrides: Mapping[str, Any], preset: str | None, path: Path, faults: Faults
 ) -> dict[str, Any]:
     """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
@@ -188,11 +189,13 @@ def _path_overrides(
         if deep := find_deep({key: []}):
             faults.refuse(deep, f"no entry has more than {MOST_LEVELS} parts")
             continue
-        with faults.at(key):
+        try:
             plain = plain_value(key, value)
             if twice := [path for path in _paths_in(key, plain) if _is_set(path, replaced)]:
                 raise tribo.InputError(f"{twice[0]} is given twice; give it once")
             replaced[key] = plain
+        except tribo.InputError as error:
+            faults.append(Fault(key, str(error).removeprefix(f"{key} "), path))
     return replaced
 
 

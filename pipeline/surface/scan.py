@@ -234,6 +234,8 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
         )
     try:
         return lines[:head], _numbers(lines[head:], delimiter, strict=True)
+    except InputError:
+        raise
     except ValueError as error:
         why = str(error).partition(";")[0].partition(", please")[0]
         raise InputError(

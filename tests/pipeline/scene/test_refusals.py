@@ -109,6 +109,7 @@ QUANTITIES = {
     "no quantity": (lambda: to_si("five", like="1 m"), '"five" is not a number with'),
     "hardness": (lambda: to_si("19 HRC", like="6 GPa"), "20 to 68 HRC); give HV"),
     "unknown": (lambda: to_si("4 kx", like="1 N"), "has an unknown unit: 'kx'"),
+    "infinite": (lambda: to_si("1e400 N", like="1 N"), '"1e400 N" is too large'),
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
     "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
     "count": (lambda: in_count("samples", 1.5), "samples is 1.5"),
