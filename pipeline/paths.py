@@ -8,6 +8,8 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
+from tribo import InputError
+
 
 def user_path(path: str | PathLike[str]) -> Path:
     """Expand ``~`` or ``~name`` at the beginning of a path to a home folder.
@@ -17,10 +19,17 @@ def user_path(path: str | PathLike[str]) -> Path:
     >>> user_path("~/sweep.zarr") == Path.home() / "sweep.zarr"
     True
     """
+    require_path(path)
     try:
         return Path(path).expanduser()
     except RuntimeError:  # no user has the name after "~", so it is part of a file name
         return Path(path)
+
+
+def require_path(path: object) -> None:
+    """Raise an `InputError` for what is no path, such as a number."""
+    if not isinstance(path, str | PathLike):
+        raise InputError(f"a path is of type {type(path).__name__}; give text or a Path")
 
 
 def found_store(path: str | PathLike[str]) -> str | PathLike[str]:

@@ -72,7 +72,9 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    path, faults = scene_path(path), Faults()
+    if not isinstance(overrides, Mapping | None):
+        raise tribo.InputError(f"overrides is of type {type(overrides).__name__}; give a mapping")
+    path, faults, preset = scene_path(path), Faults(), plain_value("preset", preset)
     replaced = _path_overrides(overrides or {}, preset, path, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
     folders = {key: document.file_of(key).parent for key in FILES}

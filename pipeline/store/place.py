@@ -27,7 +27,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.paths import user_path
+from pipeline.paths import require_path, user_path
 from pipeline.store.files import sync
 from tribo import TriboError
 
@@ -182,6 +182,7 @@ def place_of(path: PathLike | None) -> StorePlace:
     """
     if path is None:
         return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr", is_written=True)
+    require_path(path)
     address = os.fspath(path).removeprefix("file://")
     if "://" in address:
         return Bucket(address.rstrip("/"), is_written=address.startswith("s3://"))

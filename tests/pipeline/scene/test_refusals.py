@@ -92,7 +92,8 @@ def over(path, values, **other_entries):
 
 FILES = {
     "load header": (load(b"time [s],load [N],load [kN]\n0,0,0\n1,5,1\n"), "stands twice"),
-    "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"), "row 4: 1 s, inf N; both must be"),
+    "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"),
+                 'row 4, load [N]: "1e999 N" is too large'),
     "load back": (load(b"time [s],load [N]\n0,0\n\n2,5\n1,6\n"),
                   "row 5: time 1 s after 2 s"),
     "load large": (long_load, "it has 100 MB; at most 100 MB are read"),
@@ -236,12 +237,16 @@ TEXTS = {
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
     "circle": (toml(b'extends = "scene.toml"\n'), "refers back to itself"),
+    "overrides": (lambda: load_scene("first_try", overrides="a=1"), "overrides is of type str"),
     "chain": (chain, "21 scenes extend one another; at most 20 may"),
     "dotted": (toml(b".".join([b"a"] * 500) + b" = 1\n"), "line 1: a key has 100 parts or more"),
     "nested": (toml(b".".join([b"a"] * 50) + b" = 1\n"), "a: tables nested too deep"),
     "long path": (entry(".".join("a" * 500), 1), "no entry has more than 10 parts"),
     "changed long path": (lambda: scene().changed(".".join("a" * 500), 1), "no entry has more"),
-    "twice": (entry("fidelity.increments", 5, increments=6), "increments is given twice"),
+    "twice": (
+        entry("fidelity.increments", 5, increments=6),
+        "increments: is given twice; give it once",
+    ),
     "twice, table": (entry("pin.radius", "2 mm", pin={"radius": "3 mm"}), "pin.radius is given"),
     "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
     "extends": (toml(b"extends = 3\n"), "extends: 3"),
