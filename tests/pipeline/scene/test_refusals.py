@@ -245,7 +245,7 @@ TEXTS = {
     "changed long path": (lambda: scene().changed(".".join("a" * 500), 1), "no entry has more"),
     "twice": (
         entry("fidelity.increments", 5, increments=6),
-        "increments: is given twice; give it once",
+        "increments: is given twice",
     ),
     "twice, table": (entry("pin.radius", "2 mm", pin={"radius": "3 mm"}), "pin.radius is given"),
     "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
