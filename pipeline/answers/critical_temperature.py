@@ -30,6 +30,7 @@ from pipeline.answers.posterior import (
     update,
 )
 from pipeline.answers.results import CaseResults, cases_of
+from pipeline.answers.scene_words import model_words
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.answers.tests import Evidence, evidence_of, outcome_of
 from pipeline.constants import WORTH
@@ -195,7 +196,8 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
         ``critical_temperature``, the median; ``spread_another_rig``, its standard deviation on
         another rig, with the model's bias in it, and ``spread_this_rig`` on this one; ``at_least``
         and ``at_most``, its bounds by only mild or only severe tests, at which the likelihood is 5
-        % of its maximum.
+        % of its maximum. The attribute ``model`` names the surface, wear pattern and preset to
+        which it belongs.
 
     Examples
     --------
@@ -225,5 +227,6 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
         "at_most": (critical.at_most, "upper bound, by tests that were only severe"),
     }
     return xr.Dataset(
-        {k: ((), value, {"units": "K", "long_name": name}) for k, (value, name) in values.items()}
+        {k: ((), value, {"units": "K", "long_name": name}) for k, (value, name) in values.items()},
+        attrs={"model": model_words(case.sweep)},
     )

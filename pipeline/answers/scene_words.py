@@ -14,6 +14,7 @@ from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual
+from tribo import SelfAffineRoughness
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -169,6 +170,16 @@ def _cases_text(warning: SceneWarning) -> str:
     names = ", ".join(warning.cases[:_MAX_NAMED]) + f" and {more} more" * (more > 0)
     number_case = f"; numbers are of case {warning.of_case}" * bool(warning.of_case)
     return f" (in {names or 'all cases'}{number_case})"
+
+
+def model_words(sweep: Sweep) -> str:
+    """Surface, wear pattern and preset of a scene, to which its critical temperature belongs."""
+    surface, wear = sweep.scene.roughness, sweep.scene.wear
+    preset = sweep.preset or "custom settings"
+    kinds = {type(None): "a smooth surface", SelfAffineRoughness: "a random surface"}
+    kind = kinds.get(type(surface), "a measured surface")
+    pattern = f"wear pattern {wear.pattern}" if wear else "no wear"
+    return f"{kind}, {pattern}, preset {preset}"
 
 
 def value_words(axis: xr.DataArray, value: float | str) -> str:

@@ -14,6 +14,7 @@ from pipeline.answers.conditions import NAMES
 from pipeline.answers.discretization_error import error_in_words
 from pipeline.answers.scene_words import (
     added_rise_words,
+    model_words,
     value_words,
     verdict_conditions,
     warning_lines,
@@ -26,7 +27,7 @@ from pipeline.quantities import UNITS, display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.words import join_notes, split_notes
-from tribo import Corrections, Track
+from tribo import Corrections, Fidelity, Scene, Track
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
@@ -34,6 +35,10 @@ OUTSIDE = "outside the model, and not safe by this: the oil film carries more th
 POINT_CONDITIONS = "given for each point"
 SHARP_PERCENTS = tuple(round(100 * share) for share in SHARP_ENDS)
 _SHARP_ENDS = "sharp pin ends (severe wear at {} to {} % lower velocity)"
+_OTHER_MODEL = (
+    "warning: the critical temperature is from tests on another kind of surface, wear pattern or "
+    "preset than {}; between a random and a measured surface, it differed by 7 to 36 K"
+)
 _MILD_BUT_FOR_ENDS = (
     "Mild, but perhaps severe at the pin's sharp ends, which are not modelled and wear severely at "
     "{} to {} % lower velocity"
@@ -87,8 +92,21 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits of all answers of a case, in addition to `not_included`."""
     sweep = model.case.sweep
     unknown = error_in_words(sweep) if model.promised is None else ""
+    if model.evidence.critical is not None and _has_tests_of_other_models(model):
+        yield _OTHER_MODEL.format(model_words(sweep))
     lines = sweep.note, *warning_lines(sweep, answered=True), added_rise_words(model.conditions)
     yield from filter(None, (*lines, unknown))
+
+
+def _has_tests_of_other_models(model: VerdictModel) -> bool:
+    """True if a test has another kind of surface, wear pattern or settings than the case."""
+
+    def kind(scene: Scene) -> tuple[type, str, Fidelity]:
+        pattern = scene.wear.pattern if scene.wear else ""
+        return type(scene.roughness), pattern, scene.fidelity
+
+    sweep = model.case.sweep
+    return any(kind(test.case.scene) != kind(sweep.scene) for test in sweep.tests)
 
 
 def _earlier_revolutions(model: VerdictModel) -> Iterator[str]:
