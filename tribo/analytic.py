@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_number, require_positive
 from tribo.types import Array
 
 _BLOK_FACTOR = 1.111548  # c of `rolling_sliding_rise`
@@ -30,6 +30,7 @@ def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus
     >>> f"{hertz_line_half_width(750 / 3.4e-3, 2e-3, 115.385e9):.4e} m"
     '6.9773e-05 m'
     """
+    require_number(load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus)
     P, R, E = load_per_length, radius, contact_modulus
     return math.sqrt(4 * P * R / (math.pi * E))
 
@@ -51,6 +52,7 @@ def hertz_line_peak_pressure(
     >>> f"{p0:.4e} Pa, {math.pi / 2 * hertz_line_half_width(P, R, E) * p0 / P:.6f}"
     '2.0127e+09 Pa, 1.000000'
     """
+    require_number(load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus)
     P, R, E = load_per_length, radius, contact_modulus
     return math.sqrt(P * E / (math.pi * R))
 
@@ -66,6 +68,7 @@ def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float
     >>> f"{hertz_point_radius(10.0, 10e-3, 115.385e9):.4e} m"
     '8.6624e-05 m'
     """
+    require_number(normal_load=normal_load, radius=radius, contact_modulus=contact_modulus)
     F, R, E = normal_load, radius, contact_modulus
     return float(np.cbrt(3 * F * R / (4 * E)))
 
@@ -85,6 +88,7 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
     >>> f"{p0:.4e} Pa, {2 * math.pi / 3 * a**2 * p0:.6f} N"
     '6.3631e+08 Pa, 10.000000 N'
     """
+    require_number(normal_load=normal_load, radius=radius, contact_modulus=contact_modulus)
     F, R, E = normal_load, radius, contact_modulus
     return float(np.cbrt(6 * F * E**2 / (math.pi**3 * R**2)))
 
@@ -269,6 +273,7 @@ def worn_line_width(worn_area: float, radius: float) -> float:
     >>> f"{w:.4e} m, {2 / 3 * w * w**2 / (8 * R) / A:.6f}"
     '2.7108e-04 m, 1.000000'
     """
+    require_number(worn_area=worn_area, radius=radius)
     return float(np.cbrt(12 * radius * worn_area))
 
 
@@ -287,4 +292,5 @@ def worn_point_width(worn_volume: float, radius: float) -> float:
     >>> f"{w:.4e} m, {math.pi / 8 * w**2 * w**2 / (8 * R) / V:.6f}"
     '1.5023e-04 m, 1.000000'
     """
+    require_number(worn_volume=worn_volume, radius=radius)
     return math.sqrt(math.sqrt(64 * radius * worn_volume / math.pi))

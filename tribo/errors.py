@@ -14,7 +14,7 @@ A message says what is wrong, the value given, what is allowed and what to do.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from numbers import Integral
 from typing import Any
@@ -114,8 +114,46 @@ def law_errors(name: str) -> Iterator[None]:
         raise InputError(f"{name}: {type(error).__name__}: {error}") from error
 
 
+def require_number(**values: Any) -> None:
+    """Raise `InputError` for the first value that is not one real number."""
+    for name, value in values.items():
+        if type(value) is float:
+            continue
+        try:
+            if isinstance(value, str | bytes | bool) or np.ndim(value):
+                raise TypeError
+            float(value)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"{name} is {f'{value!r}'[:100]}; it must be one number, in SI units"
+            ) from None
+
+
+def require_instance(kind: type | tuple[type, ...], **values: Any) -> None:
+    """Raise `InputError` for the first value that is not of a type, or of one of several."""
+    for name, value in values.items():
+        if not isinstance(value, kind):
+            kinds = kind if isinstance(kind, tuple) else (kind,)
+            allowed = " or ".join(f"tribo.{allowed.__name__}" for allowed in kinds)
+            raise InputError(f"{name} is {f'{value!r}'[:100]}; it must be a {allowed}")
+
+
+def require_pair(**values: Any) -> None:
+    """Raise `InputError` for the first value that is not a pair of real numbers."""
+    for name, value in values.items():
+        if (
+            not isinstance(value, Sequence | np.ndarray)
+            or isinstance(value, str)
+            or len(value) != 2
+        ):
+            raise InputError(f"{name} is {f'{value!r}'[:100]}; it must hold two values")
+        for item in value:
+            require_number(**{name: item})
+
+
 def require_positive(**values: float) -> None:
     """Raise `InputError` for the first value that is not finite and positive."""
+    require_number(**values)
     for name, value in values.items():
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"{name} is {value!r}; it must be finite and greater than 0")

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tribo.constants import HOLD_GROWTH, LEAST_SHARE_OF_INCREMENTS
-from tribo.errors import InputError, require_integer, require_positive
+from tribo.errors import InputError, require_integer, require_number, require_positive
 
 MOST_STEPS = 10_000
 """Most steps that a load may take; a scene that asks for more is refused as a mistake."""
@@ -97,6 +97,7 @@ class Ramp:
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate, reference_load=self.reference_load)
+        require_number(hold=self.hold)
         if not 0 <= self.hold < math.inf:
             raise InputError(f"hold is {self.hold!r} s; it must be finite and at least 0")
 

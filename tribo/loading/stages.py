@@ -53,10 +53,11 @@ class Stages:
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate)
-        for load in self.loads:
-            require_positive(load=load)
-        for hold in self.holds:
-            require_positive(hold=hold)
+        for name, values in (("loads", self.loads), ("holds", self.holds)):
+            if not isinstance(values, tuple):
+                raise InputError(f"{name} are {f'{values!r}'[:100]}; give a tuple of numbers")
+            for value in values:
+                require_positive(**{name: value})
         if not self.loads or len(self.holds) != len(self.loads):
             raise InputError(
                 f"{len(self.loads)} loads and {len(self.holds)} holds are not load stages; each "

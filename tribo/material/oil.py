@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_number, require_pair, require_positive
 
 BOUNDARY = 1.0
 """Film parameter below which the roughness carries the load."""
@@ -44,6 +44,7 @@ class Oil:
     pressure_coefficient: float | None = None
 
     def __post_init__(self) -> None:
+        require_pair(viscosities=self.viscosities)
         thick, thin = self.viscosities
         require_positive(viscosity=thin, density=self.density)
         require_positive(viscosity=thick)
@@ -139,6 +140,7 @@ def lubrication_regime(film_parameter: float) -> str:
     >>> [lubrication_regime(value) for value in (0.33, 1.0, 3.0)]
     ['boundary lubrication', 'mixed lubrication', 'full film, outside the model']
     """
+    require_number(film_parameter=film_parameter)
     if math.isnan(film_parameter):
         raise InputError("film_parameter is nan; it must be a number of at least 0")
     if film_parameter < BOUNDARY:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_instance, require_number, require_positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,7 @@ class Material:
     hardness: float = math.inf
 
     def __post_init__(self) -> None:
+        require_number(poisson_ratio=self.poisson_ratio, hardness=self.hardness)
         require_positive(
             elastic_modulus=self.elastic_modulus,
             thermal_conductivity=self.thermal_conductivity,
@@ -79,5 +80,6 @@ def contact_modulus(first: Material, second: Material) -> float:
     >>> f"{contact_modulus(steel, steel) / 1e9:.3f} GPa"
     '115.385 GPa'
     """
+    require_instance(Material, first=first, second=second)
     compliance = sum((1 - m.poisson_ratio**2) / m.elastic_modulus for m in (first, second))
     return 1 / compliance

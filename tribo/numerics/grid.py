@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.errors import InputError, require_integer, require_positive
+from tribo.errors import InputError, require_integer, require_pair, require_positive
 from tribo.types import Array
 
 # Largest ratio of an element's sides; influences are summed over all scales between the two sides.
@@ -41,9 +41,9 @@ class Grid:
     periodic: tuple[bool, bool] = (False, True)
 
     def __post_init__(self) -> None:
-        for name in ("shape", "spacing", "periodic"):
-            if len(getattr(self, name)) != 2:
-                raise InputError(f"{name} is {getattr(self, name)!r}; it must hold two values")
+        require_pair(shape=self.shape, spacing=self.spacing)
+        if not (isinstance(self.periodic, tuple) and len(self.periodic) == 2):
+            raise InputError(f"periodic is {self.periodic!r}; it must hold two values")
         require_integer(1, **dict(zip(("nx", "ny"), self.shape, strict=True)))
         require_positive(**dict(zip(("dx", "dy"), self.spacing, strict=True)))
         if max(self.spacing) > _MAX_SIDE_RATIO * min(self.spacing):

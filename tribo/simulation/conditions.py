@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tribo.errors import InputError
+from tribo.errors import InputError, require_instance, require_number
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.simulation.corrections import Corrections
 from tribo.thermal import QUANTILES, require_share, rise_exceeded
@@ -61,8 +61,13 @@ class Conditions:
     def __post_init__(self) -> None:
         for name in _NUMBERS:
             value = getattr(self, name)
-            if value is not None and (isinstance(value, Iterable) or not math.isfinite(value)):
+            if value is None and name == "critical_temperature":
+                continue
+            require_number(**{name: value})
+            if not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}; it must be one finite number here")
+        if self.corrections is not None:
+            require_instance(Corrections, corrections=self.corrections)
         if self.friction < 0:
             raise InputError(f"friction is {self.friction!r}; it must be finite and ≥ 0")
         require_share(self.critical_area_fraction)

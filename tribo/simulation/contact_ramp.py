@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.errors import InputError, TriboError, require_positive
+from tribo.errors import InputError, TriboError, require_instance, require_number, require_positive
 from tribo.loading import LoadStep, Stages
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
@@ -236,6 +236,8 @@ def _final_states(
 
 def _check_arguments(scene: Scene, normal_load: float, velocity: float) -> None:
     """Raise `InputError` for a load or a velocity that is not allowed."""
+    require_instance(Scene, scene=scene)
+    require_number(velocity=velocity)
     if not np.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     require_positive(normal_load=normal_load)

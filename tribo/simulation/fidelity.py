@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tribo.constants import CONTACT_OVER_HEAT, HOLD_STEPS, TIGHTEST_HEAT
-from tribo.errors import InputError, require_integer
+from tribo.errors import InputError, require_integer, require_number
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +73,7 @@ class Fidelity:
             ("parts", 1),
         ):
             require_integer(lowest, **{name: getattr(self, name)})
+        require_number(imprint=self.imprint, contact_tolerance=self.contact_tolerance)
         if not 0 <= self.imprint < math.inf:
             raise InputError(f"imprint is {self.imprint!r}; it must be finite and at least 0")
         if not 0 < self.contact_tolerance <= 1:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.errors import InputError, TriboError
+from tribo.errors import InputError, TriboError, require_instance, require_number
 from tribo.loading import Ramp, Stages
 from tribo.simulation.conditions import Conditions
 from tribo.simulation.corrections import Corrections
@@ -71,6 +71,9 @@ def judge(
     >>> point.is_severe, f"{point.governing_temperature:.0f} K = 298 + {point.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
+    require_instance(Scene, scene=scene)
+    require_instance(Conditions, conditions=conditions)
+    require_number(load=load, velocity=velocity)
     conditions = conditions.with_loading(scene.loading)
     if corrections := conditions.corrections:
         conditions = replace(conditions, corrections=replace(corrections, motion=scene.motion))

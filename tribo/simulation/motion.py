@@ -22,7 +22,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_number, require_positive
 
 _AT_REST = 1e-12  # share of the sliding velocity below which a body's velocity is rounding
 
@@ -69,6 +69,7 @@ class Motion:
     disk_track_length: float | None = None
 
     def __post_init__(self) -> None:
+        require_number(slide_roll_ratio=self.slide_roll_ratio)
         if not math.isfinite(self.slide_roll_ratio):
             raise InputError(f"slide_roll_ratio is {self.slide_roll_ratio!r}; it must be finite")
         if self.slide_roll_ratio == 0:

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 import numpy as np
 
 from tribo.analytic import HertzContact, hertz_contact, worn_line_width, worn_point_width
-from tribo.errors import require_positive
+from tribo.errors import require_instance, require_positive
 from tribo.material import Material, minimum_line_film, minimum_point_film
 from tribo.numerics import Grid
 from tribo.types import Array
@@ -112,6 +112,7 @@ class Cylinder:
     material: Material
 
     def __post_init__(self) -> None:
+        require_instance(Material, material=self.material)
         require_positive(radius=self.radius, length=self.length)
 
     def profile(self, grid: Grid) -> Array:
@@ -171,6 +172,7 @@ class Ball:
     length: ClassVar[None] = None
 
     def __post_init__(self) -> None:
+        require_instance(Material, material=self.material)
         require_positive(radius=self.radius)
 
     def profile(self, grid: Grid) -> Array:
@@ -223,6 +225,7 @@ class Crowned:
     length: ClassVar[None] = None
 
     def __post_init__(self) -> None:
+        require_instance(Material, material=self.material)
         require_positive(radius=self.radius, crown_radius=self.crown_radius)
 
     def profile(self, grid: Grid) -> Array:

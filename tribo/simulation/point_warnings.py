@@ -23,6 +23,7 @@ from tribo.constants import (
     SLOWEST,
     WIDEST,
 )
+from tribo.errors import require_instance
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.conditions import Conditions
@@ -140,6 +141,10 @@ def warnings(
     conditions.bulk_temperature: 25 K is unusual (-50 to 250 °C is common): convert the number to
     SI, if it is in °C
     """
+    require_instance(Scene, scene=scene)
+    require_instance(State, state=state)
+    if conditions is not None:
+        require_instance(Conditions, conditions=conditions)
     texts = unusual_values(scene, state.normal_load, state.speed, conditions, state.time)
     unusual = [PointWarning(WarningKind.UNUSUAL_VALUE, text) for text in texts]
     return [*unusual, *point_warnings(scene, state)]

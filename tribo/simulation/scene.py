@@ -8,7 +8,7 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, field, replace
 
 from tribo.constants import FEWEST_ELEMENTS, LOCAL_TOLERANCE
-from tribo.errors import InputError
+from tribo.errors import InputError, require_instance
 from tribo.loading import LoadStep, MeasuredLoad, Ramp, Stages
 from tribo.material import Material
 from tribo.numerics import Grid
@@ -77,6 +77,7 @@ class Scene:
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
+        self._require_types()
         require_wear(self.wear)
         block = self.fidelity.pixels_per_element
         if any(n % block for n in self.pixels.shape):
@@ -103,6 +104,22 @@ class Scene:
                 f"pin_track_length is {self.track_length:g} m; it must be at least that of the "
                 f"window along x, {self.pixels.size[0]:g} m"
             )
+
+    def _require_types(self) -> None:
+        """Raise an `InputError` for the first part that is not of its type."""
+        if missing := [
+            name for name in ("radius", "material", "hertz") if not hasattr(self.pin, name)
+        ]:
+            raise InputError(f"pin is {f'{self.pin!r}'[:100]}, without {missing[0]}; see tribo.Pin")
+        require_instance(Material, disk=self.disk)
+        require_instance(Grid, pixels=self.pixels)
+        require_instance((Ramp, Stages, MeasuredLoad), loading=self.loading)
+        require_instance(Fidelity, fidelity=self.fidelity)
+        if self.motion is not None:
+            require_instance(Motion, motion=self.motion)
+        if self.roughness is not None and not hasattr(self.roughness, "heights"):
+            shown = f"{self.roughness!r}"[:100]
+            raise InputError(f"roughness is {shown}, without heights; see tribo.Surface")
 
     def __repr__(self) -> str:
         parts = (self.pin, self.roughness, self.loading, self.wear, self.motion)

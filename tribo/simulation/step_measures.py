@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tribo.errors import require_instance
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array
@@ -38,6 +39,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     >>> f"{1e6 * record['contact_width']:.0f} µm, {record['sliding_distance']:g} m"
     '171 µm, 3.965 m'
     """
+    require_instance(Scene, scene=scene)
+    require_instance(State, state=state)
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
     contact_measures = _contact_measures(scene, pressure)
     return {

@@ -8,7 +8,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tribo.errors import InputError, InvariantError, finite_field, law_errors
+from tribo.errors import (
+    InputError,
+    InvariantError,
+    finite_field,
+    law_errors,
+    require_integer,
+    require_number,
+    require_pair,
+)
 from tribo.numerics import Grid
 from tribo.surface.topography import self_affine
 from tribo.types import Array
@@ -57,6 +65,11 @@ class SelfAffineRoughness:
     hurst_exponent: float
     correlation_length: tuple[float, float]
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        require_number(ra=self.ra, hurst_exponent=self.hurst_exponent)
+        require_pair(correlation_length=self.correlation_length)
+        require_integer(0, seed=self.seed)
 
     def heights(self, pixels: Grid) -> Array:
         """Heights [m], shape ``pixels.shape``."""

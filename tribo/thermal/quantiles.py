@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.errors import InputError
+from tribo.errors import InputError, require_number
 from tribo.types import Array, Mask
 
 QUANTILES: tuple[float, ...] = (
@@ -54,6 +54,7 @@ def sorted_quantiles(ordered: Array) -> Array:
 
 def require_share(share: float) -> None:
     """Raise `InputError` unless a share of the contact area is at least 0 and below 1."""
+    require_number(critical_area_fraction=share)
     if not 0 <= share < 1:
         raise InputError(
             f"critical area fraction is {share!r}; it must be at least 0 (the maximum "

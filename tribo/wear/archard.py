@@ -19,7 +19,7 @@ import numpy as np
 
 from tribo.constants import MAX_DISTANCE_FACTOR
 from tribo.contact import ElasticHalfSpace
-from tribo.errors import InputError
+from tribo.errors import InputError, require_number
 from tribo.types import Array
 
 WearPattern = Literal["local", "swept"]
@@ -131,6 +131,7 @@ class Wear:
     pattern: WearPattern = "swept"
 
     def __post_init__(self) -> None:
+        require_number(specific_wear_rate=self.specific_wear_rate)
         if not 0 <= self.specific_wear_rate < np.inf:
             raise InputError(
                 f"specific_wear_rate is {self.specific_wear_rate!r}; it must be finite and ≥ 0"
