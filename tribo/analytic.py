@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from tribo.errors import InputError, require_number, require_positive
+from tribo.errors import InputError, real_array, require_number, require_pair, require_positive
 from tribo.types import Array
 
 _BLOK_FACTOR = 1.111548  # c of `rolling_sliding_rise`
@@ -147,6 +147,8 @@ def hertz_ellipse(
     >>> print("{:.4e} {:.4e} {:.4e} {:.4e}".format(*hertz_ellipse(10.0, 10e-3, 10e-3, 115.385e9)))
     8.6624e-05 8.6624e-05 6.3631e+08 7.5037e-07
     """
+    require_number(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
+    require_number(contact_modulus=contact_modulus)
     require_positive(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
     F, E = normal_load, contact_modulus
     larger_radius, smaller_radius = max(radius_x, radius_y), min(radius_x, radius_y)
@@ -199,6 +201,9 @@ def hertz_contact(
     >>> hertz_contact(10.0, 115.385e9, 10e-3).aspect, hertz_contact(10.0, 1e11, 2e-3, 3e-3).aspect
     (1.0, inf)
     """
+    sizes = {"radius": radius, "length": length, "crown_radius": crown_radius}
+    known_sizes = {name: size for name, size in sizes.items() if size is not None}
+    require_number(normal_load=normal_load, contact_modulus=contact_modulus, **known_sizes)
     F, E, R = normal_load, contact_modulus, radius
     if crown_radius is not None:
         half_x, half_y, peak_pressure, _ = hertz_ellipse(F, R, crown_radius, E)
@@ -222,7 +227,8 @@ def hertz_pressure(distance: ArrayLike, contact_radius: float, peak_pressure: fl
     >>> hertz_pressure([0.0, 0.6, 1.0, 2.0], contact_radius=1.0, peak_pressure=10.0)
     array([10.,  8.,  0.,  0.])
     """
-    r, a, p0 = np.asarray(distance, dtype=float), contact_radius, peak_pressure
+    require_number(contact_radius=contact_radius, peak_pressure=peak_pressure)
+    r, a, p0 = real_array("distance", distance), contact_radius, peak_pressure
     return p0 * np.sqrt(np.maximum(1 - (r / a) ** 2, 0.0))
 
 
@@ -251,6 +257,9 @@ def rolling_sliding_rise(
     >>> rolling_sliding_rise(0.05, 1e5, 2e-4, (fast, fast), 12844.05)
     0.0
     """
+    require_pair(velocities=velocities)
+    require_number(friction=friction, load_per_length=load_per_length, width=width)
+    require_number(thermal_effusivity=thermal_effusivity)
     µ, w, e = friction, load_per_length, thermal_effusivity
     slow, fast = sorted(velocities)
     if slow < 0:

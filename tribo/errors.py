@@ -166,6 +166,14 @@ def require_integer(lowest: int, **values: float) -> None:
             raise InputError(f"{name} is {value!r}; it must be an integer of at least {lowest}")
 
 
+def real_array(name: str, values: ArrayLike) -> Array:
+    """Convert values to a float64 array; `InputError` unless they are real numbers."""
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must hold real numbers: {error}") from error
+
+
 def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Convert `field` to a float64 array; `InputError` unless it is real, finite and of `shape`."""
     try:

@@ -107,6 +107,8 @@ REFUSALS = {
                         "pressure_coefficient is 0.0"),
     "oil below 0 K": (lambda: WHITE.viscosity(-1.0), "temperature is -1.0"),
     "film": (lambda: tribo.lubrication_regime(math.nan), "film_parameter is nan"),
+    "text for distances": (lambda: tribo.analytic.hertz_pressure("1 mm", 1e-4, 1e9),
+                           "distance must hold real numbers"),
     "text for a number": (lambda: Cylinder("2 mm", 1.0, STEEL),
                           "radius is '2 mm'; it must be one number, in SI units"),
     "no material": (lambda: Ball(1e-3, 45.0), "material is 45.0; it must be a tribo.Material"),

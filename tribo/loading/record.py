@@ -6,12 +6,11 @@ import functools
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from tribo.constants import EQUAL_TIME_LIMIT, FITTED_SHARES, LOAD_NOISE
-from tribo.errors import InputError, require_number, require_positive
+from tribo.errors import InputError, real_array, require_number, require_positive
 from tribo.loading.ramp import LoadStep, Ramp
 from tribo.types import Array
 
@@ -65,7 +64,8 @@ class MeasuredLoad:
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        times, loads = _numbers("times", self.times), _numbers("loads", self.loads)
+        times = real_array("times of a load record", self.times)
+        loads = real_array("loads of a load record", self.loads)
         if self.reference_load is not None:
             require_number(reference_load=self.reference_load)
         if times.ndim != 1 or times.shape != loads.shape or len(times) < 2:
@@ -220,14 +220,6 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     if np.abs(travel_share - time_share).max() < EQUAL_TIME_LIMIT:
         return None
     return (travel_share + time_share) / 2, times
-
-
-def _numbers(name: str, column: Any) -> Array:
-    """A column of a load record as numbers; `InputError` if it has others."""
-    try:
-        return np.array(column, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} of a load record must hold real numbers: {error}") from error
 
 
 def find_fault(times: Array, loads: Array) -> tuple[int, str] | None:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_instance, require_positive
 from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.material import Material
 from tribo.simulation.motion import Motion
@@ -84,7 +84,11 @@ class Track:
         return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity, disc)
 
     def __post_init__(self) -> None:
-        sizes = {k: v for k, v in asdict(self).items() if v is not None and k != "disc"}
+        sizes = {
+            k: v
+            for k, v in asdict(self).items()
+            if k != "disc" and not (v is None and k == "width")
+        }
         require_positive(**sizes)
 
     def __str__(self) -> str:
@@ -121,6 +125,12 @@ class Corrections:
     motion: Motion | None = None
     course: tuple[tuple[float, float], ...] = ()
     rate: float | None = None
+
+    def __post_init__(self) -> None:
+        kinds = {"track": Track, "pin_track": Track, "motion": Motion}
+        for name, kind in kinds.items():
+            if getattr(self, name) is not None:
+                require_instance(kind, **{name: getattr(self, name)})
 
     def with_loading(self, loading: Ramp | Stages | MeasuredLoad) -> Self:
         """Return these corrections with the load course or the load rate of `loading` filled in."""

@@ -89,7 +89,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     >>> import tribo
     >>> from dataclasses import replace
     >>> at_most = replace(scene.fidelity, pixels_per_element=2, fewest_elements=10)
-    >>> narrow = tribo.SelfAffineRoughness(1e-7, 0.8, 2 * scene.pixels.spacing[0], seed=0)
+    >>> narrow = tribo.SelfAffineRoughness(1e-7, 0.8, (2 * scene.pixels.spacing[0],) * 2, seed=0)
     >>> narrow_scene = replace(scene, fidelity=at_most, roughness=narrow)
     >>> fit_elements(narrow_scene, 10.0).fidelity.pixels_per_element
     1
