@@ -199,8 +199,9 @@ def report(
 def _boundary_answer(ds: xr.Dataset, conditions: Conditions) -> Answer:
     """The boundary of a plane, without an operating point."""
     boundary = pipeline.boundary(ds, **conditions)
-    is_single_case = boundary["critical_velocity"].ndim == 1
-    lines = [words.next_run_line(boundary)] * is_single_case + [*words.not_included_lines(boundary)]
+    lines = [*words.not_included_lines(boundary)]
+    if boundary["critical_velocity"].ndim == 1:  # a single case
+        lines.insert(0, words.next_run_line(boundary))
     headline = "Boundary between mild and severe wear"
     return Answer("", headline, [*map(_as_sentence, lines)], _plane(ds, conditions))
 

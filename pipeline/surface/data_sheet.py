@@ -19,7 +19,7 @@ _SECTIONS, _HEIGHT = 5, 0.1  # sections of a profile; least height of its elemen
 
 
 def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]]:
-    """``[disk.roughness]`` of random surfaces with Ra and RSm [m], and the assumptions.
+    """Roughness of a scene's disk, for random surfaces with Ra and RSm [m], and the assumptions.
 
     RSm is that of profiles of random surfaces in pixels [m].
     """

@@ -211,18 +211,17 @@ def surface_statistics(
 
     Examples
     --------
+    >>> import tomllib
     >>> import numpy as np
     >>> from pipeline import surface_statistics
     >>> from tribo import Grid
     >>> from tribo.surface import self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
     >>> np.save("results/scan.npy", heights * 1e6)
-    >>> print(surface_statistics("results/scan.npy", "um", ("1 um", "1 um")).random_tables)
-    [disk.roughness]
-    ra = "0.299 um"
-    hurst_exponent = 0.876
-    correlation_length = "3.25 um"
-    <BLANKLINE>
+    >>> statistics = surface_statistics("results/scan.npy", "um", ("1 um", "1 um"))
+    >>> roughness = tomllib.loads(statistics.random_tables)["disk"]["roughness"]
+    >>> roughness["ra"], roughness["correlation_length"]
+    ('0.299 um', '3.25 um')
     """
     unit = plain_value("height_unit", height_unit)
     if unit is not None:
@@ -283,18 +282,22 @@ def _scan_tables(
     pixels = "[{}]".format(
         ", ".join(f'"{display(side, "um", 6)}"' for side in statistics.pixel_size)
     )
-    lines = ["[disk.roughness]", f"file = {quoted(statistics.file)}"]
+    entries = [f"file = {quoted(statistics.file)}"]
     if unit:
         names = ("um", "nm", "mm", "m")
         usual = (name for name in names if math.isclose(in_si("", f"1 {name}", "1 m"), unit))
-        lines.append(f"height_unit = {quoted(next(usual, f'{unit:g} m'))}")
-    lines += [f"pixel_size = {pixels}"] * bool(sides) + ["level = true"]
-    lines += [f"missing = {missing:g}"] * (missing != MISSING)
-    return "\n".join([*lines, "", "[window]", f"pixel_size = {pixels}", ""])
+        entries.append(f"height_unit = {quoted(next(usual, f'{unit:g} m'))}")
+    entries += [f"pixel_size = {pixels}"] if sides else []
+    entries += ["level = true"]
+    entries += [f"missing = {missing:g}"] if missing != MISSING else []
+    return (
+        f"disk = {{ roughness = {{ {', '.join(entries)} }} }}\n"
+        f"window = {{ pixel_size = {pixels} }}\n"
+    )
 
 
 def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float]) -> str:
-    """Table ``[disk.roughness]`` of a scene for random surfaces; `ra` and `lengths` are in m.
+    """Roughness of a scene's disk for random surfaces, as in new scenes; `ra`, `lengths` in m.
 
     Nearly equal correlation lengths along x and y become their geometric mean.
     """
@@ -302,8 +305,8 @@ def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float
     texts = [f'"{display(length, "um", 3)}"' for length in (x, y)]
     length = texts[0] if texts[0] == texts[1] else f"[{', '.join(texts)}]"
     return (
-        f'[disk.roughness]\nra = "{display(ra, "um", 4)}"\n'
-        f"hurst_exponent = {hurst_exponent:.3g}\ncorrelation_length = {length}\n"
+        f'disk = {{ roughness = {{ ra = "{display(ra, "um", 4)}", '
+        f"hurst_exponent = {hurst_exponent:.3g}, correlation_length = {length} }} }}\n"
     )
 
 

@@ -174,7 +174,9 @@ def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
     assert roughness(statistics.random_tables).ra == pytest.approx(
         statistics.roughness.sa, rel=1e-3
     )
-    scan = roughness(f"{statistics.scan_tables}pixels = [96, 64]\n").array
+    scan = roughness(
+        statistics.scan_tables.replace("window = { ", "window = { pixels = [96, 64], ")
+    ).array
     assert scan.std() == pytest.approx(statistics.heights.std(), rel=0.01)
 
 
