@@ -4,6 +4,8 @@ MOST_ON_AXIS = 5000
 """Most loads or velocities of a range, since `irg check` looks at each, for 3 s in all."""
 MOST_SCENES = 10_000
 """Most combinations of `over`, rows of `along`, or surfaces: each is a scene, read in 0.5 ms."""
+MOST_VARIED = 100
+"""Most entries that vary in a sweep."""
 MOST_POINTS = 10_000_000
 """Most points of a sweep."""
 MOST_INPUTS = 2**26

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pipeline.limits import MOST_SCENES
+from pipeline.limits import MOST_SCENES, MOST_VARIED
 from pipeline.scene.build import Built, Files, build, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
@@ -68,7 +68,12 @@ def with_first_case(
     and left out, so that they have no further faults.
     """
     over = entry_at(entries, "sweep.over")
-    listed = flat(over) if isinstance(over, dict) else ()
+    listed = [*flat(over)] if isinstance(over, dict) else []
+    if len(listed) > MOST_VARIED:
+        faults.refuse(
+            "sweep.over", f"{len(listed)} entries are too many; vary {MOST_VARIED} at most"
+        )
+        return replace_values(entries, {"sweep.over": None}), []
     first = {path: values[0] for path, values in listed if isinstance(values, list) and values}
     entries = merged(replace_values({}, first), entries)
     before, rows = len(faults), _listed_rows(entry_at(entries, "sweep.along"), files, faults)

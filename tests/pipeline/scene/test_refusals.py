@@ -215,6 +215,8 @@ ENTRIES = {
     "over nothing": (over("materials.x.like", ["AISI 52100", "42CrMo4"]), "changes nothing here"),
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is outside the allowed range'),
     "over grid": (over("fidelity.pixels_per_element", [2, 4]), "the grid of the stored fields"),
+    "over many entries": (entry("sweep.over", {f"pin.k{k}": [1] for k in range(101)}),
+                          "sweep.over: 101 entries are too many; vary 100 at most"),
     "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
         "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "exceed the limit"),
     # rows of a scene
