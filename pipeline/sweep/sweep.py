@@ -273,8 +273,8 @@ class Sweep:
             If the law or surface fails, a store cannot keep what it is, or cases and tests of the
             scene differ in the part that it replaces.
         """
-        given = {"wear": wear, "roughness": roughness}
-        parts: dict[str, Any] = {name: part for name, part in given.items() if part is not None}
+        arguments = {"wear": wear, "roughness": roughness}
+        parts: dict[str, Any] = {name: part for name, part in arguments.items() if part is not None}
         scenes = [case.scene for case in (*self.cases, *(test.case for test in self.tests))]
         for name in parts:
             if any(getattr(scene, name) != getattr(self.scene, name) for scene in scenes):
