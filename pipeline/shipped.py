@@ -44,7 +44,6 @@ PAGES_BY_TASK = {
     "know how sure and how fast answers are": ("choosing", "measured"),
     "understand the model": ("model", "physics", "reproducing", "paper"),
     "look up": ("library", "glossary", "dataset"),
-    "change the code": ("maintainers",),
 }
 """Names of the pages that ``irg help`` prints, by what a reader wants to do."""
 
