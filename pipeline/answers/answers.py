@@ -319,7 +319,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
 
     def answer(case: CaseResults) -> xr.Dataset:
         for name in PLANE:
-            if name not in ds["status"].dims and case.sweep.case_table.column(name):
+            if name not in ds["status"].dims and case.is_row:
                 raise InputError(f"each case has its own {name}, so there is no boundary")
             if name not in ds["status"].dims:
                 value = f"{ds[name].item():g}"

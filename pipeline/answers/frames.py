@@ -16,6 +16,9 @@ from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
+_COMPUTED_RISE = "computed over allowable rise [%]"
+_TEST_FORMS = {"governing temperature [°C]": ".0f", "leave-one-out probability [%]": ".2g"}
+"""Forms of computed numbers of tests, with no more digits than their errors allow."""
 _COMMON_ATTRIBUTES = ("conditions", "model_error", "not_included", "notes")
 _ROWS = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
@@ -93,6 +96,25 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]
     return without_columns(frame, [CASE] * bool(user_columns and CASE in answer.sizes))
+
+
+def tests_frame(comparison: xr.Dataset) -> pd.DataFrame:
+    """Tests and what is computed for them, for a reader: rises in percent of the allowable rise.
+
+    A transition with a step has the rises at both of its ends.
+    """
+    names = [str(name) for name in comparison if not str(name).startswith("log_rise_ratio")]
+    frame = answer_frame(comparison, *names)
+    ends = np.stack([comparison[f"log_rise_ratio_{end}"].values for end in ("mild", "severe")])
+    percents = [
+        " to ".join(dict.fromkeys(f"{100 * np.exp(y):.0f}" for y in pair[np.isfinite(pair)]))
+        for pair in ends.T.astype(float)
+    ]
+    position = [*frame].index("governing temperature [°C]") + 1
+    frame.insert(position, _COMPUTED_RISE, [text or None for text in percents])
+    for heading, form in _TEST_FORMS.items():
+        frame[heading] = [None if np.isnan(x) else float(f"{x:{form}}") for x in frame[heading]]
+    return frame
 
 
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:

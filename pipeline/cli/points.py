@@ -11,7 +11,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers import words
-from pipeline.answers.frames import answer_frame, whole_frame
+from pipeline.answers.frames import answer_frame, tests_frame, whole_frame
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, pluralized, print_note, working, wrapped
@@ -119,7 +119,7 @@ def infer(options: argparse.Namespace) -> Result:
         )
     frame = answer_frame(tests)
     belongs = f"it belongs to {values.attrs['model']}: {_OTHER_MODEL}"
-    text = [finding, belongs, "", without_columns(frame), *words.common_lines(tests)]
+    text = [finding, belongs, "", without_columns(tests_frame(tests)), *words.common_lines(tests)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

@@ -14,7 +14,7 @@ import xarray as xr
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.frames import answer_frame, boundary_frame, margin_frame, whole_frame
+from pipeline.answers.frames import boundary_frame, margin_frame, tests_frame, whole_frame
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_words import named_value
 from pipeline.answers.verdict import UNKNOWN
@@ -182,7 +182,7 @@ def boundary(options: argparse.Namespace) -> Result:
         results = pipeline.compare_tests(ds, **conditions)
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
-        table = without_columns(answer_frame(results))
+        table = without_columns(tests_frame(results))
         text: list[Any] = ["tests, each at its own conditions", table, *words.common_lines(results)]
         return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
     with working("computing the boundary"):

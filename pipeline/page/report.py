@@ -24,10 +24,10 @@ from matplotlib.figure import Figure
 import pipeline
 from pipeline.answers import words
 from pipeline.answers.frames import (
-    answer_frame,
     boundary_frame,
     has_counted_tests,
     margin_frame,
+    tests_frame,
 )
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
@@ -68,8 +68,6 @@ _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_Y = "log_rise_ratio"
-_DRAWN = (_Y, f"{_Y}_mild", f"{_Y}_severe", "loo_probability")  # variables in the figure of tests
 _TABLE_BELOW = "The table below has the numbers."
 _AS_COMPUTED = "Critical velocity as computed"
 _LIMIT_NODES = 401  # loads or velocities among which the highest mild one is found
@@ -353,7 +351,7 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     tests = pipeline.compare_tests(ds, **conditions)
     caption = "Computed rise ratio of each test, next to its outcome."
     yield picture_of(lambda: draw_tests(ds, conditions), caption, f"{caption} {_TABLE_BELOW}")
-    table = answer_frame(tests, *(name for name in map(str, tests) if name not in _DRAWN))
+    table = tests_frame(tests)
     y = tests["log_rise_ratio"].values
     computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
     table.insert(2, "computed", computed)
