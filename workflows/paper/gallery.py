@@ -1,7 +1,7 @@
 """Pages of Markdown with the results: the gallery, and the comparison with the paper.
 
 A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
-``figure``, a result with its figure, command and verdicts; ``table``, the table of a result; and
+``figure``, a result with its figure and command; ``table``, the table of a result; and
 ``findings``, statements named as ``table4.width``, with their numbers.
 """
 
@@ -49,8 +49,6 @@ def _figure(report: Report) -> Iterator[str]:
     yield f"**{words['paper']}**: {report.title}. `irg paper {name}`\n"
     yield f"![{name}]({name}.png)\n"
     yield f"*{words['see']}*\n"
-    yield from (f"- {_verdict(found)}: {found.printed}" for found in report.findings)
-    yield ""
 
 
 def _findings(
