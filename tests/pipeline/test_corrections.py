@@ -72,10 +72,13 @@ WARM = tribo.Corrections(track=tribo.Track.from_pin(PIN, STEEL, 0.34))
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
 
 
-def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(tiny_store):
-    ds = with_fields(
-        pipeline.open_sweep(tiny_store), conditions=replace(CONDITIONS, corrections=WARM)
-    )
+def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(tmp_path):
+    """Under local wear, whose temperature is that at one position of the disk, as the map is."""
+    wear = tribo.Wear(1.2e-15, pattern="local")
+    conditions = replace(CONDITIONS, corrections=WARM)
+    sweep = tiny.full(wear=wear, conditions=conditions, loads=(600.0,), velocities=(1.0,))
+    commit_all(tmp_path / "a.zarr", sweep)
+    ds = pipeline.open_sweep(tmp_path / "a.zarr")
     hottest = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)[-1].item()
     figure = pipeline.plot(ds, "fields", load=600.0, velocity=1.0)
     _, temperature, _ = (axes.collections[0].get_array() for axes in figure.axes[:3])

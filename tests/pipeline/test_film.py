@@ -34,8 +34,8 @@ def scene_of(name):
 @pytest.mark.parametrize(
     ("name", "load", "velocity", "excess"),
     [  # by load sharing on the rough worn contact, solved beside this program
-        ("first_try", 200.0, 3.75, -0.65),
-        ("oil_a", 550.0, 5.75, -0.69),
+        ("first_try", 200.0, 3.75, -0.62),
+        ("oil_a", 550.0, 5.75, -0.64),
         ("twin_disc", 8000.0, 1.3, -0.06),
         ("twin_disc", 8000.0, 1.4, 0.01),
         ("twin_disc", 3000.0, 4.5, 1.02),
@@ -95,7 +95,7 @@ def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too(
     *_, state = tribo.simulate(soft, 750.0, 1.0)
     at = 750.0, 1.0, sweep.conditions.bulk_temperature
     excess = film_excess(soft, sweep.lubricant, *at, *film_inlet(soft, state))
-    assert excess == pytest.approx(-0.325, abs=0.02)  # with the contact solved to 0.01
+    assert excess == pytest.approx(-0.563, abs=0.02)  # with the contact solved to 0.01
 
 
 def test_of_a_ball_and_between_smooth_bodies_the_inlet_is_not_known():
