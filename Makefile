@@ -82,7 +82,7 @@ mutants: .venv/test   ## change fifty formulas, bounds and rules: the tests of e
 fuzz: .venv/test      ## mutate scans, tables and scenes: each is read or refused in a line, for 3 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.fuzz
 
-crash: .venv/test     ## kill sweeps, cut their power, damage their files, for 20 minutes
+crash: .venv/test     ## kill sweeps, cut their power, damage their files, alone and in pairs, for 25 minutes
 	$(BIN)/python -m tests.crash
 
 cluster: .venv/test   ## a real Slurm, if that of the distribution is installed, in 15 minutes

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.crash import damage, kills, power
+from tests.crash import damage, kills, pairs, power
 from tests.crash.loop import Report, Run
 from tests.helpers.campaigns import conclude
 
@@ -25,6 +25,7 @@ CAMPAIGNS = {
     "kills": kills,
     "power": power,
     "damage": damage,
+    "pairs": pairs,
 }
 
 

@@ -16,6 +16,7 @@ from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
 from pipeline.run import sweep as running
 from pipeline.run.drive import Tally
+from pipeline.store import create
 from pipeline.store import place as files
 from pipeline.store import store as write
 from pipeline.store.store import Store, Writer
@@ -25,15 +26,17 @@ GIVEN_UP = 2
 """Exit code of a driver that ends with a word."""
 
 
-def drive(sweep, path, log, records=None, mistake=None, pace=0.0, source=None):
+def drive(sweep, path, log, records=None, mistake=None, pace=0.0, source=None, fault=None):
     """Run or resume a sweep; return the exit code that the command would have.
 
     Without workers, `records` are what they would return by point, each task after `pace` [s].
+    `fault` is a context that disturbs the disk.
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))
         stack.enter_context(MISTAKES[mistake]())
         stack.enter_context(computing(records, pace) if records else nullcontext())
+        stack.enter_context(fault or nullcontext())
         try:
             outcome = running.run_sweep(sweep, path, workers=2, retry_failed=True, source=source)
         except (StoreError, ExecutionError) as error:
@@ -93,8 +96,13 @@ def _unsynced():
     return mock.patch.object(files.os, "fsync")
 
 
+def _unread():
+    return mock.patch.object(create, "_count_sound_points", return_value=(0, True))
+
+
 MISTAKES = {
     None: nullcontext,
+    "copies unread": _unread,
     "status first": _status_first,
     "unsynced": _unsynced,
 }

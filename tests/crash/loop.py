@@ -179,6 +179,13 @@ def faults_of(ds, expected, acknowledged):
     yield from (f"{point} was told as done, and is lost" for point in left)
 
 
+def acknowledged(log):
+    """Number of times that each point is noted as done in the log of drivers, by point."""
+    lines = log.read_text().splitlines(keepends=True) if log.exists() else ()
+    rows = (json.loads(line) for line in lines if line.endswith("\n"))
+    return Counter(Point(*point, tuple(map(tuple, case))) for *point, case in rows)
+
+
 def faults_of_files(verification):
     """Damage that `verify_store` names, as texts."""
     damaged = (*verification.damaged, *verification.shared)
@@ -233,9 +240,7 @@ class Trial:
     @property
     def acknowledged(self):
         """Number of times that each point was reported to drivers as done, by point."""
-        lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
-        rows = (json.loads(line) for line in lines if line.endswith("\n"))
-        return Counter(Point(*point, tuple(map(tuple, case))) for *point, case in rows)
+        return acknowledged(self.log)
 
     def go(self, disturbances):
         """Disturb one driver after the other, then complete the sweep; add faults to the report."""

@@ -32,6 +32,13 @@ def test_a_kill_or_a_power_cut_loses_nothing(tmp_path):
     assert any(report[name] > 0 for name in report if name.startswith(("cuts", "kills")))
 
 
-@pytest.mark.parametrize("campaign", ["kills", "damage", pytest.param("power", marks=needs_disks)])
+def test_a_second_fault_before_the_first_is_repaired_loses_no_undamaged_point(tmp_path):
+    assert reported(tmp_path, "pairs", trials=8)["faults"] == []
+
+
+@pytest.mark.parametrize(
+    "campaign", ["kills", "damage", "pairs", pytest.param("power", marks=needs_disks)]
+)
 def test_broken_rules_would_be_noticed(campaign, tmp_path):
-    assert reported(tmp_path, campaign, "--mistake", trials=3)["faults"]
+    trials = 8 if campaign == "pairs" else 3  # half of the folders are of the copy that is not used
+    assert reported(tmp_path, campaign, "--mistake", trials=trials)["faults"]
