@@ -15,7 +15,7 @@ from pipeline.sweep.notes import FromLibrary
 from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.user_laws import UserObject
 from pipeline.units import to_si
-from tribo import Material
+from tribo import Material, Oil
 from tribo.surface import UnknownHeights
 
 _UNITS = {
@@ -64,8 +64,9 @@ def case_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
 def _label(column: Column, label: Label) -> str:
     """A label of a case with its unit."""
     unit = PLACE_UNITS.get(column.name)
-    is_number = not isinstance(label, str)
-    return display(label, unit, 5) if unit and is_number else str(column.to_text(label))
+    if unit and not isinstance(label, str):
+        return display(float(label), unit, 5)
+    return str(column.to_text(label))
 
 
 def _parts(case: Case) -> Iterator[tuple[str, Part]]:
@@ -136,7 +137,7 @@ def _source(part: str, sweep: Sweep) -> str:
         names = [field.name for field in fields(Material)]
     elif part == "oil":
         values = [value for value in sweep.sources if value.key.startswith("oil.")]
-        names = [_IN_LIBRARY.get(field.name, field.name) for field in fields(base.lubricant)]
+        names = [_IN_LIBRARY.get(field.name, field.name) for field in fields(Oil)]
     else:
         return "scene"
     quantities = dict[str, list[str]]()

@@ -26,8 +26,9 @@ def run_serial(
     """
     if source is not None:
         copy_points(store, source)
-    groups = [(store.tests, store.tests.pending(), points[:0])] if store.tests else []
-    groups.append((store, points, points[:1]))
+    groups: list[tuple[Store, Sequence[Point], Sequence[Point]]] = [(store, points, points[:1])]
+    if store.tests:
+        groups.insert(0, (store.tests, store.tests.pending(), points[:0]))
     total = sum(
         _step_count(group, point) for group, group_points, _ in groups for point in group_points
     )
