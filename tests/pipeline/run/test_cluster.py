@@ -8,10 +8,11 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -245,6 +246,32 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store
         f"point-{load:g}N-{velocity:g}ms" for load, velocity in coordinates
     }
     assert sum(map(len, dependencies_by_point.values())) == 0
+
+
+def test_a_run_whose_worker_is_killed_while_the_cluster_starts_goes_on(path):
+    killed = []
+
+    def kill_first():
+        end = time.monotonic() + 60.0
+        while not killed and time.monotonic() < end:
+            for process in psutil.Process().children(recursive=True):
+                with suppress(psutil.NoSuchProcess):
+                    # A worker is forked by the fork server, which is a child of this process.
+                    if (
+                        "forkserver" in " ".join(process.cmdline())
+                        and process.ppid() != os.getpid()
+                    ):
+                        process.kill()
+                        killed.append(process.pid)
+                        return
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=kill_first)
+    thread.start()
+    outcome = run_sweep(SHORT, path, workers=2)
+    thread.join()
+    assert killed
+    assert (outcome.done, outcome.failed) == (3, ())
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
