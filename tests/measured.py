@@ -236,6 +236,15 @@ ROWS = {
         "",
         faults("damage", "(?!seconds|faults|looks|ack|trials)", "files"),
     ),
+    "pairs": Row(
+        "a kill, then a cut file, a removed folder, a full disk or a second driver, before the "
+        "first fault is repaired",
+        STORE,
+        "python -m tests.crash pairs",
+        "--trials 120",
+        "",
+        faults("pairs", "(?!seconds|faults)", "pairs"),
+    ),
 }
 
 
