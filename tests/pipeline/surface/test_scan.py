@@ -1,6 +1,7 @@
 """Files of heights are read with their units, or refused with a message."""
 
 import io
+import re
 import zipfile
 
 import numpy as np
@@ -124,6 +125,25 @@ def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
     assert statistics.faults_of_fit == ()
     assert statistics.fit.correlation_length == pytest.approx((3e-6, 12e-6), rel=0.3)
     assert abs(statistics.roughness.lay) == pytest.approx(90, abs=15)
+
+
+@pytest.mark.parametrize(
+    ("heights", "direction"),
+    [
+        (self_affine(Grid((256, 256), (0.5e-6, 0.5e-6)), 3e-7, 0.8, (12e-6, 3e-6), seed=3),
+            r"lie along sliding, at -?\d°.* 1\d.* µm along sliding \(x\), [23].* µm across"),
+        (self_affine(Grid((256, 256), (0.5e-6, 0.5e-6)), 3e-7, 0.8, (3e-6, 12e-6), seed=3),
+            r"lie across sliding, at -?8\d°.* [23].* µm along sliding \(x\), 1\d.* µm across"),
+        (3e-7 * np.sin(0.4 * np.indices((256, 256)).sum(axis=0)), r"oblique to sliding, at -4\d°"),
+        (self_affine(Grid((256, 256), (0.5e-6, 0.5e-6)), 3e-7, 0.8, (3e-6, 3e-6), seed=3),
+            "The scan has no lay"),
+    ],
+)  # fmt: skip
+def test_the_direction_of_the_lay_is_stated_relative_to_sliding(tmp_path, irg, heights, direction):
+    np.save(tmp_path / "a.npy", heights.T)
+    options = "--height-unit", "m", "--pixel-size", "0.5 um"
+    output = " ".join(irg("surface", tmp_path / "a.npy", *options).split())
+    assert re.search(direction, output), output[-900:]
 
 
 @pytest.mark.parametrize(
