@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL
-from tests.promises.moving_disk import decisive, errors, oblique_heights
+from tests.promises.moving_disk import (
+    FAMILIES,
+    decisive,
+    errors,
+    family_points,
+    oblique_heights,
+)
 from tribo import (
     Cylinder,
     Fidelity,
@@ -60,6 +66,12 @@ def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
     found = errors(scene_of(surface), LOAD, VELOCITY, steps=192)
     assert abs(found.mean()) < largest
     assert abs(found[0]) < 4 * largest  # the pin fits its own position no better than others
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_pin_of_each_family_is_as_hot_as_under_a_moving_disk(family):
+    (point,) = family_points(family, 1)
+    assert abs(errors(*point, steps=192).mean()) < 0.012
 
 
 def test_a_pin_that_wears_against_a_window_at_rest_is_too_cold_there():
