@@ -6,6 +6,7 @@ writes one of them, as `make reference` puts it below the text of its page.
 """
 
 import math
+import re
 import sys
 
 import tribo
@@ -17,7 +18,18 @@ from pipeline.words import quoted
 from tests.helpers.campaigns import table
 from tests.sources.sections import number_in, sections
 
-_HEADS = "key", "give", "default", "meaning"
+_HEADS = "key", "value", "default", "meaning"
+_SHORT = (
+    (r'an? [a-z -]+? (above 0|of at least 0), such as ("[^"]+")', r"\2, \1"),
+    (r"\bof at least\b", "at least"),
+    (r"\ban? (share|number|whole number)\b", r"\1"),
+    (r"\bwithout a unit, ", ""),
+    (r"\btext in quotes", "text"),
+    (r"\ba list of 2 values, each ", "2 values: "),
+    (r"\ba list of values, each ", "list of "),
+    (r"\bshare such as ", ""),
+)
+"""Patterns of what a message says of an allowed value, and their shorter forms in a table."""
 _VARIABLES = {
     "Coordinates": schema.COORDINATES,
     "Variables of each point": schema.RECORDS,
@@ -61,14 +73,19 @@ def scene():
 
 def dataset():
     """Markdown tables of all variables of a dataset."""
-    heads = "variable", "dimensions", "unit", "meaning"
-    return "\n".join(
-        f"## {title}\n\n" + _table(heads, [
-            [f"`{name}`", ", ".join(variable.dims) or "–", variable.units or "", variable.long_name]
-            for name, variable in variables.items()
-        ])
-        for title, variables in _VARIABLES.items()
-    )  # fmt: skip
+    return "\n".join(_variables(title, table) for title, table in _VARIABLES.items())
+
+
+def _variables(title, variables):
+    """Section with the variables of a table, and the dimensions that all of them have."""
+    shared = min((variable.dims for variable in variables.values()), key=len)
+    dims = f"Dimensions: {', '.join(shared)}.\n\n" if shared else ""
+    rows = []
+    for name, variable in variables.items():
+        further = f" (along {', '.join(rest)})" if (rest := variable.dims[len(shared) :]) else ""
+        further = "" if rest == (name,) else further
+        rows.append([f"`{name}`", variable.units or "", f"{variable.long_name}{further}"])
+    return f"## {title}\n\n{dims}" + _table(("variable", "unit", "meaning"), rows)
 
 
 def _table(heads, rows):
@@ -79,11 +96,13 @@ def _table(heads, rows):
 
 def _kind_cell(entry):
     """Table cell with the allowed and the usual values of an entry."""
-    kind = number_in(entry.kind)
+    kind, words = number_in(entry.kind), str(entry.kind)
+    for pattern, short in _SHORT:
+        words = re.sub(pattern, short, words)
     if not kind or not kind.usual:
-        return str(entry.kind)
+        return words
     low, high = (f"{end:g}" for end in kind.usual)
-    return f"{entry.kind}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
+    return f"{words}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
 
 
 def _default_cell(section, key, entry, form):
