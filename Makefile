@@ -73,6 +73,7 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.moving_disk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.realizations
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.loads
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 

@@ -71,12 +71,11 @@ ALONE_IN_LOCAL_WEAR = 1, 2.0
 For other wear they are 7 and 1. With local wear the strips of one contact differ less than
 realizations do, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
 """
-CORRELATION = 0.7
-"""Assumed correlation of ln(rise) of realizations between two loads.
+CORRELATION_LENGTHS = 1e-3, 0.1, 0.2, 0.4, 0.7, 1.4, 2.7, 5.0, 10.0
+"""Lengths in ln(load) over which the correlation of realizations may fall to 1/e, equally likely.
 
-It is 0.6 from 200 to 750 N, and 0.9 between neighbouring loads. It weights realizations of another
-load; the bound includes their observed spread.
-Judged by `python -m tests.promises.realizations`.
+At the first one, loads are independent. On the scene irg_transition it falls to 1/e over 2.6.
+Judged by `python -m tests.promises.loads`.
 """
 WARNING_ERRORS = {
     # The largest error seen with each of these three warnings; too few scenes of
@@ -115,6 +114,12 @@ Judged by `python -m tests.promises.errors`.
 PARTS = 16
 """Number of parts of an interval of velocities, for lines that are interpolated between loads.
 
+Judged by `python -m pytest tests/pipeline/answers`.
+"""
+MAX_SLANT = 2.0
+"""Largest exponent of velocity over 1/load of the lines along which rises are interpolated.
+
+That of a boundary is 0.5 to 1.5.
 Judged by `python -m pytest tests/pipeline/answers`.
 """
 RISE_SLOPES = 0.25, 1.2

@@ -28,6 +28,7 @@ from pipeline.constants import (
     LEAST_BENT,
     RISE_SHARE,
     ROUGH_GAP,
+    ROUGH_LINE,
     UNSEEN_BENT,
     WARNING_ERRORS,
 )
@@ -62,8 +63,20 @@ def rise_errors(
         np.hypot(along.sum(axis=0), between),
         np.nan if promised is None else RISE_SHARE * promised,
         field.bilinear(point_errors, loads, velocities),
-        field.bilinear(specimen.mean.bound, loads, velocities),
+        surface_sampling_errors(specimen, loads, velocities),
     ))  # fmt: skip
+
+
+def surface_sampling_errors(specimen: Specimen, loads: Array, velocities: Array) -> Array:
+    """Relative errors of the rise by surface sampling at k points.
+
+    Between two loads their errors add by the correlation that the realizations give them.
+    """
+    field, covariance = specimen.field, specimen.mean.covariance
+    low, high = field.bracketing_rows(loads)
+    correlation = covariance[low, high] / np.sqrt(covariance[low, low] * covariance[high, high])
+    sides = field.weighted_sides(specimen.mean.bound, loads, velocities)
+    return np.asarray(np.sqrt(np.square(sides).sum(axis=0) + 2 * correlation * sides.prod(axis=0)))
 
 
 def velocity_errors(field: Field, parts: Array, loads: Array, velocities: Array) -> Array:
@@ -98,36 +111,43 @@ def interpolation_errors(
     Returns the errors along velocity of the two bracketing loads, times their weights (2, k), and
     the error between these loads (k,).
     """
-    field = specimen.field
+    field, pairs = specimen.field, np.arange(len(loads))
     (low, high), fraction = field.bracketing_rows(loads), field.load_fraction(loads)
+    at_rows = field.row_velocities(loads, velocities)
     low_load, high_load = field.loads[low], field.loads[high]
     has_gap = high_load > low_load
-    row_errors = _row_errors(field, np.append(low, high), np.tile(velocities, 2)).reshape(2, -1)
+    row_errors = _row_errors(
+        specimen, np.append(low, high), np.append(at_rows[low, pairs], at_rows[high, pairs])
+    )
     weights = np.stack([1 - fraction, fraction])
-    along = np.where(weights > 0, weights * row_errors, 0.0)
+    along = np.where(weights > 0, weights * row_errors.reshape(2, -1), 0.0)
     between = np.where(has_gap, np.nan, 0.0)
     if len(rows := field.curve_rows) > 1:
-        # Roughness along load is independent between realizations.
-        roughness = ROUGH_LOAD / np.sqrt(np.maximum(specimen.realizations[rows], 1))
-        unique, inverse = np.unique(velocities, return_inverse=True)
-        curves = Pchip(np.log(field.loads[rows]), field.rows(unique)[rows])
-        i = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
-        errors = _row_errors(field, np.repeat(rows, len(unique)), np.tile(unique, len(rows)))
+        # Roughness of a single realization; the surface-sampling error of several includes theirs.
+        roughness = np.where(specimen.realizations[rows] > 1, 0.0, ROUGH_LOAD)
+        curves = Pchip(np.log(field.loads[rows]), field.row_values(at_rows, velocities)[rows])
+        errors = _row_errors(specimen, np.repeat(rows, len(pairs)), at_rows[rows].ravel())
         errors = errors.reshape(len(rows), -1)
-        bounds = _interpolation_bounds(curves, roughness, np.unique(i[has_gap]), errors)[i, inverse]
-        between = np.where(has_gap, bounds * _gap_shape(fraction), 0.0)
+        noise = np.where(roughness > 0, 0.0, specimen.mean.contrast_bound(rows, curves.x))
+        gap = np.minimum(np.searchsorted(rows, low), len(rows) - 2)
+        bounds = _interpolation_bounds(
+            curves, roughness, np.unique(gap[has_gap]), errors, noise[:, None]
+        )
+        between = np.where(has_gap, bounds[gap, pairs] * _gap_shape(fraction), 0.0)
     is_within = (low_load <= loads) & (loads <= high_load)
     return along, np.where(is_within, between, np.nan)
 
 
-def _row_errors(field: Field, rows: Indices, velocities: Array) -> Array:
+def _row_errors(specimen: Specimen, rows: Indices, velocities: Array) -> Array:
     """Relative errors (k,) along velocity at the loads with indices `rows` (k,)."""
-    errors = np.full(len(rows), np.nan)
+    field, errors = specimen.field, np.full(len(rows), np.nan)
+    # The mean of several realizations is smooth; the curve of the first one is not.
+    noise = np.where(specimen.realizations > 1, ROUGH_LINE, 0.0)
     for curve_rows, curves in field.curves:
         indices = np.flatnonzero(np.isin(rows, curve_rows))
         if indices.size:
             columns, at = np.searchsorted(curve_rows, rows[indices]), np.log(velocities[indices])
-            errors[indices] = _curve_errors(curves, columns, at)
+            errors[indices] = _curve_errors(curves, columns, at, noise[curve_rows])
     return errors
 
 
@@ -143,30 +163,32 @@ def curve_errors(x: Array, y: Array, at: Array) -> Array:
     return _curve_errors(Pchip(x, y[:, None]), np.zeros(len(at), int), at)
 
 
-def _curve_errors(curves: Pchip, columns: Indices, at: Array) -> Array:
+def _curve_errors(curves: Pchip, columns: Indices, at: Array, noise: Array | float = 0.0) -> Array:
     """Errors at k values `at` of ln(velocity), each of the curve in column `columns` (k,)."""
     x = curves.x
     if len(x) == 1:
         return np.where(at == x[0], 0.0, np.nan)
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     gap = x[i + 1] - x[i]
-    bounds = _interpolation_bounds(curves, ROUGH_GAP, np.unique(i))[i, columns]
+    bounds = _interpolation_bounds(curves, ROUGH_GAP, np.unique(i), noise=noise)[i, columns]
     interpolated = bounds * _gap_shape((at - x[i]) / gap)
     beyond = np.maximum(np.maximum(x[0] - at, at - x[-1]), 0.0)
     return np.asarray(interpolated + beyond * np.hypot(_SLOPE, BEYOND * (beyond + gap)))
 
 
 def _interpolation_bounds(
-    curves: Pchip, roughness: Array | float, gaps: Indices, errors: Array | float = 0.0
-) -> Array:
+    curves: Pchip, roughness: Array | float, gaps: Indices, errors: Array | float = 0.0,
+    noise: Array | float = 0.0,
+) -> Array:  # fmt: skip
     """Bounds of the error of k curves in the middle of each gap (n − 1, k), valid for `gaps`.
 
     The curve without a point has a bound there, too. If the distance of the point from this curve,
-    less the `errors` of the points themselves (n, k), exceeds that bound, both gaps next to the
-    point get this distance as their bound.
+    less the `errors` of the points themselves (n, k) and the `noise` of such a distance,
+    exceeds that bound, both gaps next to the point get this distance as their bound.
     """
     x, y = curves.x, curves.y
-    roughness, errors = np.broadcast_to(roughness, x.shape), np.broadcast_to(errors, y.shape)
+    roughness = np.broadcast_to(roughness, x.shape)
+    errors, noise = np.broadcast_to(errors, y.shape), np.broadcast_to(noise, y.shape)
     bounds = _smooth_bounds(curves, roughness)
     for k in {*np.append(gaps, gaps + 1).tolist()} - {0, len(x) - 1}:
         is_other = np.arange(len(x)) != k
@@ -174,7 +196,7 @@ def _interpolation_bounds(
         fraction = (x[k] - x[k - 1]) / (x[k + 1] - x[k - 1])
         bound = _smooth_bounds(curves_without, roughness[is_other])[k - 1] * _gap_shape(fraction)
         excess = np.abs(curves_without.grid(x[k : k + 1])[0] - y[k])
-        excess = excess - errors[k] - np.maximum(errors[k - 1], errors[k + 1])
+        excess = excess - noise[k] - errors[k] - np.maximum(errors[k - 1], errors[k + 1])
         weight = np.clip(50 * excess / bound - 49, 0, 1)  # steep, but continuous
         bounds[k - 1 : k + 1] = np.fmax(bounds[k - 1 : k + 1], weight * excess)
     return bounds

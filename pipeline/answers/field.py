@@ -5,7 +5,9 @@ it exceeds the allowable rise, (critical − bulk temperature)/friction. Answers
 ratio), which is above 0 for severe wear.
 
 Between points ln(rise) is interpolated by PCHIP, over ln(velocity) at each load, then over ln(load)
-at each velocity. Beyond the velocities of a load it continues with the last slope.
+along a line on which the rise hardly changes, as along a boundary. So between two loads it rests on
+the points near their own crossings. Beyond the velocities of a load it continues with the last
+slope.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import numpy as np
 
 from pipeline.answers.pchip import Pchip, roots
 from pipeline.answers.results import CaseResults
-from pipeline.constants import PARTS
+from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS, RISE_SHARE
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask
 
@@ -79,31 +81,68 @@ class Field:
             values[rows] = curves.beyond(np.log(velocities)).T
         return values
 
+    @functools.cached_property
+    def _level_slants(self) -> Array:
+        """Exponents of velocity over 1/load at a constant rise, between `curve_rows`."""
+        rows, x = self.curve_rows, np.log(self.velocities)
+        fits, middles = [], []
+        for is_known, y in zip(self.is_known[rows], self.plane[rows], strict=True):
+            middles.append(x[is_known].mean())
+            fits.append(np.polyfit(x[is_known] - middles[-1], y[is_known], 1))
+        slopes, levels = np.transpose(fits)
+        slope = np.maximum((slopes[1:] + slopes[:-1]) / 2, LEAST_SLOPE)
+        fall = np.diff(levels) / slope - np.diff(middles)
+        return np.asarray(np.clip(fall / np.diff(np.log(self.loads[rows])), 0.0, MAX_SLANT))
+
+    def row_velocities(self, loads: Array, velocities: Array) -> Array:
+        """Velocities (n_load, k) at which loads have about the rise of k pairs of load, velocity.
+
+        They stay within the known velocities of the bracketing loads, if those of the pairs do.
+        """
+        rows, x, known_x = self.curve_rows, np.log(loads), np.log(self.loads)
+        if rows.size < 2:
+            return np.broadcast_to(velocities, (len(self.loads), len(velocities)))
+        low, high = self.bracketing_rows(loads)
+        first, last = self._velocity_limits
+        with np.errstate(divide="ignore", invalid="ignore"):
+            most = np.fmin(
+                np.log(last[low] / velocities) / (x - known_x[low]),
+                np.log(velocities / first[high]) / (known_x[high] - x),
+            )
+        gap = np.clip(np.searchsorted(rows, low), 0, len(rows) - 2)
+        slant = np.clip(self._level_slants[gap], 0.0, np.maximum(np.nan_to_num(most), 0.0))
+        return np.asarray(velocities * np.exp(slant * (x - known_x[:, None])))
+
+    def row_values(self, row_velocities: Array, velocities: Array) -> Array:
+        """Values of each load at `row_velocities` (n_load, k), for interpolation over ln(load).
+
+        A usual exponent moves them to the velocities of the k pairs, so that they increase with
+        load: a monotone cubic would be flat about an extremum.
+        """
+        values = np.full(row_velocities.shape, np.nan)
+        for rows, curves in self.curves:
+            for column, row in enumerate(rows.tolist()):
+                curve = Pchip(curves.x, curves.y[:, [column]])
+                values[row] = curve.beyond(np.log(row_velocities[row]))[:, 0]
+        return values + RISE_SHARE * np.log(velocities / row_velocities)
+
     def __call__(self, loads: Array, velocities: Array) -> Array:
         """Values at k pairs of load and velocity; NaN outside the loads."""
-        unique_velocities, inverse = np.unique(velocities, return_inverse=True)
-        rows = self.rows(unique_velocities)
+        rows = self.row_values(self.row_velocities(loads, velocities), velocities)
         values = np.full(loads.shape, np.nan)
-        for known, columns in _group_equal_rows(np.isfinite(rows).T):
-            pairs = np.flatnonzero(np.isin(inverse, columns))
-            if not known.any() or not pairs.size:
-                continue
-            x, pair_loads = self.loads[known], loads[pairs]
-            curves = Pchip(np.log(x), rows[known])
-            inside = (x[0] <= pair_loads) & (pair_loads <= x[-1])
-            values[pairs] = np.where(inside, curves.at(np.log(pair_loads), inverse[pairs]), np.nan)
+        for known, pairs in _group_equal_rows(np.isfinite(rows).T):
+            if known.any():
+                x, pair_loads = self.loads[known], loads[pairs]
+                curves = Pchip(np.log(x), rows[np.ix_(known, pairs)])
+                inside = (x[0] <= pair_loads) & (pair_loads <= x[-1])
+                interpolated = curves.at(np.log(pair_loads), np.arange(len(pairs)))
+                values[pairs] = np.where(inside, interpolated, np.nan)
         return values
 
     def grid(self, loads: Array, velocities: Array) -> Array:
         """Values at each of k loads and m velocities (k, m); NaN outside the loads."""
-        rows, values = self.rows(velocities), np.full((len(loads), len(velocities)), np.nan)
-        for known, columns in _group_equal_rows(np.isfinite(rows).T):
-            if known.any():
-                x = self.loads[known]
-                inside = np.flatnonzero((x[0] <= loads) & (loads <= x[-1]))
-                curves = Pchip(np.log(x), rows[np.ix_(known, columns)])
-                values[np.ix_(inside, columns)] = curves.grid(np.log(loads[inside]))
-        return values
+        pairs = np.repeat(loads, len(velocities)), np.tile(velocities, len(loads))
+        return self(*pairs).reshape(len(loads), -1)
 
     def bracketing_rows(self, loads: Array) -> tuple[Indices, Indices]:
         """Indices (k,) of the loads below and above each of `loads` (k,); equal at a known load."""
@@ -128,18 +167,20 @@ class Field:
         Beyond its known velocities a load has its outermost value. Error bounds at the points thus
         remain bounds between them, and are continuous.
         """
-        (low, high), fraction = self.bracketing_rows(loads), self.load_fraction(loads)
-        x, side_values = np.log(velocities), np.full((2, len(loads)), np.nan)
-        for side, rows in enumerate((low, high)):
+        return np.asarray(self.weighted_sides(values, loads, velocities).sum(axis=0))
+
+    def weighted_sides(self, values: Array, loads: Array, velocities: Array) -> Array:
+        """Summands (2, k) of `bilinear` from the loads below and above."""
+        fraction, x = self.load_fraction(loads), np.log(self.row_velocities(loads, velocities))
+        side_values = np.full((2, len(loads)), np.nan)
+        for side, rows in enumerate(self.bracketing_rows(loads)):
             for row in np.unique(rows):
-                is_member, is_known = rows == row, self.is_known[row]
+                pairs, is_known = np.flatnonzero(rows == row), self.is_known[row]
                 if is_known.any():
-                    side_values[side, is_member] = _linear(
-                        x[is_member], np.log(self.velocities[is_known]), values[row, is_known]
+                    side_values[side, pairs] = _linear(
+                        x[row, pairs], np.log(self.velocities[is_known]), values[row, is_known]
                     )
-        return np.asarray(
-            _weighted(1 - fraction, side_values[0]) + _weighted(fraction, side_values[1])
-        )
+        return _weighted(np.stack([1 - fraction, fraction]), side_values)
 
     def is_point(self, loads: Array, velocities: Array) -> Mask:
         """True for each pair of load and velocity (k,) that is a known point."""
@@ -150,9 +191,11 @@ class Field:
 
     def is_extrapolated(self, loads: Array, velocities: Array) -> Mask:
         """True for each pair (k,) beyond the known velocities of a bracketing load."""
-        first, last = self._velocity_limits
+        (first, last), pairs = self._velocity_limits, np.arange(len(loads))
+        at_rows = self.row_velocities(loads, velocities)
         is_inside = [
-            (first[i] <= velocities) & (velocities <= last[i]) for i in self.bracketing_rows(loads)
+            (first[row] <= at_rows[row, pairs]) & (at_rows[row, pairs] <= last[row])
+            for row in self.bracketing_rows(loads)
         ]
         return ~(is_inside[0] & is_inside[1])
 

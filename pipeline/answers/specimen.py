@@ -7,9 +7,9 @@ point. The mean at a load is over the realizations that have a point at this loa
 the first realization has, between loads that several have, is omitted: a single realization may err
 by some percent, and the specimen's rise there is interpolated from the neighbouring loads.
 
-A load may have fewer realizations than another one. Differences between realizations are correlated
-between neighbouring loads, so realizations that only the other load has improve the mean, too, by a
-control variate whose slope is fixed beforehand.
+A load may have fewer realizations than another one. Realizations that only other loads have improve
+its mean as far as rises at both loads are correlated: the means at all loads are estimated together
+by generalized least squares, with the correlation that the realizations themselves show.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.field import TWINS, Field
 from pipeline.answers.results import CaseResults
-from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION
+from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION_LENGTHS
 from pipeline.sweep.conditions import Conditions
 from tribo import Scene
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask
 
 _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
+_LEAST_MISFIT = 1e-9  # of equal realizations, in place of 0, in squares of the deviation
 
 
 class JackknifeQuality(NamedTuple):
@@ -54,8 +55,23 @@ class RealizationMean(NamedTuple):
     offset: Array  # ln(rise) of the specimen minus that of its first realization
     bound: Array  # 95 % bound of the error by the choice of realizations
     deviation: Array  # standard deviation of a realization
-    shared: Array  # part of `bound` from realizations of the load `shared_from`
-    shared_from: Indices  # (n_load,); −1 where only realizations of the load itself count
+    correlation: Array  # of ln(rise) of realizations between loads (n_load, n_load)
+    covariance: Array  # of the errors of `offset` between loads (n_load, n_load), over `deviation`²
+
+    def contrast_bound(self, rows: Indices, x: Array) -> Array:
+        """Bound of the error of y − chord (n,) at ln(load) `x` of `rows`, by their realizations.
+
+        The chord is that of the two neighbouring rows; the bound is 0 at both ends.
+        """
+        variance = np.diag(self.covariance)[rows]
+        scale = np.median(self.bound, axis=1)[rows] / np.sqrt(variance)
+        contrasts = np.zeros((len(rows), len(rows)))
+        for k in range(1, len(rows) - 1):
+            fraction = (x[k] - x[k - 1]) / (x[k + 1] - x[k - 1])
+            contrasts[k, k - 1 : k + 2] = fraction - 1, 1.0, -fraction
+        contrasts *= scale
+        covariance = self.covariance[np.ix_(rows, rows)]
+        return np.sqrt(np.diag(contrasts @ covariance @ contrasts.T))
 
 
 class Specimen(NamedTuple):
@@ -207,56 +223,77 @@ def mean_of_realizations(
     >>> sampling = np.full((2, 1), 0.04)
     >>> loads = np.array([100.0, 200.0])
     >>> mean_of_realizations(loads, lifts, sampling, SWEPT, False).offset.ravel().round(4).tolist()
-    [-0.025, -0.0145]
+    [-0.025, -0.008]
     """
     has_point = np.isfinite(differences)
     count = has_point[..., :1].sum(axis=0)  # (n_load, 1)
     known = np.where(has_point, differences, 0.0)
     offset = known.sum(axis=0) / np.maximum(count, 1)
     squares = np.square(np.where(has_point, differences - offset, 0.0)).sum(axis=0)
+    jackknife_deviation = _scaled_jackknife_deviation(squares, count, sampling, jackknife)
+    deviation, student_t = _deviation(count, squares, jackknife_deviation, jackknife)
     if is_highest:
-        offset = np.where(has_point, differences, -np.inf).max(axis=0)
-    deviation = _scaled_jackknife_deviation(squares, count, sampling, jackknife)
-    mean = RealizationMean(
-        offset,
-        bound=surface_sampling_bound(count, squares, deviation, is_highest, jackknife),
-        deviation=_deviation(count, squares, deviation, jackknife)[0],
-        shared=np.zeros_like(squares),
-        shared_from=np.full(len(loads), -1),
-    )
-    if is_highest:
-        return mean
-    for load in np.argsort(-count[:, 0], kind="stable").tolist():
-        richer_loads = np.flatnonzero(count[:, 0] > count[load, 0])
-        if count[load, 0] > 1 and richer_loads.size:
-            other_load = int(
-                richer_loads[np.argmin(np.abs(np.log(loads[richer_loads] / loads[load])))]
-            )
-            _share_realizations(mean, load, other_load, differences, deviation, jackknife)
-    return mean
+        offset, alike = (
+            np.where(has_point, differences, -np.inf).max(axis=0),
+            np.ones((len(loads),) * 2),
+        )
+        return RealizationMean(offset, student_t * deviation, deviation, alike, alike)
+    correlation, covariance = np.eye(len(loads)), np.diag(1 / np.maximum(count[:, 0], 1))
+    scale = np.median(deviation, axis=1)[:, None]
+    rows = np.flatnonzero((count[:, 0] > 0) & (scale[:, 0] > 0))
+    if rows.size:
+        scaled, among_rows = differences[:, rows] / scale[rows], np.ix_(rows, rows)
+        correlation = _correlation(loads, rows, scaled)
+        mean, covariance[among_rows], _ = _generalized_least_squares(
+            correlation[among_rows], scaled
+        )
+        offset[rows] = scale[rows] * mean
+    bound = student_t * deviation * np.sqrt(np.diag(covariance))[:, None]
+    return RealizationMean(offset, bound, deviation, correlation, covariance)
 
 
-def _share_realizations(
-    mean: RealizationMean, load: int, other_load: int, differences: Array, deviation: Array,
-    jackknife: JackknifeQuality,
-) -> None:  # fmt: skip
-    """Add realizations of another load to the mean at a load, if its error gets smaller."""
-    in_both = np.isfinite(differences[:, [load, other_load], 0]).all(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = CORRELATION * float(np.median(deviation[load] / deviation[other_load]))
-    if in_both.sum() < 2 or not 0 < slope < np.inf:
-        return
-    residuals = differences[in_both, load] - slope * differences[in_both, other_load]
-    squares = np.square(residuals - residuals.mean(axis=0)).sum(axis=0)
-    residual_deviation = np.sqrt(1 - CORRELATION**2) * deviation[load]
-    residual_bound = surface_sampling_bound(
-        int(in_both.sum()), squares, residual_deviation, alone=jackknife
+def _correlation(loads: Array, rows: Indices, scaled: Array) -> Array:
+    """Correlation of ln(rise) of realizations between loads (n_load, n_load).
+
+    It is exp(−|ln(load ratio)|/length), averaged over `CORRELATION_LENGTHS` by the restricted
+    likelihood of the realizations `scaled` (m, k, n_velocity) at the loads with indices `rows`.
+    """
+    distance = np.abs(np.subtract.outer(np.log(loads), np.log(loads)))
+    matrices = [np.exp(-distance / length) for length in CORRELATION_LENGTHS]
+    among_rows = np.ix_(rows, rows)
+    log_likelihood = np.array(
+        [_generalized_least_squares(matrix[among_rows], scaled)[2] for matrix in matrices]
     )
-    shared = slope * mean.bound[other_load]
-    bound = np.hypot(residual_bound, shared)
-    if np.median(bound) < np.median(mean.bound[load]):
-        mean.offset[load] = residuals.mean(axis=0) + slope * mean.offset[other_load]
-        mean.bound[load], mean.shared[load], mean.shared_from[load] = bound, shared, other_load
+    weights = np.exp(log_likelihood - log_likelihood.max())
+    return np.asarray(np.tensordot(weights / weights.sum(), matrices, 1))
+
+
+def _generalized_least_squares(correlation: Array, scaled: Array) -> tuple[Array, Array, float]:
+    """Mean of realizations `scaled` (m, k, n_velocity) at k loads, by their correlation (k, k).
+
+    Returns the mean, its covariance (k, k) and the restricted ln(likelihood) of the correlation,
+    whose scale is free.
+    """
+    known, values = np.isfinite(scaled[..., 0]), np.nan_to_num(scaled)
+    patterns, inverse, counts = np.unique(known, axis=0, return_inverse=True, return_counts=True)
+    precisions = np.array([precision_of(correlation, pattern) for pattern in patterns])
+    weighted = precisions[inverse.ravel()] @ values
+    covariance = np.linalg.inv(np.tensordot(counts, precisions, 1))
+    mean = covariance @ weighted.sum(axis=0)
+    freedom = int(known.sum()) - len(mean)
+    squares = ((values * weighted).sum() - (mean * weighted.sum(axis=0)).sum()) / values.shape[2]
+    misfit = freedom * math.log(max(squares, _LEAST_MISFIT) / freedom) if freedom else 0.0
+    unknown = np.eye(len(mean)) * ~patterns[:, None]  # 1 on the diagonal leaves determinants alone
+    log_determinants = counts @ np.linalg.slogdet(precisions + unknown)[1]
+    log_determinants += np.linalg.slogdet(covariance)[1]
+    return mean, covariance, float(log_determinants - misfit) / 2
+
+
+def precision_of(correlation: Array, known: Mask) -> Array:
+    """Inverse of the correlation (k, k) among `known` loads (k,); 0 at the others."""
+    precision, among_known = np.zeros_like(correlation), np.ix_(known, known)
+    precision[among_known] = np.linalg.inv(correlation[among_known])
+    return precision
 
 
 def _scaled_jackknife_deviation(
@@ -309,33 +346,6 @@ def surface_sampling_bound(
     return np.asarray(
         deviation * student_t / (1.0 if is_highest else np.sqrt(np.maximum(count, 1)))
     )
-
-
-def realizations_needed(
-    count: int,
-    ratio: float,
-    max_count: int,
-    is_highest: bool = False,
-    alone: JackknifeQuality = SWEPT,
-) -> int:
-    """Number of realizations, up to `max_count`, whose bound is that of `count` over `ratio`.
-
-    Further realizations are assumed to differ as the present ones do. If `is_highest`, the bound
-    hardly depends on their number, so that none may suffice.
-
-    Examples
-    --------
-    >>> [realizations_needed(1, ratio, 256) for ratio in (0.9, 4.0)]
-    [1, 13]
-    >>> realizations_needed(8, 2.0, 20)
-    20
-    """
-    if ratio <= 1:
-        return count
-    counts = np.arange(1, max_count + 1)
-    shares = realizations_share(counts, is_highest, alone)
-    sufficient = counts[shares <= shares[count - 1] / ratio]
-    return int(sufficient[0]) if sufficient.size else max_count
 
 
 def realizations_share(

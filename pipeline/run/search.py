@@ -3,13 +3,14 @@
 The search uses the same rises and errors as the answers do. It first finds the crossings of the
 first realization along velocity, at as many loads as are needed to interpolate the others. Where
 the velocities of the sweep are too far apart about a crossing, the sweep gets a further one. Then
-each load gets as many further realizations as it needs, with one point each near the crossing.
+further realizations follow, with one point each near the crossing. They are planned for all loads
+together, because a realization at one load improves the means at the others.
 """
 
 from __future__ import annotations
 
 import itertools
-import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -21,14 +22,13 @@ from pipeline.answers.error import (
     PRESET,
     SURFACE,
     exponents,
-    interpolation_errors,
     rise_errors,
     velocity_errors,
 )
 from pipeline.answers.specimen import (
     Specimen,
     least_variance_share,
-    realizations_needed,
+    precision_of,
     realizations_share,
 )
 from pipeline.constants import GAP_SHARE, LOAD_SHARE, VELOCITY_SHARE
@@ -37,7 +37,9 @@ from tribo.types import Array, Indices, Mask
 
 MOST_REALIZATIONS = 256
 _SLOPE = -0.8  # first guess of the slope of ln(critical velocity) over ln(load)
-_MIN_DISTANCE = 0.005  # between a further velocity and those of the sweep, in ln(velocity)
+_MIN_DISTANCE = 0.02  # between a further velocity and those of the sweep, in ln(velocity)
+_GOLDEN = (5**0.5 - 1) / 2  # whose multiples, modulo 1, are evenly distributed
+_TIME_EXPONENT = 0.5  # of the time of a point over its load
 _MAX_FAILED = 3  # failed points of a load without a done one, after which its others are omitted
 
 
@@ -107,10 +109,11 @@ class Search:
         parts = rise_errors(self.specimen, self.promised, self.loads, self.critical)
         return velocity_errors(self.specimen.field, parts, self.loads, self.critical)
 
-    @property
+    @cached_property
     def _has_realization(self) -> Mask:
-        """True where a realization has a point of a load that is done or failed (m, n_load)."""
-        return np.asarray(self.tried.any(axis=2))
+        """True where an available realization has a point that is done or failed (m, n_load)."""
+        further = max(self.goal.realizations - len(self.tried), 0)
+        return np.pad(self.tried.any(axis=2), ((0, further), (0, 0)))
 
     @cached_property
     def error_budget(self) -> Array:
@@ -151,7 +154,7 @@ class Search:
                 return places, []
             if velocities := self._missing_velocities(loads):
                 return [], velocities
-            if places := self._realization_places(loads) or self._improving_places(loads):
+            if places := self._realization_places(loads):
                 return places, []
             if self.is_out_of_reach(loads) or not (added := self._missing_loads(loads)):
                 return [], []
@@ -208,32 +211,6 @@ class Search:
         slope = (crossings[nearest[-1]] - crossings[nearest[0]]) / distance if distance else _SLOPE
         return float(crossings[nearest[0]] + slope * (x[load] - x[nearest[0]]))
 
-    def _improving_places(self, loads: set[int]) -> list[Place]:
-        """Points of the first realization that improve the interpolation between `loads`.
-
-        They are at loads whose error along velocity is the largest part of that error.
-        """
-        places = set[Place]()
-        for low, high in itertools.pairwise(sorted(loads)):
-            inner = np.arange(low + 1, high)
-            inner = inner[np.isfinite(self.critical[inner])]
-            errors = np.fmax(self.errors[INTERPOLATION] / LOAD_SHARE, self.reducible)[inner]
-            if not inner.size or (errors <= self.error_budget[inner]).all():
-                continue
-            load = int(inner[np.argmax(np.nan_to_num(errors, nan=np.inf))])
-            point = self.loads[load : load + 1], self.critical[load : load + 1]
-            along, between = interpolation_errors(self.specimen, *point)
-            side = int(np.argmax(along[:, 0]))
-            if along[side, 0] > between[0]:
-                places |= self._nearest_place((low, high)[side], float(point[1][0]))
-        return sorted(places)
-
-    def _nearest_place(self, load: int, velocity: float) -> set[Place]:
-        """Point of the first realization nearest a velocity; none if tried, or if all failed."""
-        column = int(np.argmin(np.abs(np.log(self.velocities / velocity))))
-        is_excluded = self.tried[0, load, column] or not self._lines[load][0].known.size
-        return set() if is_excluded else {Place(0, load, column)}
-
     def _missing_loads(self, loads: set[int]) -> set[int]:
         """Middle load of each interval between `loads` whose interpolation error is too large."""
         missing, x = set[int](), np.log(self.loads)
@@ -248,109 +225,130 @@ class Search:
                 missing.add(int(inner[np.argmin(distance)]))
         return missing
 
-    def needed(self, loads: set[int]) -> Array:
-        """Estimated number of realizations that `loads` with a crossing need (n_load,); else 0."""
-        counts, budgets = np.zeros(len(self.critical), int), self._sampling_budget(loads)
-        for load in loads:
-            if not self._lines[load][0].has_crossing:
-                continue
-            if self.specimen.realizations[load] == 0:
-                counts[load] = 2  # with one, the points of the first realization do not count
-            elif not self.goal.counts_surface:
-                counts[load] = self.goal.realizations
-            elif budgets[load] > 0 and np.isfinite(self.errors[SURFACE, load]):
-                counts[load] = self._needed_at(load, budgets)
-        return counts
-
-    def _sampling_budget(self, loads: set[int]) -> Array:
-        """Error allowed for surface sampling at each of `loads` (n_load,); 0 at the others."""
-        squares = np.zeros(len(self.critical))
-        for load in loads:
-            squares[load] = (
-                self.error_budget[load] ** 2 - self._interpolation_error(loads, load) ** 2
-            )
-        return np.sqrt(np.maximum(squares, 0.0))
-
-    def _needed_at(self, load: int, budgets: Array) -> int:
-        """Number of realizations that a load needs, if other loads keep to their `budgets`."""
-        specimen, mean = self.specimen, self.specimen.mean
-        point = self.loads[load : load + 1], self.critical[load : load + 1]
-        exponent = exponents(specimen.field, *point).item()
-        bound, deviation, shared = (
-            specimen.field.bilinear(values, *point).item() / exponent
-            for values in (mean.bound, mean.deviation, mean.shared)
-        )
-        count, kind = int(specimen.realizations[load]), (specimen.is_highest, specimen.jackknife)
-
-        def count_for(error: float, budget: float) -> int:
-            return realizations_needed(count, error / budget, 4 * MOST_REALIZATIONS, *kind)
-
-        unshared = count_for(deviation * float(realizations_share(count, *kind)), budgets[load])
-        if (other_load := mean.shared_from[load]) < 0:
-            return unshared
-        reduction = float(np.fmin(1.0, budgets[other_load] / self.errors[SURFACE, other_load]))
-        square = budgets[load] ** 2 - (shared * reduction) ** 2
-        residual_bound = math.sqrt(bound**2 - shared**2)
-        return (
-            min(unshared, count_for(residual_bound, math.sqrt(square))) if square > 0 else unshared
-        )
-
-    def _interpolation_error(self, loads: set[int], load: int) -> float:
-        """Interpolation error at a load, or the largest one at loads interpolated from it.
-
-        The latter does not count if it is too large, because such a load gets its own points.
-        """
-        ordered, errors = sorted(loads), np.nan_to_num(self.errors[INTERPOLATION])
-        position = ordered.index(load)
-        low, high = ordered[max(position - 1, 0)], ordered[min(position + 1, len(ordered) - 1)]
-        largest = np.append(errors[low + 1 : load], errors[load + 1 : high]).max(initial=0.0)
-        is_interpolated = largest <= LOAD_SHARE * self.error_budget[load]
-        return max(float(errors[load]), float(largest) if is_interpolated else 0.0)
-
     def is_out_of_reach(self, loads: set[int]) -> bool:
         """True if other errors, or too few realizations, exclude the goal at one of `loads`."""
         crossing = [
             load
             for load in loads
-            if np.isfinite(self.critical[load]) and self.specimen.realizations[load]
+            if np.isfinite(self.critical[load]) and self.specimen.realizations[load] > 1
         ]
         other_errors = np.sqrt(
             np.square(np.delete(self.errors[:, crossing], SURFACE, axis=0)).sum(axis=0)
         )
-        counts = self._has_realization.sum(axis=0)
-        is_too_many = (self.needed(loads) * self._min_share > self.goal.realizations) & (
-            counts < self.goal.realizations
+        if not (other_errors < self.goal.accuracy).all():
+            return True
+        specimen, available = self.specimen, self.goal.realizations
+        least_bounds = (
+            realizations_share(available, specimen.is_highest, specimen.jackknife)
+            * np.sqrt(least_variance_share(specimen.realizations[crossing], specimen.jackknife))
+            * np.diag(self._deviations)[crossing]
         )
-        is_short = self.goal.counts_surface and is_too_many.any()
-        return bool(is_short or not (other_errors < self.goal.accuracy).all())
+        is_short = least_bounds > np.sqrt(self.goal.accuracy**2 - other_errors**2)
+        has_more = self._has_realization[:, crossing].sum(axis=0) < available
+        return self.goal.counts_surface and bool((is_short & has_more).any())
 
-    @property
-    def _min_share(self) -> Array:
-        """Least share of the estimated number of realizations that may suffice (n_load,)."""
-        return least_variance_share(
-            np.maximum(self.specimen.realizations, 1), self.specimen.jackknife
-        )
+    @cached_property
+    def _deviations(self) -> Array:
+        """Error of each critical velocity by that of each load (n_load, n_load), per its bound.
+
+        The bound at a load is in units of the deviation of a realization.
+        """
+        field, point = self.specimen.field, (self.loads, self.critical)
+        only = np.eye(len(self.loads))[..., None] * self.specimen.mean.deviation
+        errors = [field.bilinear(deviation, *point) for deviation in only]
+        return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 
     def _realization_places(self, loads: set[int]) -> list[Place]:
-        """Points of further realizations near the crossings, up to the number that a load needs."""
-        places = list[Place]()
+        """Points of further realizations near the crossings, a part of those planned."""
         if self.is_out_of_reach(loads):
-            return places
-        tried = self._has_realization
-        needed = np.minimum(self.needed(loads), self.goal.realizations)
-        for load in np.flatnonzero(needed > tried.sum(axis=0)).tolist():
-            count = int(tried[:, load].sum())
-            line, columns = self._lines[load]
-            distance = np.abs(line.x[line.known] - line.crossing)
-            column = int(columns[line.known[np.argmin(distance)]])
-            # More realizations give a better estimate of the number needed.
-            added = min(needed[load], max(2 * count + 2, needed[load] // 4)) - count
-            new = np.flatnonzero(~np.append(tried[:, load], np.zeros(added, bool)))[:added]
-            places += [Place(realization, load, column) for realization in new.tolist()]
-        return places
+            return []
+        planned, counts = self._plan(loads), self._has_realization.sum(axis=0)
+        needed = counts + np.bincount([place.load for place in planned], minlength=len(counts))
+        # More realizations give a better plan.
+        limit, places = np.maximum(2 * counts + 2, needed // 4), list[Place]()
+        for place in planned:
+            counts[place.load] += 1
+            if counts[place.load] <= limit[place.load]:
+                places.append(place)
+        return sorted(places)
 
     def to_come(self) -> int:
         """Estimated number of points of further realizations."""
-        loads = {*np.flatnonzero(self._has_realization[0]).tolist()}
-        missing = self.needed(loads) - self._has_realization.sum(axis=0)
-        return int(np.maximum(missing, 0).sum())
+        return len(self._plan(np.flatnonzero(self._has_realization[0]).tolist()))
+
+    @cached_property
+    def _squared_budgets(self) -> Array:
+        """Squares of the errors that surface sampling may have at each load (n_load,)."""
+        return np.asarray(np.square(self.error_budget) - np.square(self.errors[INTERPOLATION]))
+
+    def _plan(self, loads: Iterable[int]) -> list[Place]:
+        """Points of further realizations at `loads`, until all errors are below the goal."""
+        crossing = np.array([k for k in sorted(loads) if self._lines[k][0].has_crossing], int)
+        counts, tried = self.specimen.realizations[crossing], self._has_realization
+        if not self.goal.counts_surface:
+            least, few = self.goal.realizations, crossing
+        else:
+            # The points of the first realization between loads of several count with a second one,
+            # and a second one shows how much of the interpolation error is its roughness.
+            is_few = (counts == 0) | ((counts == 1) & ~(self._squared_budgets[crossing] > 0))
+            least, few = min(2, self.goal.realizations), crossing[is_few]
+        places = [
+            self._place(realization, load)
+            for load in few.tolist()
+            for realization in np.flatnonzero(~tried[:least, load]).tolist()
+        ]
+        if self.goal.counts_surface and counts.any() and not self.specimen.is_highest:
+            places += self._useful_places(crossing[counts > 0])
+        return places
+
+    def _place(self, realization: int, load: int) -> Place:
+        """Point of a further realization at one of the two velocities around the crossing.
+
+        Both are used in proportion to their nearness to the crossing. So the deviations of the
+        first realization from a smooth curve at these two velocities cancel in the mean.
+        """
+        line, columns = self._lines[load]
+        position = np.interp(line.crossing, line.x[line.known], np.arange(line.known.size))
+        index = int(position + realization * _GOLDEN % 1)
+        return Place(realization, load, int(columns[line.known[index]]))
+
+    def _useful_places(self, rows: Indices) -> Iterator[Place]:
+        """Points of further realizations at the loads with indices `rows` (k,), until all suffice.
+
+        Each point is the one that lowers the excess of errors over their budgets most per time. Its
+        realization is a new one, or has points at other loads.
+        """
+        mean, known = self.specimen.mean, self._has_realization[:, rows].copy()
+        counts, squared_budgets = self.specimen.realizations[rows], self._squared_budgets
+        correlation, covariance = (
+            mean.correlation[np.ix_(rows, rows)],
+            mean.covariance[np.ix_(rows, rows)],
+        )
+        precisions = np.array([precision_of(correlation, pattern) for pattern in known])
+        # Loads that cannot be interpolated well enough get points of their own.
+        is_open = squared_budgets > (1 - LOAD_SHARE**2) * np.square(self.error_budget)
+        is_open[rows] = squared_budgets[rows] > 0
+        weights = self._deviations[np.ix_(is_open, rows)]
+        weights /= np.sqrt(squared_budgets[is_open])[:, None]
+        while True:
+            share = realizations_share(counts, True, self.specimen.jackknife)
+            bounds = share * weights
+            squares = np.einsum("qi,ij,qj->q", bounds, covariance, bounds)  # 1 at the budget
+            # A further load j of a realization adds u uᵀ/s to the precision of the means.
+            patterns, first = np.unique(known, axis=0, return_index=True)
+            u = np.eye(len(rows)) - precisions[first] @ correlation  # a column for each j
+            s = np.diagonal(correlation @ u, axis1=1, axis2=2)
+            change = covariance @ u
+            scale = np.where(patterns, np.inf, s + (u * change).sum(axis=1))
+            later = squares[:, None] - np.square(bounds @ change) / scale[:, None]
+            excess = np.maximum(squares - 1, 0.0).sum()
+            rates = excess - np.maximum(later - 1, 0.0).sum(axis=1)
+            rates /= self.loads[rows] ** _TIME_EXPONENT
+            i, j = np.unravel_index(int(rates.argmax()), rates.shape)
+            if rates[i, j] <= 0:
+                return
+            covariance = covariance - np.outer(change[i, :, j], change[i, :, j]) / scale[i, j]
+            precisions[first[i]] += np.outer(u[i, :, j], u[i, :, j]) / s[i, j]
+            known[first[i], j] = True
+            counts[j] += 1
+            yield self._place(int(first[i]), int(rows[j]))

@@ -35,7 +35,7 @@ class Told:
     @functools.cached_property
     def now(self):
         """The search in its present state."""
-        count = max(int(self.asked.any(axis=(1, 2)).sum()), 1)
+        count = int(np.flatnonzero(self.asked.any(axis=(1, 2))).max(initial=0)) + 1
         y, is_highest = np.log(self._rises[:count]), self.conditions.critical_area_fraction == 0
         specimen = merged(
             self.loads,

@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.answers.specimen import SWEPT, JackknifeQuality
 from pipeline.run.search import Goal
+from tests.helpers.plane_model import LOADS, PlaneModel, Verdict
 from tests.helpers.search_in_memory import Told
 from tribo import Conditions
 
@@ -189,3 +190,35 @@ def test_one_load_and_two():
         specimen.run(search := specimen.search(0.03))
         expected = [specimen.critical(load) for load in specimen.loads]
         assert np.isfinite(search.critical).sum() == np.isfinite(expected).sum()
+
+
+PLANES = {
+    "as irg_transition": (12, 0.02, {}, 65),
+    "independent loads": (5, 0.02, {"correlation": 0.0}, 75),
+    "nearly equal realizations at all loads": (5, 0.02, {"correlation": 0.9}, 55),
+    "a flat boundary": (5, 0.03, {"steepness": 0.4}, 45),
+    "a steep boundary": (5, 0.03, {"steepness": 1.5}, 45),
+    "realizations that drift along velocity": (12, 0.02, {"drift": 10.0}, 75),
+    "few loads": (4, 0.01, {}, 150),
+    "small deviations": (5, 0.01, {"scale": 0.4}, 70),
+}  # loads, accuracy, what differs, and points at most
+
+
+@pytest.mark.parametrize("name", PLANES)
+def test_loads_of_a_plane_share_realizations_and_keep_the_errors_that_they_state(name):
+    load_count, accuracy, options, max_points = PLANES[name]
+    verdicts = []
+    for seed in range(4):
+        model = PlaneModel(LOADS[load_count], seed, **options)
+        verdicts.append(Verdict.of(model, model.search(accuracy, 0.5 * accuracy)))
+    assert all(verdict.stated <= accuracy for verdict in verdicts)
+    assert np.mean([verdict.points for verdict in verdicts]) <= max_points
+    for is_held in (verdict.is_held_at for verdict in verdicts):
+        assert is_held.mean() > 0.7  # errors of the loads of a plane are correlated
+    held = [np.append(verdict.is_held_at, verdict.is_held_between) for verdict in verdicts]
+    assert np.mean(held) >= 0.9
+
+
+def test_more_loads_between_the_same_two_take_hardly_more_points():
+    points = [PlaneModel(LOADS[count], 1).search(0.02, 0.011).asked.sum() for count in (12, 30)]
+    assert points[1] < 1.3 * points[0]
