@@ -204,7 +204,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     >>> import pipeline
     >>> oil = pipeline.infer("results/first_try.zarr")
     >>> (oil["critical_temperature"] - 273.15).round(1).item()
-    139.8
+    141.2
     """
     case = cases_of(ds)[0]
     conditions_of_case = override_conditions(

@@ -125,7 +125,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     >>> point = pipeline.open_sweep("results/first_try.zarr").sel(load=600, velocity=1.6)
     >>> end = pipeline.end_of_point(point)
     >>> pipeline.temperatures(end)["max_temperature"].round().item()
-    436.0
+    441.0
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     464.0
     """

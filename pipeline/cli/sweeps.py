@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> Result:
     elif outcome.done:
         text += _ending(ds, shlex.quote(str(out)))
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
-    return Result(document, wrapped(text), pipeline.points_with_warnings(ds), code=code)
+    return Result(document, text, pipeline.points_with_warnings(ds), code=code)
 
 
 def _refuse_numerical_settings(options: argparse.Namespace) -> None:
@@ -106,7 +106,7 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
     if not case_dims(ds):  # one scene; irg boundary has a table of several
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary_lines = [*words.closing_lines(pipeline.boundary(ds))]
+            boundary_lines = [*wrapped(words.closing_lines(pipeline.boundary(ds)))]
     return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
 
 

@@ -250,7 +250,7 @@ def run_point(
     >>> point = pipeline.run_point(scene, "600 N", "1.5 m/s")
     >>> verdict = point.verdict(scene.conditions)
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
-    (False, '158 °C')
+    (False, '163 °C')
     """
     load_and_velocity = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     case = () if realization is None else (("realization", realization),)

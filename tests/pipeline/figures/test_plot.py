@@ -157,9 +157,6 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     (row,) = row_margins.sizes
     assert row_labels(row_margins, row) == ["idle", "part", "full", "gone"]
     assert row_labels(row_margins.drop_vars("case"), row)[0] == "200 N, 1 m/s"
-    turned = {"angle [deg]": [0, 30], "load [N]": [200, 300], "velocity [m/s]": [1, 2]}
-    angle_labels = row_labels(pipeline.margin(synthetic.sweep(tests=()), turned), row)
-    assert angle_labels == ["angle 0 deg", "angle 30 deg"]
     axes = draw_rows(row_margins, "duty").axes[0]
     drawn_margins = {
         float(y): float(x)
@@ -174,4 +171,7 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]
     texts = [text.get_text() for text in axes.texts]
-    assert texts[3:] == ["more than 99 %", "unknown"]
+    factors = row_margins["friction_safety_factor"].values
+    probabilities = "less than 1 %", "37 %", "more than 99 %"
+    expected = [f"{p}, {factor:.2f}" for p, factor in zip(probabilities, factors[:3], strict=True)]
+    assert texts == [*expected, "unknown"]

@@ -316,9 +316,9 @@ def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
     rig = np.mean(data["max_celsius"]["swept"], axis=1)
     assert rig - ours == pytest.approx([0, 0, 75, 75])
     cold, second, hot, last = (TABLE_6.max_celsius - 25) / (ours - 25)
-    assert cold == pytest.approx(second, rel=0.06)
     assert hot == pytest.approx(last, rel=0.06)
-    assert cold < 0.8 * hot
+    # The cold rows are nearer to each other than a quarter of their distance to the hot rows.
+    assert abs(cold - second) < 0.25 * (min(hot, last) - max(cold, second))
     bulk, level, _ = small("table6").findings
     assert not bulk.agrees
     assert "cold rows" in level.why
