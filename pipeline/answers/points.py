@@ -127,7 +127,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     >>> pipeline.temperatures(end)["max_temperature"].round().item()
     441.0
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
-    464.0
+    470.0
     """
     ds = dataset_of(ds)
     if len(ds["area_fraction_below"]) < len(QUANTILES):
