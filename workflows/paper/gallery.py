@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.frames import markdown_of
+from tribo import InputError
 
 from .report import WORDS, Finding, Report, texts
 
@@ -22,25 +23,37 @@ _COLUMNS = "result", "the paper", "computed", "verdict"
 
 
 def pages(reports: Sequence[Report]) -> dict[str, str]:
-    """Text of each page by its name: the shipped one, with what the `reports` say written again.
+    """Text of each page by its name: the shipped one, with the blocks of `reports` written again.
 
-    Blocks and rows of other results stay as they are.
+    Blocks and rows of other results stay as they are. A statement that agrees may be on no page;
+    one that differs must be on a page.
     """
-    known = {report.name: report for report in reports}
+    reports_by_name = {report.name: report for report in reports}
+    shipped = {name: (_FOLDER / name).read_text(encoding="utf-8") for name in PAGES}
+    blocks = [block for text in shipped.values() for block in _BLOCK.findall(text)]
+    listed = {name for _, kind, names, *_ in blocks if kind == "findings" for name in names.split()}
+    for report in reports:
+        for finding in report.findings:
+            name = f"{report.name}.{finding.name}"
+            if not finding.agrees and name not in listed:
+                raise InputError(
+                    f"{name} differs from the paper, and is on no page; "
+                    "add its name to a block of findings"
+                )
 
-    def written(block: re.Match[str]) -> str:
-        begin, kind, names, old, end = block.groups()
+    def rewrite(block: re.Match[str]) -> str:
+        begin, kind, names, shipped_lines, end = block.groups()
         if kind == "findings":
-            lines = _findings(known, names.split(), old.splitlines())
-        elif names in known:
-            is_table = kind == "table"
-            lines = markdown_of(known[names].table) if is_table else _figure(known[names])
-        else:
+            lines = _findings(reports_by_name, names.split(), shipped_lines.splitlines())
+        elif names not in reports_by_name:
             return block[0]
+        elif kind == "table":
+            lines = markdown_of(reports_by_name[names].table)
+        else:
+            lines = _figure(reports_by_name[names])
         return begin + "\n".join(lines) + "\n" + end
 
-    shipped = {name: (_FOLDER / name).read_text(encoding="utf-8") for name in PAGES}
-    return {name: _BLOCK.sub(written, text) for name, text in shipped.items()}
+    return {name: _BLOCK.sub(rewrite, text) for name, text in shipped.items()}
 
 
 def _figure(report: Report) -> Iterator[str]:
@@ -52,22 +65,25 @@ def _figure(report: Report) -> Iterator[str]:
 
 
 def _findings(
-    known: Mapping[str, Report], names: Sequence[str], old: Sequence[str]
+    reports_by_name: Mapping[str, Report], names: Sequence[str], shipped_lines: Sequence[str]
 ) -> Iterator[str]:
-    """Yield a table of statements, in the order of their names; `old` are its lines before."""
-    before = dict(zip(names, old[2:], strict=False))
+    """Yield a table of the named statements; rows of results without a report are as shipped."""
+    shipped_rows = dict(zip(names, shipped_lines[2:], strict=False))
     yield from markdown_of(texts(_COLUMNS, ()))
     for name in names:
         result, _, statement = name.partition(".")
-        if result not in known:
-            yield before.get(name, f"| [{result}](README.md#{result}) | {statement} | | |")
+        link = f"[{result}](README.md#{result})"
+        if result not in reports_by_name:
+            yield shipped_rows.get(name, f"| {link} | {statement} | | |")
             continue
-        (found,) = (one for one in known[result].findings if one.name == statement)
-        computed = f"{found.computed}.{found.reason}"
-        row = f"[{result}](README.md#{result})", found.printed, computed, _verdict(found)
-        *_, line = markdown_of(texts(_COLUMNS, [row]))
-        yield line
+        findings = {finding.name: finding for finding in reports_by_name[result].findings}
+        finding = findings[statement]
+        computed = f"{finding.computed}.{finding.reason}"
+        *_, row = markdown_of(
+            texts(_COLUMNS, [(link, finding.printed, computed, _verdict(finding))])
+        )
+        yield row
 
 
-def _verdict(found: Finding) -> str:
-    return "agrees" if found.agrees else "**differs**"
+def _verdict(finding: Finding) -> str:
+    return "agrees" if finding.agrees else "**differs**"

@@ -17,7 +17,9 @@ import tribo
 from pipeline import load_scene
 from pipeline.cli import main
 from pipeline.shipped import WORKFLOWS
+from tribo import InputError
 from workflows import paper
+from workflows.paper.gallery import pages
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.report import WORDS
 from workflows.paper.study import Study
@@ -346,10 +348,18 @@ def test_the_shipped_pages_show_what_the_command_gives_now(small, folder):
     names = "README.md", "REPRODUCING.md"
     shipped = [(WORKFLOWS / name).read_text(encoding="utf-8") for name in names]
     assert [(folder / "page" / name).read_text(encoding="utf-8") for name in names] == shipped
-    assert all(f"| {row.printed} | {row.computed}." in "".join(shipped) for row in findings)
+    (row,) = (finding for finding in findings if finding.name == "compensation")
+    assert f"| {row.printed} | {row.computed}." in "".join(shipped)
 
 
-def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
+def test_a_statement_that_differs_must_be_on_a_page(small):
+    report = small("fig4")
+    differing = [replace(finding, agrees=False) for finding in report.findings]
+    with pytest.raises(InputError, match=r"fig4\.hertz differs from the paper"):
+        pages([replace(report, findings=tuple(differing))])
+
+
+def test_the_pages_show_all_results_and_no_statement_twice():
     gallery = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
     page = (WORKFLOWS / "REPRODUCING.md").read_text(encoding="utf-8")
     blocks = re.findall(r"<!-- findings: (.*) -->", page + gallery)
@@ -359,7 +369,7 @@ def test_the_pages_show_all_results_and_each_statement_with_its_numbers_once():
         assert f"]({name}.png)" in gallery
         assert 0 < (WORKFLOWS / f"{name}.png").stat().st_size < 200_000
         for statement in WORDS[name]["findings"]:
-            assert statements.count(f"{name}.{statement}") == 1
+            assert statements.count(f"{name}.{statement}") <= 1
     assert (page + gallery).count("\n| [") == len(statements)
 
 
