@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.messages import quoted
 from pipeline.units import UnitError, share_of, to_si
-from pipeline.words import quoted
 from tribo import InputError
 
 _WITHOUT_UNIT = {"", "1", "-", "–", "dimensionless"}

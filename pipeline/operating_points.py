@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.limits import MOST_OPERATING_POINTS
-from pipeline.sweep.conditions import CONDITION_ENTRIES, OIL_WORKS
+from pipeline.messages import quoted
+from pipeline.sweep.condition_entries import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import PYTHON, Advice, read_table, rows_of
 from pipeline.units import share_of, to_si
-from pipeline.words import quoted
 from tribo import InputError
 
 _LIKE = {

@@ -30,9 +30,9 @@ from pipeline.limits import (
     MOST_CELLS_OF_SHEET,
     MOST_CELLS_OF_TEXT,
 )
+from pipeline.messages import did_you_mean, fault_lines, quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.units import NUMBER, to_si
-from pipeline.words import did_you_mean, fault_lines, quoted
 from tribo import InputError
 from tribo.types import Array
 

@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers import words
-from pipeline.answers.conditions import (
+from pipeline.answers import wording
+from pipeline.answers.condition_values import (
     NAMES,
     ConditionValues,
     Operation,
@@ -29,7 +29,7 @@ from pipeline.answers.conditions import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import CaseResults, case_dims, cases_of, dataset_of, sweep_of
-from pipeline.answers.verdict import (
+from pipeline.answers.verdict_model import (
     MILD,
     ORIGINS,
     OUTSIDE,
@@ -213,7 +213,7 @@ def margin(
         }
         varied = {name: array for name, array in case_overrides.items() if array.ndim}
         dataset = _to_dataset(variables, model, varied, template.drop_attrs().coords)
-        attributes = {"conditions": words.POINT_CONDITIONS} if len(conditions_by_row) > 1 else {}
+        attributes = {"conditions": wording.POINT_CONDITIONS} if len(conditions_by_row) > 1 else {}
         return dataset.assign_attrs(attributes)
 
     return _join_cases(ds, answer)
@@ -389,7 +389,9 @@ def _to_dataset(
             if name in array.dims or point_conditions.get(name) is None
             else point_conditions[name]
         )
-    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(words.answer_attributes(model))
+    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(
+        wording.answer_attributes(model)
+    )
 
 
 def with_attributes(ds: xr.Dataset) -> xr.Dataset:
@@ -487,5 +489,5 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
         float(evidence.log_rise_ratio_quantiles(probability, bulk)[0]) for probability in DECIDED
     ]
     return with_attributes(comparison).assign_attrs(
-        words.answer_attributes(model), missing_points=0, levels=levels
+        wording.answer_attributes(model), missing_points=0, levels=levels
     )

@@ -16,7 +16,8 @@ import numpy as np
 import xarray as xr
 from scipy.special import logsumexp
 
-from pipeline.answers.conditions import ConditionValues, override_conditions
+from pipeline.answers.condition_values import ConditionValues, override_conditions
+from pipeline.answers.evidence import Evidence, evidence_of, outcome_of
 from pipeline.answers.posterior import (
     LEAST_BIAS,
     MAX_CHANGE,
@@ -30,12 +31,11 @@ from pipeline.answers.posterior import (
     update,
 )
 from pipeline.answers.results import CaseResults, cases_of
-from pipeline.answers.scene_words import model_words
+from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.answers.tests import Evidence, evidence_of, outcome_of
 from pipeline.constants import WORTH
 from pipeline.store.place import PathLike
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from tribo import InputError
 from tribo.types import Array
 

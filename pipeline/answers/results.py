@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.scene_words import value_words
+from pipeline.answers.scene_wording import value_words
 from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.paths import found_store
+from pipeline.store.dataset import completed, open_store
 from pipeline.store.place import PathLike
-from pipeline.store.read import completed, open_store
 from pipeline.store.schema import (
     AT_TESTS,
     COLUMNS,
@@ -42,7 +42,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.codec import CodecError
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, list_points_of_tests
 from pipeline.sweep.stored import sweep_of_plain
 from pipeline.sweep.stored_steps import least_load_evaluated

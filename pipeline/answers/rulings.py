@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.answers.conditions import Operation
+from pipeline.answers.condition_values import Operation
+from pipeline.answers.evidence import Evidence, outcome_of, waiting_text
 from pipeline.answers.results import CaseResults
-from pipeline.answers.tests import Evidence, outcome_of, waiting_text
 from tribo.types import Array, Mask
 
 _SAME = 1e-9  # relative rounding difference of equal conditions

@@ -23,7 +23,7 @@ from scipy.special import chdtri, stdtrit
 from pipeline.answers.field import TWINS, Field
 from pipeline.answers.results import CaseResults
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION_LENGTHS
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from tribo import Scene
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask

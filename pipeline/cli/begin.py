@@ -13,9 +13,9 @@ from typing import Any
 
 import pipeline
 from pipeline.cli.output import Result
+from pipeline.messages import did_you_mean
 from pipeline.scene.library import library
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
-from pipeline.words import did_you_mean
 from tribo import InputError
 
 _LIBRARY = (

@@ -12,7 +12,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.answers.discretization_error import has_unknown_error
-from pipeline.answers.scene_words import added_rise_words, warning_text
+from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result, pluralized
 from pipeline.frames import frame_of, records

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.answers.scene_words import value_words
+from pipeline.answers.scene_wording import value_words
 from pipeline.cli.output import print_note
+from pipeline.messages import did_you_mean
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ROUNDING
 from pipeline.store.place import StoreError
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import dimension_of
-from pipeline.sweep.conditions import CONDITION_ENTRIES, PATHS
+from pipeline.sweep.condition_entries import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
 from pipeline.table import COMMAND
 from pipeline.units import to_si
-from pipeline.words import did_you_mean
 from tribo import InputError
 
 if TYPE_CHECKING:

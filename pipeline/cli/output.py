@@ -23,7 +23,7 @@ from pipeline.progress import Progress, Report
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pipeline.answers.points import WarnedPoints
+    from pipeline.answers.simulated_points import WarnedPoints
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""

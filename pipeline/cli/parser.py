@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline.cli import values
+from pipeline.messages import did_you_mean
 from pipeline.paths import user_path
-from pipeline.words import did_you_mean
 
 AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
 """Function that adds a command: its name, its function, its purpose and an example."""
@@ -164,7 +164,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _value(command, "--from NAME", "shipped scene to begin with; see --list", dest="template")
 
     command = add(
-        "run", "pipeline.cli.sweeps:run", "run or resume the sweep of a scene",
+        "run", "pipeline.cli.sweep_commands:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%",
     )  # fmt: skip
     _scene(command)
@@ -197,8 +197,8 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _value(command, *_TABLE)
 
     command = add(
-        "point", "pipeline.cli.points:point", "simulate one point (and the tests of the scene)",
-        f"scene.toml {_LOAD_AND_VELOCITY}",
+        "point", "pipeline.cli.point_commands:point",
+        "simulate one point (and the tests of the scene)", f"scene.toml {_LOAD_AND_VELOCITY}",
     )  # fmt: skip
     _scene(command)
     _operating_point(command, required=True)
@@ -208,7 +208,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _value(command, *_TABLE)
 
     command = add(
-        "trade", "pipeline.cli.sweeps:trade", "measure computing time against accuracy",
+        "trade", "pipeline.cli.sweep_commands:trade", "measure computing time against accuracy",
         "scene.toml -o trade.png",
     )  # fmt: skip
     _scene(command)
@@ -219,7 +219,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _value(command, "-o --output FILE.png", words, values.writable("figure", "table"))
 
     command = add(
-        "infer", "pipeline.cli.points:infer",
+        "infer", "pipeline.cli.point_commands:infer",
         "find the critical temperature from tests, or the wear rate from a contact width",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
     )  # fmt: skip
@@ -234,7 +234,7 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
     _realization(command)
 
     command = add(
-        "surface", "pipeline.cli.figures:surface",
+        "surface", "pipeline.cli.figure_commands:surface",
         "describe a scan by ISO 25178-2, beside a random surface like it, and print its tables",
         'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png',
     )  # fmt: skip
@@ -255,19 +255,19 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
 
 def _add_commands_on_stores(add: AddCommand) -> None:
     command = add(
-        "status", "pipeline.cli.stores:status",
+        "status", "pipeline.cli.store_commands:status",
         "count done, failed and pending points of a store", "results/scene.zarr",
     )  # fmt: skip
     _store(command)
 
     command = add(
-        "verify", "pipeline.cli.stores:verify", "read a whole store and list damaged points",
-        "results/scene.zarr",
+        "verify", "pipeline.cli.store_commands:verify",
+        "read a whole store and list damaged points", "results/scene.zarr",
     )  # fmt: skip
     _store(command)
 
     command = add(
-        "boundary", "pipeline.cli.stores:boundary",
+        "boundary", "pipeline.cli.store_commands:boundary",
         "print the boundary between mild and severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
     )  # fmt: skip
@@ -283,7 +283,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _judgement(command)
 
     command = add(
-        "margin", "pipeline.cli.stores:margin",
+        "margin", "pipeline.cli.store_commands:margin",
         "print verdict, probability and errors for one operating point, a table of them, or the "
         "cases of the sweep",
         f"results/scene.zarr {_LOAD_AND_VELOCITY}",
@@ -296,7 +296,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _judgement(command)
 
     command = add(
-        "plot", "pipeline.cli.figures:plot", "draw a figure of a store",
+        "plot", "pipeline.cli.figure_commands:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
     )  # fmt: skip
     _store(command)
@@ -317,7 +317,7 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _realization(command)
 
     command = add(
-        "report", "pipeline.cli.figures:report",
+        "report", "pipeline.cli.figure_commands:report",
         "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
         f"results/scene.zarr {_LOAD_AND_VELOCITY} -o report.html",
     )  # fmt: skip

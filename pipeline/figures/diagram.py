@@ -21,18 +21,18 @@ from matplotlib.patheffects import Normal, Stroke
 from scipy.ndimage import distance_transform_edt
 
 import pipeline
-from pipeline.answers import words
+from pipeline.answers import wording
 from pipeline.answers.results import CaseResults, cases_of, sweep_of
-from pipeline.answers.scene_words import value_words
-from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.answers.scene_wording import value_words
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED
 from pipeline.figures import style
-from pipeline.figures.fields import QuantityLike, select_realization, wanted_values
+from pipeline.figures.fields_figure import QuantityLike, select_realization, wanted_values
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
-from pipeline.figures.tests import UNDECIDED_LABEL, mark_tests, velocities_at_friction
+from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests, velocities_at_friction
+from pipeline.messages import split_notes
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
-from pipeline.words import split_notes
 from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
@@ -103,7 +103,7 @@ def diagram(
     moved = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
     tests, tests_entry, caption = mark_tests(axes, case, bulk, friction, moved)
     marked = [*tests, *operating_points]
-    lines = [f"conditions: {text}" for text in words.attribute_texts(boundary, "conditions")]
+    lines = [f"conditions: {text}" for text in wording.attribute_texts(boundary, "conditions")]
     legend = Legend()
     if case_dimensions:
         x, y, plane = _plane(ds, case, conditions)
@@ -126,8 +126,8 @@ def diagram(
         title = f"{title}, surface realization {realization}"
     style.write_title(axes, title)
     legend |= tests_entry
-    notes = [*words.not_included_lines(boundary)][:1] + split_notes(
-        words.attribute_texts(boundary, "notes")
+    notes = [*wording.not_included_lines(boundary)][:1] + split_notes(
+        wording.attribute_texts(boundary, "notes")
     )[:1]
     style.legend_below(
         figure,
@@ -184,14 +184,14 @@ def _captions(
     case: CaseResults, boundary: xr.Dataset, x: Array, y: Array, bulk: float
 ) -> Iterable[str]:
     """Yield lines on errors, on the oil film, and on verdicts that tests rule out."""
-    yield from words.error_lines(boundary)
+    yield from wording.error_lines(boundary)
     if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
         film = oil.film_parameter(y[:, None], x, bulk)
         ends = float(film.min()), float(film.max())
         regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
         yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
-    yield from words.ruling_lines(boundary)
-    yield from words.withheld_lines(boundary)
+    yield from wording.ruling_lines(boundary)
+    yield from wording.withheld_lines(boundary)
 
 
 def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:

@@ -11,15 +11,15 @@ from typing import Any, Literal, Unpack
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.answers.conditions import NAMES, ConditionValues
+from pipeline.answers.condition_values import NAMES, ConditionValues
 from pipeline.answers.results import dataset_of, sweep_of
 from pipeline.arguments import in_si
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import fields
-from pipeline.figures.ramp import ramp
-from pipeline.figures.rows import rows
-from pipeline.figures.tests import draw_tests
+from pipeline.figures.fields_figure import fields
+from pipeline.figures.ramp_figure import ramp
+from pipeline.figures.rows_figure import rows
+from pipeline.figures.tests_figure import draw_tests
 from pipeline.frames import FIGURES, writable_path
 from pipeline.store.schema import PLANE
 from tribo import InputError

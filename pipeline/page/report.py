@@ -22,26 +22,26 @@ from jinja2 import Environment
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers import words
-from pipeline.answers.frames import (
+from pipeline.answers import wording
+from pipeline.answers.answer_frames import (
     boundary_frame,
     has_counted_tests,
     margin_frame,
     tests_frame,
 )
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
-from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
-from pipeline.figures.rows import deciding_row, draw_rows
-from pipeline.figures.tests import draw_tests
+from pipeline.figures.rows_figure import deciding_row, draw_rows
+from pipeline.figures.tests_figure import draw_tests
 from pipeline.frames import cells_of, without_columns, writable_path, write_text
-from pipeline.page.inputs import case_rows, input_rows
+from pipeline.messages import quoted, split_notes
+from pipeline.page.input_tables import case_rows, input_rows
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.codec import digest
-from pipeline.words import quoted, split_notes
 from tribo import InputError
 
 HEADLINES = {
@@ -197,9 +197,9 @@ def report(
 def _boundary_answer(ds: xr.Dataset, conditions: Conditions) -> Answer:
     """The boundary of a plane, without an operating point."""
     boundary = pipeline.boundary(ds, **conditions)
-    lines = [*words.not_included_lines(boundary)]
+    lines = [*wording.not_included_lines(boundary)]
     if boundary["critical_velocity"].ndim == 1:  # a single case
-        lines.insert(0, words.next_run_line(boundary))
+        lines.insert(0, wording.next_run_line(boundary))
     headline = "Boundary between mild and severe wear"
     return Answer("", headline, [*map(_as_sentence, lines)], _plane(ds, conditions))
 
@@ -210,20 +210,20 @@ def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) ->
     if verdict not in HEADLINES:
         raise InputError(reason)
     point = margin["load"].item(), margin["velocity"].item()
-    facts, deciding_test = dict(words.margin_facts(margin)), words.to_decide(margin)
+    facts, deciding_test = dict(wording.margin_facts(margin)), wording.to_decide(margin)
     sentences = [_verdict(margin), *_mild_limits(ds, conditions, point)]
-    sentences += words.not_included_lines(margin)
+    sentences += wording.not_included_lines(margin)
     sentences += [f"The verdict is withheld: {reason}"] * bool(reason)
     sentences += [f"To decide it, {deciding_test}"] * bool(deciding_test)
-    sentences += _without_help(words.common_lines(margin))
+    sentences += _without_help(wording.common_lines(margin))
     rows = [*map(list, facts.items())]
     table = Grid("The operating point in numbers", ["quantity", "value"], rows)
-    warnings = [*words.margin_warnings(margin)]
+    warnings = [*wording.margin_warnings(margin)]
     first, *other_sections = _plane(ds, conditions, [point])
     sections: list[Section] = [first, ("Operating point", [table, *[warnings] * bool(warnings)])]
     headline = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
     lines = [*map(_as_sentence, sentences)]
-    return Answer(words.verdict_text(margin), headline, lines, [*sections, *other_sections])
+    return Answer(wording.verdict_text(margin), headline, lines, [*sections, *other_sections])
 
 
 def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) -> Iterator[str]:
@@ -254,10 +254,10 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         refuse_cases(ds)
         raise InputError(f"a report has rows along one dimension, not along {[*margins.sizes]}")
     (row,) = margins.sizes
-    deciding, names = deciding_row(margins), words.row_labels(margins, str(row))
+    deciding, names = deciding_row(margins), wording.row_labels(margins, str(row))
     codes, verdicts = (
         margins["verdict"].values.tolist(),
-        words.code_text(margins["verdict"]).tolist(),
+        wording.code_text(margins["verdict"]).tolist(),
     )
     verdict, critical = verdicts[deciding], f"the most critical operating point: {names[deciding]}"
     headline = f"{HEADLINES.get(codes[deciding], 'Unknown')} at {critical}"
@@ -273,8 +273,8 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         margin_frame(margins), "Operating points; the deciding one is bold", deciding
     )
     notes = [
-        *words.conditions_lines(margins), *words.reason_lines(margins),
-        *words.row_warnings(margins), *words.common_lines(margins),
+        *wording.conditions_lines(margins), *wording.reason_lines(margins),
+        *wording.row_warnings(margins), *wording.common_lines(margins),
     ]  # fmt: skip
     notes = [*map(_as_sentence, _without_help(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, notes])]
@@ -283,10 +283,10 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         coordinates = (values.values.ravel().tolist() for values in points)
         sections += _plane(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
     else:
-        lines = words.temperature_error_line(margins), words.model_error_line(margins)
+        lines = wording.temperature_error_line(margins), wording.model_error_line(margins)
         sections.append(("Errors", [_errors(*lines)]))
     numbers = ", ".join(f"{number} {text}" for text, number in Counter(verdicts).items())
-    sentences = [f"Operating points: {numbers}", *words.not_included_lines(margins)]
+    sentences = [f"Operating points: {numbers}", *wording.not_included_lines(margins)]
     if codes[deciding] in HEADLINES:
         sentences.insert(0, _verdict(margins.isel({row: deciding})))
     return Answer(verdict, headline, [*map(_as_sentence, sentences)], sections)
@@ -294,7 +294,7 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
 
 def _verdict(margin: xr.Dataset) -> str:
     """Sentence on the probability at one operating point; the headline has its verdict."""
-    verdict, _, rest = words.headline(margin).partition(": ")
+    verdict, _, rest = wording.headline(margin).partition(": ")
     subject = "probability of severe wear "
     return (rest or verdict).replace(subject, f"the {subject}is ", 1)
 
@@ -310,7 +310,7 @@ def _plane(
         for point in points
         if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
     ]
-    caption = _as_sentence(words.conditions_lines(boundary)[0])
+    caption = _as_sentence(wording.conditions_lines(boundary)[0])
     caption += " Dots: simulated points." * (not case_dims(ds))
     if missing := boundary.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
@@ -330,9 +330,9 @@ def _plane(
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if boundary.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
-    if rulings := [*map(_as_sentence, words.ruling_lines(boundary))]:
+    if rulings := [*map(_as_sentence, wording.ruling_lines(boundary))]:
         sections.insert(2, ("Tests that rule verdicts out", [rulings]))
-    lines = _errors(*words.error_lines(boundary), *words.shift_lines(boundary))
+    lines = _errors(*wording.error_lines(boundary), *wording.shift_lines(boundary))
     return [*sections, ("Errors", [lines])]
 
 
@@ -356,7 +356,7 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
     table.insert(2, "computed", computed)
     yield _frame_grid(table, "Tests, each at its own conditions, and what is computed for them")
-    if lines := [*words.test_lines(tests)]:
+    if lines := [*wording.test_lines(tests)]:
         yield lines
 
 
@@ -372,7 +372,7 @@ def _common(
     cases = [Grid("Cases of the sweep", heads, rows)] if rows else []
     yield "Conditions and inputs", [inputs, *cases]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
-    notes = split_notes(words.attribute_texts(pipeline.points(ds, **single), "notes"))
+    notes = split_notes(wording.attribute_texts(pipeline.points(ds, **single), "notes"))
     limits = _without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
     uncovered = [line for line in map(_as_sentence, limits) if line not in stated]
     yield "What is not covered", [_MODEL, *[uncovered] * bool(uncovered)]

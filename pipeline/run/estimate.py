@@ -14,7 +14,7 @@ import numpy as np
 import psutil
 
 from pipeline.arguments import in_count
-from pipeline.scene.read import SceneLike, sweep_of
+from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import list_points_of_tests, sweep_of_tests

@@ -13,15 +13,15 @@ import xarray as xr
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import PARTS, SURFACE, total
 from pipeline.answers.results import CaseResults, ascending, cases_of
-from pipeline.answers.verdict import JudgedCase, VerdictModel
+from pipeline.answers.verdict_model import JudgedCase, VerdictModel
 from pipeline.arguments import in_share
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
-from pipeline.store.read import store_dataset
+from pipeline.store.dataset import store_dataset
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.sweep.conditions import known_critical_temperature
+from pipeline.sweep.condition_entries import known_critical_temperature
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.user_laws import UserSurface
 from tribo import InputError, SelfAffineRoughness

@@ -8,7 +8,7 @@ import xarray as xr
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.create import copy_points
-from pipeline.store.read import store_dataset
+from pipeline.store.dataset import store_dataset
 from pipeline.store.store import Store
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point

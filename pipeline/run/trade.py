@@ -24,8 +24,8 @@ from pipeline.constants import RISE_SHARE
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed
-from pipeline.run.sweep import run_sweep
-from pipeline.scene.read import SceneLike, sweep_of
+from pipeline.run.run_sweep import run_sweep
+from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point, Sweep
@@ -53,7 +53,7 @@ class Measured:
 class Trade:
     """Measured processor time and error of the boundary of a scene."""
 
-    drawn_by: ClassVar = "pipeline.figures.studies:draw_trade"
+    drawn_by: ClassVar = "pipeline.figures.trade_figure:draw_trade"
     title: str  #: Title of the scene.
     runs: tuple[Measured, ...]  #: Runs with a goal, each on the points of those before.
     planes: tuple[Measured, ...]  #: The whole plane by each preset; its time is that of one point.

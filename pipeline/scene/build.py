@@ -29,13 +29,13 @@ from pipeline.scene.format import (
     Window,
 )
 from pipeline.scene.library import resolve_library
-from pipeline.scene.stages import expand_tests, stages_of
+from pipeline.scene.load_stages import expand_tests, stages_of
 from pipeline.scene.tables import Declared, table_of
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import AREAS
-from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.condition_entries import PATHS, Conditions
 from pipeline.sweep.notes import FromLibrary
 from pipeline.table import SCENE, numbers_of, read_table
 from tribo.loading.record import find_fault

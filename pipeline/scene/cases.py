@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.limits import MOST_SCENES, MOST_VARIED
+from pipeline.messages import quoted
 from pipeline.scene.build import Built, Files, build, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
@@ -30,11 +31,10 @@ from pipeline.sweep.case_table import (
     surfaces,
 )
 from pipeline.sweep.codec import digest
-from pipeline.sweep.conditions import CONDITION_ENTRIES
+from pipeline.sweep.condition_entries import CONDITION_ENTRIES
 from pipeline.table import SCENE, Advice, Sheet, TableError, read_table
 from pipeline.table import Column as TableColumn
 from pipeline.units import UnitError, si_unit, to_si
-from pipeline.words import quoted
 from tribo import InputError, SelfAffineRoughness
 
 _FIXED = ("sweep", "title", "note", "extends", "without", "tests")

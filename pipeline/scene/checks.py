@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import tribo
+from pipeline.messages import did_you_mean, quoted
 from pipeline.quantities import display
 from pipeline.scene.contact_estimate import expect_contacts
 from pipeline.scene.faults import Fault, Faults
 from pipeline.scene.format import Body, StagesTable
 from pipeline.scene.library import library
-from pipeline.scene.stages import stages_of
+from pipeline.scene.load_stages import stages_of
 from pipeline.sweep.case import Case
-from pipeline.words import did_you_mean, quoted
 from tribo.simulation.pins import sizes_of
 
 _BODY_SIZES = "diameter", "width", "track_length"

@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+from pipeline.messages import fault_lines
 from pipeline.shipped import name_of
 from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.table import TableError
 from pipeline.units import UnitError
-from pipeline.words import fault_lines
 from tribo import InputError, TriboError
 
 

@@ -10,12 +10,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
+from pipeline.messages import did_you_mean, quoted
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
-from pipeline.sweep.conditions import OIL_WORKS
+from pipeline.sweep.condition_entries import OIL_WORKS
 from pipeline.sweep.notes import unusual_warning
 from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
-from pipeline.words import did_you_mean, quoted
 from tribo import InputError
 from tribo.simulation.usual_values import USUAL
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 
+from pipeline.messages import did_you_mean
 from pipeline.paths import reason_of, user_path
 from pipeline.scene.entries import Entries, entry_at
 from pipeline.shipped import shipped_scenes
-from pipeline.words import did_you_mean
 from tribo import InputError
 
 

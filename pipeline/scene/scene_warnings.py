@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from pipeline.messages import key_path
 from pipeline.scene.contact_estimate import (
     ContactEstimate,
     Span,
@@ -17,7 +18,6 @@ from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep
-from pipeline.words import key_path
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 

@@ -31,6 +31,7 @@ from typing import (
 )
 
 from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES
+from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
@@ -45,7 +46,6 @@ from pipeline.scene.kinds import (
     require,
 )
 from pipeline.units import exact_decimals, exact_si
-from pipeline.words import did_you_mean, key_path, quoted
 from tribo.loading.ramp import MOST_STEPS
 
 

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.limits import MOST_BYTES_OF_SCENE, MOST_EXTENDED, MOST_HINTS, MOST_LEVELS
+from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, merged, replace_value
 from pipeline.scene.faults import Fault, Faults, SceneFileError
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import table_of
 from pipeline.shipped import name_of, scene_path, shipped_scenes
-from pipeline.words import did_you_mean, key_path, quoted
 
 _KEYS = table_of(SceneFile).keys
 _LONG_KEY = re.compile(

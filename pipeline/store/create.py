@@ -31,7 +31,7 @@ import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
-from pipeline.store.check import Checked, checked_points, find_damage, mend
+from pipeline.store.damage import Checked, checked_points, find_damage, mend
 from pipeline.store.files import PARTIAL, link_files, sync
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (

@@ -8,15 +8,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from pipeline.messages import quoted
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.condition_entries import PATHS
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import list_points_of_tests
 from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.sweep.user_laws import UserObject
-from pipeline.words import quoted
 from tribo import InputError
 
 _ENTRIES = {

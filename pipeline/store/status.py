@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.progress import Report, silent
-from pipeline.store.check import find_damage
+from pipeline.store.damage import find_damage
 from pipeline.store.lock import holder_of
 from pipeline.store.place import PathLike, io_errors, place_of
 from pipeline.store.root import read_root, stale_documents

@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.messages import quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.quantities import display_sides
-from pipeline.words import quoted
 from tribo import InputError
 from tribo.types import Array
 

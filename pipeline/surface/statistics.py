@@ -11,11 +11,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pipeline.arguments import in_si, plain_value
+from pipeline.messages import quoted
 from pipeline.quantities import display, display_sides
 from pipeline.surface.fit import SelfAffineFit, fit_self_affine
 from pipeline.surface.scan import Scan, read_scan
 from pipeline.surface.window import filled, form_words
-from pipeline.words import quoted
 from tribo import Grid, InputError
 from tribo.errors import require_positive
 from tribo.surface import self_affine
@@ -50,7 +50,7 @@ class SurfaceStatistics:
     fitted_heights: Array = field(repr=False)  #: Those of the random surface [m].
     scan_tables: str = field(repr=False)  #: Tables of a scene that simulates the scan itself.
     notes: tuple[str, ...] = ()  #: On holes, doubtful units, and arguments that override the file.
-    drawn_by: ClassVar = "pipeline.figures.scan:draw_surface"
+    drawn_by: ClassVar = "pipeline.figures.surface_figure:draw_surface"
 
     @property
     def faults_of_fit(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, Self
 
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 OUTCOMES = ("mild", "severe", "transition")

@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.case_table import CaseName, CaseRow
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures

@@ -13,7 +13,7 @@ import tribo
 from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneWarning
 from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep

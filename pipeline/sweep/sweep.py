@@ -11,7 +11,7 @@ from pipeline.limits import MOST_POINTS
 from pipeline.sweep.case import LARGEST, Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, in_order, surfaces
 from pipeline.sweep.codec import NOT_STORED, digest
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
 from pipeline.sweep.stored_steps import Fields, Steps, StoredSteps
 from pipeline.sweep.user_laws import user_law, user_surface

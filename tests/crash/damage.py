@@ -19,7 +19,7 @@ from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
-from pipeline.store import check, status
+from pipeline.store import damage, status
 from pipeline.store.place import ROOT
 from tests.crash.drive import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, indexed_points, values_of_points
@@ -166,7 +166,7 @@ def campaign(run):
     kinds = (_cut, _deleted) if run.mistake else _KINDS
     # With the mistake, no damage is found.
     unfound = ExitStack()
-    for module in (check, status) if run.mistake else ():
+    for module in (damage, status) if run.mistake else ():
         unfound.enter_context(
             mock.patch.object(module, "find_damage", lambda store, *_: store.damage)
         )

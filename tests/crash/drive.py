@@ -14,7 +14,7 @@ from unittest import mock
 
 from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
-from pipeline.run import sweep as running
+from pipeline.run import run_sweep as running
 from pipeline.run.drive import Tally
 from pipeline.store import create
 from pipeline.store import place as files

@@ -22,8 +22,8 @@ import numpy as np
 import pipeline
 from pipeline import verify_store
 from pipeline.store.create import find_sweep
+from pipeline.store.dataset import open_store
 from pipeline.store.files import PARTIAL
-from pipeline.store.read import open_store
 from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.sweep.sweep import Point
 from tests.crash.drive import drive

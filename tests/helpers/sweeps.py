@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.answers.conditions import override_conditions as judged_by
+from pipeline.answers.condition_values import override_conditions as judged_by
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.scene.build import Files
 from pipeline.scene.faults import Faults
-from pipeline.scene.read import Source
+from pipeline.scene.scene_file import Source
 from pipeline.store.schema import INPUTS, PLANE, split_arrays
 from pipeline.sweep.stored import plain_sweep
 from tests.helpers.entries import FIELDS, changed

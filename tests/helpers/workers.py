@@ -52,5 +52,5 @@ def _sweeps_share_workers(request, _workers):
         if getattr(getattr(request.node, "obj", None), "OWN_WORKERS", False):
             _workers.end()
         elif "tribo" not in request.path.parts:  # tests of tribo have no sweeps
-            patched.setattr("pipeline.run.sweep.connected", _workers.connected)
+            patched.setattr("pipeline.run.run_sweep.connected", _workers.connected)
         yield

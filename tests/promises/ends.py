@@ -17,7 +17,7 @@ _STRIP = 1e-4  # width of the strip at an end [m]
 _ACROSS, _LONG = 64, 20e-6  # elements across the window, and the length of each [m]
 _APART = 0.03  # step of ln(velocity) for the exponent
 PAPER, STATED = "2 × 3.4 mm", (0.04, 0.11)
-"""The paper's pin, and how much hotter its ends are said to be (`pipeline.answers.scene_words`)."""
+"""The paper's pin, and how much hotter `pipeline.answers.scene_wording` states its ends to be."""
 MODULUS = tribo.contact_modulus(STEEL, STEEL)
 HEADS = (
     "pin", "N", "m/s", "wear widens it by", "hotter at its ends", "exponent", "severe there at",

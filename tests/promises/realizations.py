@@ -20,7 +20,7 @@ import xarray as xr
 import pipeline
 from pipeline.answers.error import SURFACE, rise_errors
 from pipeline.answers.results import cases_of
-from pipeline.answers.verdict import JudgedCase
+from pipeline.answers.verdict_model import JudgedCase
 from pipeline.store.schema import PENDING
 from tests.helpers.campaigns import conclude, table
 

@@ -10,11 +10,11 @@ import re
 import sys
 
 import tribo
+from pipeline.messages import quoted
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.tables import List
 from pipeline.store import schema
 from pipeline.units import typeset
-from pipeline.words import quoted
 from tests.helpers.campaigns import table
 from tests.sources.sections import number_in, sections
 

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
-from tribo.contact.rows import RowMetric, SoftRows
 from tribo.contact.simplex import shifted_to_load
+from tribo.contact.soft_rows import RowMetric, SoftRows
 from tribo.numerics import Neighbourhood, largest
 from tribo.types import Array, Mask, Nodes
 

@@ -34,7 +34,7 @@ class Neighbourhood:
     the coupling on a block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong;
     if this could not precondition, `inverse` has only its middle factor. The `coupling` is the
     displacement that elements of a row along `soft_axis` add to each other at any distance (see
-    `tribo.contact.rows`). `Preconditioner` adds it to `inverse`.
+    `tribo.contact.soft_rows`). `Preconditioner` adds it to `inverse`.
 
     Examples
     --------
@@ -133,8 +133,8 @@ class Preconditioner:
     pressure.
 
     The stencil S inverts the influence of neighbouring elements. In addition, the pressures p of a
-    row i displace the whole row by k·Σp (see `tribo.contact.rows`). The approximate inverse of both
-    is
+    row i displace the whole row by k·Σp (see `tribo.contact.soft_rows`). The approximate inverse of
+    both is
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 

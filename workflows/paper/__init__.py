@@ -16,7 +16,7 @@ from PIL import Image
 
 from pipeline.figures.style import save_figure
 from pipeline.frames import FIGURES, writable_path
-from pipeline.words import did_you_mean
+from pipeline.messages import did_you_mean
 from tribo import InputError
 
 from .checkerboard import fig2

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.answers.scene_words import heating_words
+from pipeline.answers.scene_wording import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from tribo import InputError, Ramp
 from tribo.types import Array

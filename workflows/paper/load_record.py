@@ -8,10 +8,10 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.answers.scene_words import heating_words
+from pipeline.answers.scene_wording import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import known_critical_temperature
+from pipeline.sweep.condition_entries import known_critical_temperature
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 

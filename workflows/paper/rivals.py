@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.answers.scene_words import governing_words
+from pipeline.answers.scene_wording import governing_words
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime

@@ -13,7 +13,7 @@ import xarray as xr
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
 from pipeline.progress import Progress, Report, duration, silent
-from pipeline.run.sweep import Outcome
+from pipeline.run.run_sweep import Outcome
 from pipeline.shipped import WORKFLOWS
 
 T = TypeVar("T")

@@ -10,10 +10,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.answers.scene_words import governing_words
+from pipeline.answers.scene_wording import governing_words
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import allowable_rise, known_critical_temperature
+from pipeline.sweep.condition_entries import allowable_rise, known_critical_temperature
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4

@@ -5,7 +5,7 @@ import pytest
 
 from pipeline import boundary
 from pipeline.answers.results import sweep_of
-from pipeline.answers.words import boundary_lines, next_run_line
+from pipeline.answers.wording import boundary_lines, next_run_line
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.field import Outcome as Along
-from pipeline.answers.frames import boundary_frame
 from pipeline.answers.posterior import Outcome, Prior, update
-from pipeline.answers.words import boundary_lines, closing_lines, next_run_line, withheld_lines
+from pipeline.answers.wording import boundary_lines, closing_lines, next_run_line, withheld_lines
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named

@@ -7,10 +7,10 @@ import pytest
 
 import pipeline
 from pipeline import plot
-from pipeline.answers.words import row_labels
+from pipeline.answers.wording import row_labels
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
-from pipeline.figures.rows import deciding_row, draw_rows
+from pipeline.figures.rows_figure import deciding_row, draw_rows
 from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic

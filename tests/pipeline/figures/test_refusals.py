@@ -3,7 +3,7 @@
 from functools import cache
 
 import pipeline
-from pipeline.figures.rows import draw_rows
+from pipeline.figures.rows_figure import draw_rows
 from pipeline.run.trade import Trade
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
@@ -94,7 +94,7 @@ refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refu
     "figures",
     REFUSALS,
     {
-        "fields._point_fields InputError": "tests/pipeline/run/test_goal.py",
-        "fields._require_step InputError": "tests/pipeline/store/test_dataset.py, with steps",
+        "fields_figure._point_fields InputError": "tests/pipeline/run/test_goal.py",
+        "fields_figure._require_step InputError": "tests/pipeline/store/test_dataset.py, by steps",
     },
 )

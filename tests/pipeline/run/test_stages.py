@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.answers.evidence import outcome_of
 from pipeline.answers.results import cases_of
-from pipeline.answers.tests import outcome_of
-from pipeline.answers.verdict import JudgedCase
+from pipeline.answers.verdict_model import JudgedCase
 from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.sweep import plan

@@ -1,4 +1,4 @@
-"""Sweeps on a cluster (pipeline/run/sweep.py and cluster.py)."""
+"""Sweeps on a cluster (pipeline/run/run_sweep.py and cluster.py)."""
 
 import errno
 import os
@@ -16,7 +16,7 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_store
-from pipeline.run import sweep as execute
+from pipeline.run import run_sweep as execute
 from pipeline.store import create, files
 from pipeline.store.create import writing
 from pipeline.store.schema import COLUMNS, DONE, FIELDS
@@ -154,7 +154,7 @@ def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(c
 
 SCRIPT = """
 import sys
-from pipeline.run.sweep import run_sweep
+from pipeline.run.run_sweep import run_sweep
 from tests.helpers import tiny
 if __name__ == "__main__":
     endless = tiny.EndlessRamp(150.0, 750.0, faulty_load=max(tiny.LOADS))
@@ -211,7 +211,7 @@ def test_ctrl_c_or_a_kill_ends_everything_and_keeps_finished_points(
 
 UNGUARDED = """
 import sys
-from pipeline.run.sweep import run_sweep
+from pipeline.run.run_sweep import run_sweep
 from tests.helpers import tiny
 run_sweep(tiny.sweep(), sys.argv[1], workers=1)
 """

@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from pipeline import load_scene, run_point
-from pipeline.answers.scene_words import warning_text
+from pipeline.answers.scene_wording import warning_text
 from pipeline.scene.contact_estimate import Span, estimate_contact
 from pipeline.scene.scene_warnings import warnings_of_case
 from tests.helpers import tiny

@@ -9,7 +9,7 @@ import tribo
 from pipeline import Conditions
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column, surfaces
-from pipeline.sweep.conditions import known_critical_temperature
+from pipeline.sweep.condition_entries import known_critical_temperature
 from pipeline.sweep.stored import (
     MissingSurface,
     plain_sweep,

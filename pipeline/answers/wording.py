@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.conditions import NAMES
+from pipeline.answers.condition_values import NAMES
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.scene_words import (
+from pipeline.answers.evidence import Evidence, waiting_text
+from pipeline.answers.scene_wording import (
     added_rise_words,
     model_words,
     value_words,
@@ -20,13 +21,12 @@ from pipeline.answers.scene_words import (
     warning_lines,
 )
 from pipeline.answers.specimen import specimen_of
-from pipeline.answers.tests import Evidence, waiting_text
-from pipeline.answers.verdict import VerdictModel
+from pipeline.answers.verdict_model import VerdictModel
 from pipeline.constants import DECIDED, LEAST_STATED, SHARP_ENDS
+from pipeline.messages import join_notes, split_notes
 from pipeline.quantities import UNITS, display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
-from pipeline.words import join_notes, split_notes
 from tribo import Corrections, Fidelity, Scene, Track
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array

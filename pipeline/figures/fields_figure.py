@@ -12,16 +12,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.answers.conditions import in_array
+from pipeline.answers.condition_values import in_array
 from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
-from pipeline.answers.scene_words import heating_words
-from pipeline.answers.verdict import conditions_of, outside_reason
+from pipeline.answers.scene_wording import heating_words
+from pipeline.answers.verdict_model import conditions_of, outside_reason
 from pipeline.arguments import in_si
 from pipeline.figures import style
 from pipeline.quantities import ROUNDING, UNITS, shown_in
-from pipeline.store.read import fields_of
+from pipeline.store.dataset import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.sweep.conditions import Conditions, allowable_rise
+from pipeline.sweep.condition_entries import Conditions, allowable_rise
 from tribo import InputError
 from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.types import Array

@@ -13,10 +13,10 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers import words
+from pipeline.answers import wording
 from pipeline.answers.discretization_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
-from pipeline.answers.scene_words import warning_lines
+from pipeline.answers.scene_wording import warning_lines
 from pipeline.cli import output
 from pipeline.cli.check import check, notes_on_scene
 from pipeline.cli.inputs import scene_in, values_in
@@ -106,7 +106,7 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
     if not case_dims(ds):  # one scene; irg boundary has a table of several
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary_lines = [*wrapped(words.closing_lines(pipeline.boundary(ds)))]
+            boundary_lines = [*wrapped(wording.closing_lines(pipeline.boundary(ds)))]
     return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
 
 

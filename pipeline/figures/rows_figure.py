@@ -11,9 +11,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers import words
+from pipeline.answers import wording
 from pipeline.answers.results import sweep_of
-from pipeline.answers.verdict import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from tribo import InputError
@@ -51,7 +51,9 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {margins['reason'].values[0]}")
-    names = [style.as_text(label) for label in words.row_labels(margins, *map(str, margins.sizes))]
+    names = [
+        style.as_text(label) for label in wording.row_labels(margins, *map(str, margins.sizes))
+    ]
     labels = [textwrap.fill(name, int(_LETTERS * style.wanted_width(_WIDTH))) for name in names]
     lines_per_row = 1 + max(label.count("\n") for label in labels)
     positions = np.arange(len(names))
@@ -79,7 +81,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         probability, factor = (
             margins[name].values[row] for name in ("probability", "friction_safety_factor")
         )
-        text = f"{words.probability_text(probability)}, {factor:.2f}" if factor > 0 else ""
+        text = f"{wording.probability_text(probability)}, {factor:.2f}" if factor > 0 else ""
         axes.annotate(
             "unknown" if np.isnan(margin[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
@@ -98,8 +100,10 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         f"most critical: {names[deciding]}",
         "at the right: probability of severe wear, safety factor of friction",
     ]
-    lines += words.conditions_lines(margins)
-    lines += [f"model error: {text}" for text in words.attribute_texts(margins, "model_error")[:1]]
+    lines += wording.conditions_lines(margins)
+    lines += [
+        f"model error: {text}" for text in wording.attribute_texts(margins, "model_error")[:1]
+    ]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers import words
-from pipeline.answers.conditions import NAMES
-from pipeline.answers.scene_words import usual_unit
-from pipeline.answers.words import ATTRIBUTES, probability_text
+from pipeline.answers import wording
+from pipeline.answers.condition_values import NAMES
+from pipeline.answers.scene_wording import usual_unit
+from pipeline.answers.wording import ATTRIBUTES, probability_text
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
@@ -70,9 +70,11 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 def _to_text(variable: xr.DataArray) -> xr.Variable:
     """A variable with text for its codes and flags."""
     if "flag_values" in variable.attrs:
-        return variable.copy(data=words.code_text(variable)).variable
+        return variable.copy(data=wording.code_text(variable)).variable
     if "flag_masks" in variable.attrs:
-        texts = [", ".join(words.flag_names(variable, k)) for k in variable.values.ravel().tolist()]
+        texts = [
+            ", ".join(wording.flag_names(variable, k)) for k in variable.values.ravel().tolist()
+        ]
         return variable.copy(data=np.array(texts, object).reshape(variable.shape)).variable
     return variable.variable
 

@@ -12,22 +12,22 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.answers import words
+from pipeline.answers import wording
+from pipeline.answers.answer_frames import boundary_frame, margin_frame, tests_frame, whole_frame
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.frames import boundary_frame, margin_frame, tests_frame, whole_frame
 from pipeline.answers.results import sweep_of
-from pipeline.answers.scene_words import named_value
-from pipeline.answers.verdict import UNKNOWN
+from pipeline.answers.scene_wording import named_value
+from pipeline.answers.verdict_model import UNKNOWN
 from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, pluralized, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
+from pipeline.messages import quoted
 from pipeline.shipped import typed_name
 from pipeline.store.place import REMEDY, StoreError
 from pipeline.store.resume import mismatches
 from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE
 from pipeline.store.status import states
-from pipeline.words import quoted
 from tribo import InputError, TriboError
 from tribo.types import Mask
 
@@ -141,14 +141,14 @@ def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
         margin = margins.isel(dict(zip(sizes, index, strict=True)))
         conditions = [named_value(margin[dim]) for dim in sizes]
         lines += [f"{', '.join(conditions)}:"] * bool(conditions)
-        lines += words.margin_lines(margin)
-    return [*lines, *words.common_lines(margins)]
+        lines += wording.margin_lines(margin)
+    return [*lines, *wording.common_lines(margins)]
 
 
 def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     """The rows with the least margins, and lines on all of them."""
     verdicts, counts = np.unique(
-        words.code_text(margins["verdict"]).astype(str), return_counts=True
+        wording.code_text(margins["verdict"]).astype(str), return_counts=True
     )
     verdict_counts = ", ".join(
         f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True)
@@ -161,16 +161,16 @@ def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     omitted = len(frame) - len(printed)
     return [
         f"{count}: {verdict_counts}",
-        *words.conditions_lines(margins),
-        *words.not_included_lines(margins),
+        *wording.conditions_lines(margins),
+        *wording.not_included_lines(margins),
         "",
         printed,
         "",
         *[f"{omitted} more rows: use --all, or -o TABLE.csv"] * bool(omitted),
-        *words.reason_lines(margins),
-        *words.row_warnings(margins),
-        words.model_error_line(margins),
-        *words.common_lines(margins),
+        *wording.reason_lines(margins),
+        *wording.row_warnings(margins),
+        wording.model_error_line(margins),
+        *wording.common_lines(margins),
     ]
 
 
@@ -183,7 +183,11 @@ def boundary(options: argparse.Namespace) -> Result:
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
         table = without_columns(tests_frame(results))
-        text: list[Any] = ["tests, each at its own conditions", table, *words.common_lines(results)]
+        text: list[Any] = [
+            "tests, each at its own conditions",
+            table,
+            *wording.common_lines(results),
+        ]
         return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
     with working("computing the boundary"):
         results = pipeline.boundary(ds, **conditions)
@@ -191,8 +195,8 @@ def boundary(options: argparse.Namespace) -> Result:
     printed = rows if options.all else some_rows(rows, _MAX_ROWS, _are_tested(ds, rows, options.by))
     hint = [f"{len(rows) - len(printed)} more rows: use --all, or -o TABLE.csv"]
     text = [
-        *words.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
-        *words.boundary_lines(results),
+        *wording.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
+        *wording.boundary_lines(results),
     ]  # fmt: skip
     parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
     return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])

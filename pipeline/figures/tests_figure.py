@@ -15,7 +15,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 import pipeline
-from pipeline.answers import words
+from pipeline.answers import wording
 from pipeline.answers.results import CaseResults, refuse_cases, sweep_of
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, FAINT, GREY
@@ -50,7 +50,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         raise InputError("the scene has no tests to draw; add [[tests]] to it")
     with_result = comparison.isel(test=comparison["reason"].values == "")
     if not with_result.sizes["test"]:
-        reason = words.attribute_texts(comparison, "tests_without_result")[0]
+        reason = wording.attribute_texts(comparison, "tests_without_result")[0]
         raise InputError(f"no test of the scene has a result yet: {reason}")
     low, middle, high = map(math.exp, comparison.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * with_result.sizes["test"]))
@@ -79,7 +79,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     axes.set(xlabel="computed rise ratio of the test")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
-    caption = f"model error: {words.attribute_texts(comparison, 'model_error')[0]}"
+    caption = f"model error: {wording.attribute_texts(comparison, 'model_error')[0]}"
     if missing := comparison.sizes["test"] - len(pairs):
         caption += f"\n{missing} of {comparison.sizes['test']} tests have no result"
     style.legend_below(

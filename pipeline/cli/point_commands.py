@@ -10,8 +10,8 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.answers import words
-from pipeline.answers.frames import answer_frame, tests_frame, whole_frame
+from pipeline.answers import wording
+from pipeline.answers.answer_frames import answer_frame, tests_frame, whole_frame
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, pluralized, print_note, working, wrapped
@@ -68,7 +68,7 @@ def point(options: argparse.Namespace) -> Result:
     text, frame = ["without temperature.critical there is no verdict"], contact
     if sweep_of(ds).base.is_judged:
         margins = pipeline.margin(ds, load, velocity)
-        text = [*words.margin_lines(margins), *words.common_lines(margins)]
+        text = [*wording.margin_lines(margins), *wording.common_lines(margins)]
         frame = whole_frame(margins).join(contact)
     warned = pipeline.points_with_warnings(ds)
     return Result(text=wrapped([*text, "", transposed(contact)]), warned=warned, frames=[frame])
@@ -119,7 +119,7 @@ def infer(options: argparse.Namespace) -> Result:
         )
     frame = answer_frame(tests)
     belongs = f"it belongs to {values.attrs['model']}: {_OTHER_MODEL}"
-    text = [finding, belongs, "", without_columns(tests_frame(tests)), *words.common_lines(tests)]
+    text = [finding, belongs, "", without_columns(tests_frame(tests)), *wording.common_lines(tests)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.answers.conditions import evaluate_by_bulk
+from pipeline.answers.condition_values import evaluate_by_bulk
 from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
 from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.conditions import Conditions, allowable_rise, with_test_conditions
+from pipeline.sweep.condition_entries import Conditions, allowable_rise, with_test_conditions
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask

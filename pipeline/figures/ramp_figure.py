@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.answers.scene_words import governing_words, heating_words, warning_lines
+from pipeline.answers.scene_wording import governing_words, heating_words, warning_lines
 from pipeline.figures import style
-from pipeline.figures.fields import (
+from pipeline.figures.fields_figure import (
     DrawnCase,
     PointIndex,
     QuantityLike,
@@ -23,7 +23,7 @@ from pipeline.figures.fields import (
 )
 from pipeline.figures.style import BLACK, GREY
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.condition_entries import Conditions
 from tribo.types import Array
 
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}

@@ -13,6 +13,7 @@ import numpy as np
 import tribo
 from pipeline.arguments import in_si, plain_value
 from pipeline.limits import MOST_LEVELS
+from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
@@ -30,7 +31,6 @@ from pipeline.sweep.case_table import SEED
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.words import did_you_mean, quoted
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
 """Entries that may name a file, relative to the scene's folder."""

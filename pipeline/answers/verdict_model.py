@@ -16,19 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.answers.conditions import Operation, evaluate_by_bulk, override_conditions
+from pipeline.answers.condition_values import Operation, evaluate_by_bulk, override_conditions
 from pipeline.answers.critical_temperature import critical_temperature_of
 from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
+from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, Lines, Outcome, film_field
 from pipeline.answers.results import CaseResults
 from pipeline.answers.rulings import Rulings
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.answers.tests import Evidence, evidence_of
 from pipeline.constants import DECIDED, FARTHEST
+from pipeline.messages import join_notes
 from pipeline.quantities import UNITS
-from pipeline.sweep.conditions import Conditions, known_critical_temperature
-from pipeline.words import join_notes
+from pipeline.sweep.condition_entries import Conditions, known_critical_temperature
 from tribo import Stages, WarningKind
 from tribo.types import Array, Mask
 

@@ -19,7 +19,7 @@ from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
-from pipeline.scene.read import sweep_of
+from pipeline.scene.scene_file import sweep_of
 from pipeline.store.create import copy_points, enlarged, find_sweep, versions, writing
 from pipeline.store.place import Folder, PathLike, place_of
 from pipeline.store.resume import changes_in_words
