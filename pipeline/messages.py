@@ -7,6 +7,8 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
+from pipeline.limits import MOST_FAULTS
+
 _MAX_FAULTS = 18  # that a message lists
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
@@ -32,7 +34,8 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     """Join faults to a message that names the file; several have a line each, 20 at most."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
-    lines = [f"{name}: {len(faults)} faults", *faults[:_MAX_FAULTS]]
+    heading = "{}: {} faults or more" if len(faults) >= MOST_FAULTS else "{}: {} faults"
+    lines = [heading.format(name, len(faults)), *faults[:_MAX_FAULTS]]
     if (more := len(faults) - _MAX_FAULTS) > 0:
         lines.append(f"and {more} more")
     return "\n  ".join(lines)

@@ -11,11 +11,9 @@ from __future__ import annotations
 import csv
 import io
 import re
-import zipfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,15 +22,16 @@ import pandas as pd
 
 from pipeline.arguments import plain_value
 from pipeline.limits import (
-    MOST_BYTES_OF_BOOK,
     MOST_BYTES_OF_LINE,
     MOST_BYTES_OF_TEXT,
-    MOST_CELLS_OF_SHEET,
     MOST_CELLS_OF_TEXT,
+    MOST_COLUMNS,
+    MOST_FAULTS,
 )
 from pipeline.messages import did_you_mean, fault_lines, quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
-from pipeline.units import NUMBER, to_si
+from pipeline.units import GROUPED, NUMBER, to_si
+from pipeline.workbook import workbook_rows
 from tribo import InputError
 from tribo.types import Array
 
@@ -48,7 +47,6 @@ _NUMERIC = re.compile(
 )
 """Beginning of a cell that is no word: a number, a formula, or an error of a spreadsheet."""
 _ERRORS = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
-_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # thousands, or three decimals
 _SIGNS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
 _NO_VALUE = {"-", "--", "—"}  # after `_SIGNS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
@@ -72,6 +70,26 @@ class TableError(InputError):
     def __init__(self, name: str, faults: list[str]) -> None:
         super().__init__(fault_lines(name, faults))
         self.faults = faults
+
+
+class TableFaults(list[str]):
+    """Faults of a table by its `name`; the last one that is listed is raised with the others."""
+
+    def __init__(self, name: str, faults: Iterable[str] = ()) -> None:
+        super().__init__()
+        self.name = name
+        self.extend(faults)
+
+    def append(self, fault: str) -> None:
+        """Add a fault."""
+        super().append(fault)
+        if len(self) >= MOST_FAULTS:
+            raise TableError(self.name, self)
+
+    def extend(self, faults: Iterable[str]) -> None:
+        """Add faults."""
+        for fault in faults:
+            self.append(fault)
 
 
 class Advice(NamedTuple):
@@ -129,14 +147,14 @@ class Sheet:
     name: str
     columns: list[Column]
     lines: list[int]
-    faults: list[str]
+    faults: TableFaults
     advice: Advice = PYTHON
     decimal: str | None = None  # decimal mark given by the user
     is_local: bool = False  # True if points of numbers may divide thousands
 
     def renamed(self, names: Mapping[str, str]) -> Sheet:
         """The sheet with renamed columns; a repeated name is a fault."""
-        columns, faults = list[Column](), [*self.faults]
+        columns, faults = list[Column](), TableFaults(self.name, self.faults)
         for original in self.columns:
             column = original._replace(name=names.get(original.name, original.name))
             if column.name in {other.name for other in columns}:
@@ -147,13 +165,14 @@ class Sheet:
 
     def select(
         self, known: Collection[str], needed: Collection[str] = (), omissible: Collection[str] = ()
-    ) -> tuple[list[Column], list[Column], list[str]]:
+    ) -> tuple[list[Column], list[Column], TableFaults]:
         """Columns that act, columns of words, and all faults.
 
         The first have a name in `known`; their numbers have decimal points. A dash in an
         `omissible` column leaves out the entry of its row.
         """
-        faults, acting, words = [*self.faults], list[Column](), list[Column]()
+        faults = TableFaults(self.name, self.faults)
+        acting, words = list[Column](), list[Column]()
         names = {column.name for column in self.columns}
         for column in self.columns:
             if column.name in known:
@@ -165,7 +184,7 @@ class Sheet:
                 words.append(column)
         heads = ", ".join(quoted(column.head) for column in self.columns)
         missing = [name for name in needed if name not in names]
-        faults += [f"no column {name} in {heads}; add it, with its unit" for name in missing]
+        faults.extend(f"no column {name} in {heads}; add it, with its unit" for name in missing)
         return acting, words, faults
 
     def _fault_of_words(self, column: Column, known: Collection[str], names: set[str]) -> str:
@@ -191,7 +210,7 @@ class Sheet:
             f"unknown; rename it to {listed}, to {NAME} if it has names, or {ignore}"
         )
 
-    def _cells(self, column: Column, is_omissible: bool, faults: list[str]) -> Iterator[str]:
+    def _cells(self, column: Column, is_omissible: bool, faults: TableFaults) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
             where, plain = f"row {line}, {column.head}", cell.translate(_SIGNS)
@@ -215,7 +234,7 @@ class Sheet:
             return "has a point, though decimals have commas; write the number that is meant"
         if not marks or self.decimal == "," or (marks == {"."} and not self._may_group()):
             return ""
-        if self.decimal is None and _GROUPED.fullmatch(number):
+        if self.decimal is None and GROUPED.fullmatch(number):
             thousands = number.replace(",", "").replace(".", "")
             mark = number.strip("+-0123456789")[0]
             decimals = number.replace(",", ".")
@@ -276,10 +295,10 @@ def read_table(
     cells = [cell for column in sheet.columns for cell in column.cells]
     # A number with a point and not three decimals shows that points are decimal marks.
     points = [number for number, _ in map(_split, cells) if "." in number]
-    return replace(sheet, is_local=is_local and all(map(_GROUPED.fullmatch, points)))
+    return replace(sheet, is_local=is_local and all(map(GROUPED.fullmatch, points)))
 
 
-_UNREADABLE = ValueError, ImportError, KeyError, SyntaxError, csv.Error, zipfile.BadZipFile
+_UNREADABLE = ValueError, ImportError, csv.Error
 
 
 def _rows_of_frame(
@@ -323,18 +342,7 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
     """
     content = read_file(path, MOST_BYTES_OF_TEXT)
     if content.startswith(b"PK"):
-        with zipfile.ZipFile(io.BytesIO(content)) as book:
-            size = sum(member.file_size for member in book.infolist())
-            if "[Content_Types].xml" not in book.namelist() or size > MOST_BYTES_OF_BOOK:
-                raise InputError(
-                    f"{path} is no workbook, or unpacks to {size / 1e6:.3g} MB, of which "
-                    f"{MOST_BYTES_OF_BOOK / 1e6:g} can be read; save the table as .csv"
-                )
-        filled = {title: rows for title, rows in _sheets(path, content) if rows}
-        if len(filled) != 1:
-            titles = f": {', '.join(map(quoted, filled))}" * bool(filled)
-            raise InputError(f"{path} has {len(filled)} sheets with cells{titles}; keep one")
-        rows, mark = [*enumerate(next(iter(filled.values())), start=1)], ","
+        rows, mark = [*enumerate(workbook_rows(path, content), start=1)], ","
     elif kind := kind_of(content):
         raise InputError(f"{path} is {kind}; save the table as .csv")
     else:
@@ -345,14 +353,13 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
 
 def _require_few_lines(path: Path, content: bytes, max_rows: int) -> None:
     """Raise an `InputError` for a text with too many or too long lines, before it is parsed."""
-    count, longest = content.count(b"\n"), max(map(len, io.BytesIO(content)), default=0)
-    if longest > MOST_BYTES_OF_LINE:
-        raise InputError(
-            f"{path} has a line of {longest / 1e6:.3g} MB; {MOST_BYTES_OF_LINE / 1e6:g} MB at most "
-            "are read"
-        )
+    count = content.count(b"\n")
     if count > 2 * max_rows + _MOST_HEADINGS:  # with an empty line below each row
         raise InputError(f"{path} has {count} lines; at most {max_rows} rows are read")
+    if (longest := max(map(len, io.BytesIO(content)), default=0)) > MOST_BYTES_OF_LINE:
+        raise InputError(
+            f"{path} has a line of {longest} bytes; {MOST_BYTES_OF_LINE} at most are read"
+        )
     if (cells := max(map(content.count, (b"\t", b";", b",")))) > MOST_CELLS_OF_TEXT:
         raise InputError(f"{path} has {cells} cells; at most {MOST_CELLS_OF_TEXT} are read")
 
@@ -377,65 +384,18 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
     try:
         return [(above + reader.line_num, row) for row in reader], mark
     except csv.Error as error:
-        if "unexpected end of data" in str(error):
+        if re.match("unexpected end of data|field larger", str(error)):
             raise InputError(f"{path}: a quote is not closed; close or remove it") from error
         raise InputError(f"{path}: row {above + reader.line_num}: {error}") from error
-
-
-def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:
-    """Yield the title and the rows of each sheet of a workbook, all of one length.
-
-    The cell of a formula has its stored value, or without one the formula.
-    """
-    import openpyxl  # imported here, since few tables are workbooks
-
-    values, formulas = (
-        openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
-        for data_only in (True, False)
-    )
-    for sheet, formula_sheet in zip(values, formulas, strict=True):
-        sheet.reset_dimensions()  # those in the file may be wrong
-        formula_sheet.reset_dimensions()
-        rows, widest = list[list[str]](), 0
-        pairs = zip(sheet.iter_rows(), formula_sheet.iter_rows(), strict=True)
-        for number, (cells, formula_cells) in enumerate(pairs, 1):
-            widest = max(widest, len(cells))
-            if number * widest > MOST_CELLS_OF_SHEET:
-                raise InputError(
-                    f"{path} has more than {MOST_CELLS_OF_SHEET} cells up to its last one, empty "
-                    "ones included; delete what lies far from the table"
-                )
-            texts = [_cell_text(*pair) for pair in zip(cells, formula_cells, strict=True)]
-            for cell, text in zip(cells, texts, strict=True):
-                if cell.data_type == "s" and "." in text and _GROUPED.fullmatch(text.strip()):
-                    raise InputError(
-                        f"{path}: row {number}: {quoted(text)} is text, which may be a thousand "
-                        "times as much; make it a number"
-                    )
-            rows.append(texts)
-        filled = any(cell.strip() for row in rows for cell in row)
-        yield sheet.title, [row + [""] * (widest - len(row)) for row in rows] if filled else []
-
-
-def _cell_text(cell: Any, formula_cell: Any) -> str:
-    """Text of a cell of a workbook, as it is shown for a number in per cent."""
-    value = cell.value
-    if value is None or value == "":
-        if formula_cell.data_type != "f":
-            return ""
-        formula = formula_cell.value
-        return formula if isinstance(formula, str) else getattr(formula, "text", None) or "=table"
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if is_number and "%" in (cell.number_format or ""):
-        return f"{(Decimal(repr(value)) * 100).normalize():f} %"
-    return str(value)
 
 
 def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
     """Columns of a table; rows with more or fewer cells than headings are faults, and left out."""
     (first, heads), *body = rows
     width = max((k + 1 for k, head in enumerate(heads) if head.strip()), default=0)
-    faults, fit = list[str](), list[tuple[int, list[str]]]()
+    faults, fit = TableFaults(name), list[tuple[int, list[str]]]()
+    if width > MOST_COLUMNS:
+        raise InputError(f"{name} has {width} columns; at most {MOST_COLUMNS} are read")
     for line, row in body:
         if len(row) < width or any(cell.strip() for cell in row[width:]):
             count = len(row) if len(row) < width else len(_stripped(row))
@@ -446,7 +406,8 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         else:
             fit.append((line, row))
     if len(faults) == len(body) and width == 1:
-        faults = [f"row {first} has one cell, and rows below have more; leave out the title"]
+        fault = f"row {first} has one cell, and rows below have more; leave out the title"
+        faults = TableFaults(name, [fault])
     columns, positions = list[Column](), dict[str, int]()
     ignored, skipped = {heading.strip().lower(): heading for heading in ignore}, set[str]()
     for k in range(width):
@@ -458,20 +419,20 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
             faults.append(f"the heading of column {k + 1} is too long; give a short one")
         elif not column.head:
             problem = f"column {k + 1} has no heading; give one, and merge no cells"
-            faults += [problem] * any(column.cells)
+            faults.extend([problem] * any(column.cells))
         elif column.name in positions:
             both = f"in columns {positions[column.name]} and {k + 1}"
             faults.append(f"the heading {quoted(column.head)} stands twice, {both}; leave one out")
         else:
             columns.append(column)
             positions[column.name] = k + 1
-            faults += _faults_of_formulas(column, [line for line, _ in fit])
+            faults.extend(_faults_of_formulas(column, [line for line, _ in fit]))
     listed = ", ".join(quoted(column.head) for column in columns)
-    faults += [
+    faults.extend(
         f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
         "of the table"
         for key in ignored.keys() - skipped
-    ]
+    )
     return Sheet(name, columns, [line for line, _ in fit], faults)
 
 

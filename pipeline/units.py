@@ -37,6 +37,8 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
 _PER_MINUTE = ("rpm", "1/min", "/min", "min^-1", "min⁻¹", "min-1", "U/min", "rev/min", "r/min")
 _PER_SECOND = ("Hz", "1/s", "/s", "s^-1", "s⁻¹", "rev/s")
+GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
+"""A number whose marks may divide thousands, or precede three decimals."""
 TURNS = {
     **dict.fromkeys(_PER_MINUTE, 2 * math.pi / 60), **dict.fromkeys(_PER_SECOND, 2 * math.pi),
 }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -14,7 +15,7 @@ from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
 from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
 from pipeline.scene.entries import Entries, entry_at
-from pipeline.scene.faults import Faults
+from pipeline.scene.faults import Faults, TooManyFaultsError
 from pipeline.scene.format import (
     USUAL_PRESET,
     MaterialTable,
@@ -80,6 +81,12 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
 
     A fault that is found in the case itself, such as a too short track, does not make it None.
     """
+    with suppress(TooManyFaultsError):
+        return _build(entries, files, faults)
+    return None
+
+
+def _build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     resolved, sources = resolve_library(dict(entries), faults)
     tables = expand_tests(table_of(SceneFile).read(resolved, "", faults), faults)
     fidelity, preset = fidelity_of(tables.fidelity, faults)

@@ -32,7 +32,7 @@ from pipeline.sweep.case_table import (
 )
 from pipeline.sweep.codec import digest
 from pipeline.sweep.condition_entries import CONDITION_ENTRIES
-from pipeline.table import SCENE, Advice, Sheet, TableError, read_table
+from pipeline.table import SCENE, Advice, Sheet, TableError, TableFaults, read_table
 from pipeline.table import Column as TableColumn
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
@@ -99,10 +99,14 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
     if isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
         heads = list(dict.fromkeys(head for row in rows for head in row))
+        if len(heads) > MOST_VARIED:
+            problem = f"rows have {len(heads)} different entries; give {MOST_VARIED} at most"
+            faults.refuse("sweep.along", problem)
+            return []
         columns = [
             TableColumn(head, head, "", [str(row.get(head, "")) for row in rows]) for head in heads
         ]
-        sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], [])
+        sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], TableFaults("the rows"))
         with faults.at("sweep.along"):
             entries, _ = _read_columns(sheet, ())
             paths = {column.name for column in entries}

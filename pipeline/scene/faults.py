@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+from pipeline.limits import MOST_FAULTS
 from pipeline.messages import fault_lines
 from pipeline.shipped import name_of
 from pipeline.sweep.notes import SceneNote, SceneWarning
@@ -27,8 +28,12 @@ class Fault(NamedTuple):
     file: Path | None = None
 
 
+class TooManyFaultsError(Exception):
+    """A scene has as many faults as are listed, so the rest of it is not read."""
+
+
 class Faults(list[Fault]):
-    """All faults of a scene, and notes and warnings on other entries."""
+    """Faults of a scene, and notes and warnings on other entries."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -36,8 +41,13 @@ class Faults(list[Fault]):
         self.warnings: list[SceneWarning] = []
 
     def refuse(self, key: str, problem: str) -> None:
-        """Add a fault of the entry at a key path; `problem` also says what to do."""
+        """Add a fault of the entry at a key path; `problem` also says what to do.
+
+        Raises a `TooManyFaultsError` if this is the last fault to list.
+        """
         self.append(Fault(key, problem))
+        if len(self) >= MOST_FAULTS:
+            raise TooManyFaultsError
 
     def note(self, key: str, words: str) -> None:
         """Add a note on the entry at the key path `key`."""
@@ -75,8 +85,8 @@ class SceneFileError(TriboError):
     path : Path
         Scene file.
     faults : list of str
-        Every fault, one line each: key, file if it is not the scene file, what is wrong, and what
-        is allowed.
+        Every fault, or the first 100, one line each: key, file if it is not the scene file, what
+        is wrong, and what is allowed.
 
     Examples
     --------

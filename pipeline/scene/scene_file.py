@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -18,7 +19,7 @@ from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, replace_value, replace_values
-from pipeline.scene.faults import Fault, Faults, SceneFileError
+from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
@@ -101,6 +102,11 @@ class Source:
 
         An `InputError` is raised for the first fault that only a case of the sweep shows.
         """
+        with suppress(TooManyFaultsError):
+            return self._read(faults)
+        return None
+
+    def _read(self, faults: Faults) -> Sweep | None:
         entries = with_listed_tests(self.entries, self.files, faults)
         entries, along = with_first_case(entries, self.files, faults)
         scene = build(entries, self.files, faults)
@@ -186,10 +192,11 @@ def _path_overrides(
         key = f"fidelity.{name}" if name in choices else name
         if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
             hint = did_you_mean(key, [*choices, *keys_of(SceneFile)])
-            faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
+            problem = f"unknown key{hint}; give an entry such as wear.pattern or title"
+            faults.append(Fault(key, problem))
             continue
         if deep := find_deep({key: []}):
-            faults.refuse(deep, f"no entry has more than {MOST_LEVELS} parts")
+            faults.append(Fault(deep, f"no entry has more than {MOST_LEVELS} parts"))
             continue
         try:
             plain = plain_value(key, value)

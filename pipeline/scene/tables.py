@@ -30,7 +30,7 @@ from typing import (
     get_type_hints,
 )
 
-from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES
+from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
@@ -333,7 +333,12 @@ class Changes(Kind):
 
     def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
-        return dict(flat(value))
+        changes = dict(flat(value))
+        if len(changes) > MOST_VARIED:
+            raise InvalidValueError(
+                f"{len(changes)} entries are too many; give {MOST_VARIED} at most"
+            )
+        return changes
 
 
 @dataclass(frozen=True)

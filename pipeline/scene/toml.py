@@ -10,23 +10,36 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import MOST_BYTES_OF_SCENE, MOST_EXTENDED, MOST_HINTS, MOST_LEVELS
+from pipeline.limits import (
+    MOST_BYTES_OF_SCENE,
+    MOST_ENTRIES,
+    MOST_EXTENDED,
+    MOST_HINTS,
+    MOST_LEVELS,
+    MOST_PARTS_OF_KEYS,
+)
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, merged, replace_value
-from pipeline.scene.faults import Fault, Faults, SceneFileError
+from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import SceneFile
 from pipeline.scene.tables import table_of
 from pipeline.shipped import name_of, scene_path, shipped_scenes
 
 _KEYS = table_of(SceneFile).keys
-_LONG_KEY = re.compile(
-    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]{0,99}+"|'[^'\n]{0,99}+')[ \t]*+\.[ \t]*+){100}"""
+_STRING_OR_COMMENT = re.compile(
+    r'''"""(?:\\.|[^"\\]|"(?!""))*+"{0,5}|"(?:\\.|[^"\\\n])*+"?'''
+    r"""|'{3}.*?(?:'{3,5}|\Z)|'[^'\n]*+'?|\#[^\n]*+""",
+    re.DOTALL,
 )
-"""A dotted key of so many parts that the parser would take seconds."""
+"""A string, to its end or that of the line or file, or a comment."""
+_LONG_KEY = re.compile(rf'(?<![\w-])(?:(?:[\w-]++|"")[ \t]*+\.[ \t]*+){{{2 * MOST_LEVELS}}}')
+"""A dotted key of so many parts that the parser may take minutes; its strings are empty."""
+_DEEP = f"lists or tables are nested too deep; an entry has {MOST_LEVELS} levels at most"
 
 
 class Document(NamedTuple):
@@ -82,7 +95,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     the files that extend the file at `path`. Wrong paths in ``without`` are added to `faults`.
     `SceneFileError` is raised if a file cannot be read.
     """
-    table = _toml(path)
+    table = _toml(path, MOST_BYTES_OF_SCENE - sum(file.stat().st_size for file in above))
     extends, without = table.pop("extends", None), table.pop("without", None)
     document = Document(path, {}, {}).under(path, table, faults)
     if extends is None:
@@ -133,27 +146,28 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
     """The document without the entries listed in `value`, the list ``without`` of `file`."""
     wrong, entries = Faults(), document.entries
-    keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
-    for index, key in enumerate(keys):
-        if entry_at(entries, key) is None:
-            names = [*entries, *(path for path, _ in flat(entries))]
-            hint = did_you_mean(key, names) if len(wrong) < MOST_HINTS else ""
-            problem = (
-                f"is not an entry of {name_of(document.file)}{hint}; name one that exists there"
-            )
-            wrong.refuse(f"without[{index}]", f"{quoted(key)} {problem}")
-        document = document.without(key)
+    with suppress(TooManyFaultsError):
+        keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
+        for index, key in enumerate(keys):
+            if entry_at(entries, key) is None:
+                names = [*entries, *(path for path, _ in flat(entries))]
+                hint = did_you_mean(key, names) if len(wrong) < MOST_HINTS else ""
+                problem = (
+                    f"is not an entry of {name_of(document.file)}{hint}; name one that exists there"
+                )
+                wrong.refuse(f"without[{index}]", f"{quoted(key)} {problem}")
+            document = document.without(key)
     faults += [fault._replace(file=file) for fault in wrong]
     return document
 
 
-def _toml(path: Path) -> dict[str, Any]:
+def _toml(path: Path, max_bytes: int) -> dict[str, Any]:
     """Read one TOML file; raise `SceneFileError` if that fails."""
     try:
         if path.exists() and not path.is_file():
             kind = "a store" if (path / "zarr.json").exists() else "not a file"
             raise SceneFileError(path, [f"cannot be read: {kind}; give a scene file (TOML)"])
-        content = read_file(path, MOST_BYTES_OF_SCENE)
+        content = read_file(path, max_bytes)
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
@@ -162,20 +176,37 @@ def _toml(path: Path) -> dict[str, Any]:
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     try:
         text = content.decode("utf-8-sig")
-        if key := _LONG_KEY.search(text):
-            line = text.count("\n", 0, key.start()) + 1
-            fault = f"line {line}: a key has 100 parts or more; an entry has {MOST_LEVELS} at most"
+        without_strings = _STRING_OR_COMMENT.sub(_emptied, text)
+        if key := _LONG_KEY.search(without_strings):
+            line = without_strings.count("\n", 0, key.start()) + 1
+            fault = f"line {line}: a key has too many parts; an entry has {MOST_LEVELS} at most"
+            raise SceneFileError(path, [fault])
+        if (count := sum(map(without_strings.count, ".["))) > MOST_PARTS_OF_KEYS:
+            fault = f"has {count} points and brackets; at most {MOST_PARTS_OF_KEYS} are read"
             raise SceneFileError(path, [fault])
         tables = tomllib.loads(text)
+        if (count := sum(1 for _ in flat(tables))) > MOST_ENTRIES:
+            fault = f"has {count} entries outside of lists; at most {MOST_ENTRIES} are read"
+            raise SceneFileError(path, [fault])
         if deep := find_deep(tables):
-            raise SceneFileError(path, [f"{deep}: tables nested too deep"])
+            raise SceneFileError(path, [f"{deep}: {_DEEP}"])
         return tables
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise SceneFileError(path, [_DEEP]) from error
+    except tomllib.TOMLDecodeError as error:
         raise SceneFileError(path, [f"is not valid TOML: {error}"]) from error
+    except ValueError as error:  # Python reads whole numbers of 4300 digits at most
+        fault = "a whole number has thousands of digits; give one below 2^63"
+        raise SceneFileError(path, [fault]) from error
+
+
+def _emptied(match: re.Match[str]) -> str:
+    """An empty string in place of a string or comment, with as many lines."""
+    return '""' + "\n" * match[0].count("\n")
 
 
 def _is_same(first: Path, second: Path) -> bool:

@@ -22,6 +22,7 @@ import numpy as np
 from pipeline.messages import quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.quantities import display_sides
+from pipeline.units import GROUPED
 from tribo import InputError
 from tribo.types import Array
 
@@ -48,8 +49,6 @@ _WORDS = re.compile(
 """Words for a missing height other than "nan" and an empty cell."""
 _COMMA = re.compile(r"[-+]?\d+(,\d+)+(e[-+]?\d+)?", re.IGNORECASE)
 """A number with a comma, before decimals or thousands."""
-_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
-"""A number whose mark may divide thousands."""
 _WHOLE = re.compile(r"[-+]?[1-9]\d*")
 _HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
 """Half of a number that was split at a decimal comma: whole numbers have no leading zeros."""
@@ -246,7 +245,7 @@ def _matrix(text: str) -> tuple[list[str], Array | None]:
 
 def _comma_problem(cells: list[str]) -> str:
     """Why numbers with commas are refused, and how to write them."""
-    if all(map(_GROUPED.fullmatch, map(str.strip, cells))):
+    if all(map(GROUPED.fullmatch, map(str.strip, cells))):
         return _thousands_problem(cells[0].strip())
     return f"decimals have commas ({quoted(cells[0])}); write them with points"
 
@@ -275,7 +274,7 @@ def _require_decimals(lines: list[str], delimiter: str | None) -> None:
     marked, has_whole = "", False
     for cell in (cell.strip() for line in lines for cell in line.split(delimiter)):
         if "." in cell:
-            if delimiter == "," or not _GROUPED.fullmatch(cell):
+            if delimiter == "," or not GROUPED.fullmatch(cell):
                 return
             marked = marked or cell
         has_whole |= _WHOLE.fullmatch(cell) is not None

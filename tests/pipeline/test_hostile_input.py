@@ -67,10 +67,25 @@ def test_what_a_spreadsheet_would_compute_is_written_as_text(tmp_path):
 
 def test_a_small_workbook_that_asks_for_much_is_refused(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.xlsx", "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("[Content_Types].xml", "")
         book.writestr("xl/worksheets/sheet1.xml", bytes(11_000_000))
+    with zipfile.ZipFile(tmp_path / "parts.xlsx", "w") as book:
+        for name in ("[Content_Types].xml", *map(str, range(1000))):
+            book.writestr(name, "")
+    with zipfile.ZipFile(tmp_path / "styles.xlsx", "w") as book:
+        book.writestr("[Content_Types].xml", "<a/>" * 30_001)
+    (tmp_path / "long.xlsx").write_bytes(b"PK" + bytes(10_000_000))
+    (tmp_path / "cut.xlsx").write_bytes((tmp_path / "a.xlsx").read_bytes()[:500])
+    with zipfile.ZipFile(tmp_path / "other.xlsx", "w") as book:
+        book.writestr("a.txt", "")
     far = pytest.importorskip("openpyxl").Workbook()
     far.active["XFD1048576"] = 1
     far.save(tmp_path / "far.xlsx")
-    for name, message in (("a", "unpacks to 11 MB"), ("far", "more than 1000000 cells")):
+    for name, message in {
+        "a": "has 11 MB unpacked, of which 10 MB can be read", "long": "has 10 MB, of which",
+        "far": "more than 1000000 cells", "parts": "has 1001 parts, of which 1000 can be read",
+        "styles": "has more cells or styles than can be read; save", "cut": "is no workbook: ",
+        "other": "is an archive and no workbook",
+    }.items():  # fmt: skip
         with pytest.raises(tribo.InputError, match=message):
             OperatingPoints.read(tmp_path / f"{name}.xlsx")

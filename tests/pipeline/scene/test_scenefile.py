@@ -241,3 +241,29 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     assert load_scene("mine.toml").loads == shipped.loads
     (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # files precede shipped scenes
     assert load_scene("first_try").scene.motion is not None
+
+
+@pytest.mark.parametrize("text", ["x." * 500, "..." * 500, "a . b " * 300])
+def test_points_in_text_and_comments_are_no_parts_of_a_key(tmp_path, text):
+    rest = f'# {text} "\n[fidelity]\npreset = "standard"\n'
+    for quote in ('"', "'", '"""', "'''"):
+        head = f'extends = "first_try"\ntitle = {quote}{text}{quote}\n'
+        (tmp_path / "a.toml").write_text(head + rest)
+        assert load_scene(tmp_path / "a.toml").title == text
+
+
+def test_a_scene_with_many_faults_lists_the_first_hundred_of_them(tmp_path):
+    test = '[[tests]]\nlod = "1 N"\nvelocty = "1 m/s"\n'
+    (tmp_path / "a.toml").write_text('extends = "first_try"\n' + 10_000 * test)
+    with pytest.raises(SceneFileError, match="100 faults or more") as error:
+        load_scene(tmp_path / "a.toml")
+    assert len(error.value.faults) == 100
+
+
+def test_scenes_that_extend_one_another_are_limited_together(tmp_path):
+    for k in range(3):
+        text = f'extends = "{f"{k + 1}.toml" if k < 2 else "first_try"}"\n# {"x" * 400_000}\n'
+        (tmp_path / f"{k}.toml").write_text(text)
+    assert load_scene(tmp_path / "1.toml").loads
+    with pytest.raises(SceneFileError, match=r"cannot be read: it has 0\.4 MB; at most 0\.2"):
+        load_scene(tmp_path / "0.toml")

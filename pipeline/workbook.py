@@ -1,0 +1,125 @@
+"""Workbooks of Excel as rows of text, without more memory and time than a table needs."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from pipeline.limits import (
+    MOST_BYTES_OF_BOOK,
+    MOST_CELLS_OF_SHEET,
+    MOST_MARKS_OF_SHEETS,
+    MOST_MARKS_OF_STYLES,
+    MOST_PARTS_OF_BOOK,
+)
+from pipeline.messages import quoted
+from pipeline.units import GROUPED
+from tribo import InputError
+
+_SAVE_AS = "save the table as .csv"
+
+
+def workbook_rows(path: Path, content: bytes) -> list[list[str]]:
+    """Rows of the one sheet with cells, all of one length; `InputError` if there is another number.
+
+    The cell of a formula has its stored value, or without one the formula.
+    """
+    try:
+        _require_small(path, content)
+        filled = {title: rows for title, rows in _sheets(path, content) if rows}
+    except InputError:
+        raise
+    except Exception as error:  # of damaged files, errors of many kinds
+        reason = " ".join(f"{error}".split()) or type(error).__name__
+        raise InputError(f"{path} is no workbook: {reason:.200}; {_SAVE_AS}") from error
+    if len(filled) != 1:
+        titles = f": {', '.join(map(quoted, filled))}" * bool(filled)
+        raise InputError(f"{path} has {len(filled)} sheets with cells{titles}; keep one")
+    return next(iter(filled.values()))
+
+
+def _require_small(path: Path, content: bytes) -> None:
+    """Raise an `InputError` for a workbook that would take more time or memory than a table."""
+    if len(content) > MOST_BYTES_OF_BOOK:
+        raise InputError(_too_large(path, f"{len(content) / 1e6:.3g} MB", MOST_BYTES_OF_BOOK))
+    with zipfile.ZipFile(io.BytesIO(content)) as book:
+        members = book.infolist()
+        if "[Content_Types].xml" not in book.namelist():
+            raise InputError(f"{path} is an archive and no workbook; {_SAVE_AS}")
+        if len(members) > MOST_PARTS_OF_BOOK:
+            raise InputError(
+                f"{path} has {len(members)} parts, of which {MOST_PARTS_OF_BOOK} can be read; "
+                f"{_SAVE_AS}"
+            )
+        size = sum(member.file_size for member in members)
+        if size > MOST_BYTES_OF_BOOK:
+            raise InputError(_too_large(path, f"{size / 1e6:.3g} MB unpacked", MOST_BYTES_OF_BOOK))
+        sheets = [_count_marks(book, member) for member in members if _is_sheet(member)]
+        others = [_count_marks(book, member) for member in members if not _is_sheet(member)]
+        if sum(sheets) > MOST_MARKS_OF_SHEETS or sum(others) > MOST_MARKS_OF_STYLES:
+            raise InputError(f"{path} has more cells or styles than can be read; {_SAVE_AS}")
+
+
+def _is_sheet(member: zipfile.ZipInfo) -> bool:
+    return member.filename.startswith("xl/worksheets/")
+
+
+def _count_marks(book: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
+    """Number of tags and attributes in a part, which is not unpacked beyond its limit."""
+    with book.open(member) as stream:
+        part = stream.read(MOST_BYTES_OF_BOOK)
+    return part.count(b"<") + part.count(b"=")
+
+
+def _too_large(path: Path, size: str, most: int) -> str:
+    return f"{path} has {size}, of which {most / 1e6:g} MB can be read; {_SAVE_AS}"
+
+
+def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:
+    """Yield the title and the rows of each sheet of a workbook, all of one length."""
+    import openpyxl  # imported here, since few tables are workbooks
+
+    values, formulas = (
+        openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
+        for data_only in (True, False)
+    )
+    for sheet, formula_sheet in zip(values, formulas, strict=True):
+        sheet.reset_dimensions()  # those in the file may be wrong
+        formula_sheet.reset_dimensions()
+        rows, widest = list[list[str]](), 0
+        pairs = zip(sheet.iter_rows(), formula_sheet.iter_rows(), strict=True)
+        for number, (cells, formula_cells) in enumerate(pairs, 1):
+            widest = max(widest, len(cells))
+            if number * widest > MOST_CELLS_OF_SHEET:
+                raise InputError(
+                    f"{path} has more than {MOST_CELLS_OF_SHEET} cells up to its last one, empty "
+                    "ones included; delete what lies far from the table"
+                )
+            texts = [_cell_text(*pair) for pair in zip(cells, formula_cells, strict=True)]
+            for cell, text in zip(cells, texts, strict=True):
+                if cell.data_type == "s" and "." in text and GROUPED.fullmatch(text.strip()):
+                    raise InputError(
+                        f"{path}: row {number}: {quoted(text)} is text, which may be a thousand "
+                        "times as much; make it a number"
+                    )
+            rows.append(texts)
+        filled = any(cell.strip() for row in rows for cell in row)
+        yield sheet.title, [row + [""] * (widest - len(row)) for row in rows] if filled else []
+
+
+def _cell_text(cell: Any, formula_cell: Any) -> str:
+    """Text of a cell of a workbook, as it is shown for a number in per cent."""
+    value = cell.value
+    if value is None or value == "":
+        if formula_cell.data_type != "f":
+            return ""
+        formula = formula_cell.value
+        return formula if isinstance(formula, str) else getattr(formula, "text", None) or "=table"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and "%" in (cell.number_format or ""):
+        return f"{(Decimal(repr(value)) * 100).normalize():f} %"
+    return str(value)
