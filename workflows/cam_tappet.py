@@ -20,8 +20,8 @@ def lift(angle: float) -> tuple[float, float]:
     """Lift s, and its second derivative by the cam angle, both in m."""
     x, s, curvature = angle / HALF_ANGLE, 1.0, 0.0
     for n in POWERS:
-        others = [m for m in POWERS if m != n]
-        factor = -math.prod(others) / math.prod(m - n for m in others)
+        other_powers = [m for m in POWERS if m != n]
+        factor = -math.prod(other_powers) / math.prod(m - n for m in other_powers)
         s += factor * x**n
         curvature += factor * n * (n - 1) * x ** (n - 2)
     return LIFT * s, LIFT * curvature / HALF_ANGLE**2
@@ -38,6 +38,6 @@ for degrees in ANGLES:
     ratio = sliding / ((cam + tappet) / 2)
     # Length that passes the contact in a revolution of the camshaft, at the velocity of the body.
     tracks = [2e3 * math.pi * abs(curvature) for curvature in (bend, radius)]
-    place = f"nose {degrees}°" if degrees else "nose"
-    print(f"{place},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},"
+    row_name = f"nose {degrees}°" if degrees else "nose"
+    print(f"{row_name},{load:.1f},{abs(sliding):.4f},{1e3 * radius:.3f},{ratio:.4f},"
           f"{tracks[0]:.1f},{tracks[1]:.1f}")  # fmt: skip

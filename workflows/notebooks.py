@@ -25,7 +25,7 @@ _TIMEOUT = 1200  # most seconds that a cell may take
 def run(path: Path) -> None:
     """Run a notebook in an empty folder, and write its file anew with the outputs of cells."""
     notebook = nbformat.read(path, as_version=4)
-    own = dict(notebook.metadata)  # the kernel adds its version
+    source_metadata = dict(notebook.metadata)  # the kernel adds its version
     with TemporaryDirectory() as folder:
         client = NotebookClient(
             notebook,
@@ -36,7 +36,7 @@ def run(path: Path) -> None:
         # What it does for the output of `interact` makes it wait for ever (nbclient issue 312).
         client.widget_registry = {}
         client.execute()
-    notebook.metadata = nbformat.from_dict(own)
+    notebook.metadata = nbformat.from_dict(source_metadata)
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.outputs = [output for output in cell.outputs if _is_kept(output)]

@@ -38,12 +38,12 @@ def seconds_of(walltime):
     """Read a duration such as 2 h or 02:00:00 in seconds; at least one minute."""
     if parts := re.fullmatch(r"(\d+):(\d\d):(\d\d)", walltime):
         hours, minutes, seconds = map(int, parts.groups())
-        taken = 3600 * hours + 60 * minutes + seconds
+        walltime_seconds = 3600 * hours + 60 * minutes + seconds
     else:
-        taken = round(pipeline.to_si(walltime, "2 h"))
-    if taken < 60:
+        walltime_seconds = round(pipeline.to_si(walltime, "2 h"))
+    if walltime_seconds < 60:
         raise TriboError(f"--walltime {walltime}: a job takes at least 1 min")
-    return taken
+    return walltime_seconds
 
 
 def cluster_of(options):

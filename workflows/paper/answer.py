@@ -15,11 +15,15 @@ from .report import WORDS
 def recompute(options: argparse.Namespace) -> Result:
     """Answer ``irg paper``: compute a figure or table of the paper, all of them, or list them."""
     if options.list or options.name is None:
-        results, others = paper.RESULTS, paper.NOT_REPRODUCED
+        results, not_recomputed = paper.RESULTS, paper.NOT_REPRODUCED
         numbers = {name: WORDS[name]["paper"] for name in results}
-        text = [f"{numbers[name]:9} {name:9} {what}" for name, what in results.items()]
-        text += ["", "not recomputed", *(f"{name:9} {reason}" for name, reason in others.items())]
-        return Result(results | {"not_recomputed": others}, text)
+        text = [f"{numbers[name]:9} {name:9} {summary}" for name, summary in results.items()]
+        text += [
+            "",
+            "not recomputed",
+            *(f"{name:9} {reason}" for name, reason in not_recomputed.items()),
+        ]
+        return Result(results | {"not_recomputed": not_recomputed}, text)
     chosen = values_in(options, "preset", "surfaces", "workers")
     if options.name == "all":
         reports = paper.write_gallery(

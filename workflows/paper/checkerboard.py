@@ -47,7 +47,7 @@ def fig2(study: Study) -> Report:
         "load": _POINT.normal_load,
         "velocity": _POINT.velocity,
     }
-    return Report.of(
+    return Report.from_values(
         "fig2",
         values,
         verdicts={

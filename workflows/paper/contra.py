@@ -67,7 +67,7 @@ def contra(study: Study) -> Report:
         "measured": measured,
         "ends": (min(_LOADS), max(_LOADS), min(_VELOCITIES), max(_VELOCITIES)),
     }
-    return Report.of(
+    return Report.from_values(
         "contra",
         values,
         verdicts={"exponent": misfits[_USUAL] < _CONSTANT},
@@ -113,10 +113,10 @@ def _draw(n: float, error: float, exponents: Mapping[str, Any]) -> Figure:
     figure = Figure(figsize=(7.4, 4.0))
     axes = figure.subplots()
     names = list(exponents)[::-1]
-    for place, name in enumerate(names):
+    for row, name in enumerate(names):
         values: Array = np.asarray(exponents[name])
         colour = BLUE if name == _USUAL else BLACK
-        axes.plot(values, np.full(len(values), place), "o", color=colour, ms=6)
+        axes.plot(values, np.full(len(values), row), "o", color=colour, ms=6)
     axes.axvspan(n - error, n + error, color="#E6E6E6", zorder=0)
     axes.axvline(n, color=BLUE, lw=1.2)
     axes.set_yticks(range(len(names)), names)

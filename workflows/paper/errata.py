@@ -54,7 +54,7 @@ def errata(study: Study) -> Report:
         "rim_ratio": math.pi * DISK_DIAMETER / TABLE_4.measured_width,
     }
     columns = "iterations", "load / prescribed", "within Hertz's width"
-    return Report.of(
+    return Report.from_values(
         "errata",
         values,
         verdicts=dict.fromkeys(WORDS["errata"]["findings"], False),

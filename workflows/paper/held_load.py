@@ -52,7 +52,7 @@ def fig5(study: Study) -> Report:
         "hold": hold,
         "pace": pace,
     }
-    return Report.of(
+    return Report.from_values(
         "fig5",
         values,
         verdicts={

@@ -30,7 +30,7 @@ _SURFACES = 8
 _LENGTHS = {"white oil": (3.0, 4.0, 5.0, 6.0), "oil A": (4.0,)}  # µm
 _FACTORS = (-0.4, -0.2, 0.0, 0.2, 0.4)  # ln(velocity / measured) that are computed
 _STORES = {"white oil": "irg_transition", "oil A": "oil_a"}
-_SETTLED, _MOST_STEPS = 1e-6, 50  # of ln(critical − bulk)
+_STEP_TOLERANCE, _MAX_STEPS = 1e-6, 50  # of ln(critical − bulk)
 _BLOK_EXPONENT = 0.5  # d ln(rise)/d ln(velocity) of Blok's flash temperature
 _GOOD = 0.1  # relative error that agrees, as in report.agree
 _LAWS = {
@@ -39,11 +39,11 @@ _LAWS = {
     "load": "F·Vⁿ",
     "blok": "Blok",
 }
-_LOOKS = {"model": BLUE, "friction_load": GREEN, "load": GREY, "blok": VERMILION}
+_COLOURS = {"model": BLUE, "friction_load": GREEN, "load": GREY, "blok": VERMILION}
 
 
 @dataclass(frozen=True)
-class _Place:
+class _MeasuredTransition:
     """A measured transition, and ln(rise) at friction 1 over ln(velocity), by length [µm]."""
 
     velocity: float
@@ -66,10 +66,10 @@ class _Place:
 
 
 @dataclass(frozen=True)
-class _Predicted:
+class _Prediction:
     """Predicted ln(velocity): where severe wear is 50 % likely, and where y is 0."""
 
-    likely: float
+    median: float
     computed: float
     constant: float  # correlation length [µm], or critical temperature [°C]
 
@@ -77,54 +77,65 @@ class _Predicted:
 def heldout(study: Study) -> Report:
     """Report on what the model predicts for the transitions that it has not seen."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
-    held, within = list[_Predicted](), list[_Predicted]()
+    held_out, in_sample_predictions = list[_Prediction](), list[_Prediction]()
     for oil, transitions in tests.items():
-        places = _places(study, oil, transitions)
+        transitions_of_oil = _computed_transitions(study, oil, transitions)
         critical = known_critical_temperature(transitions[0][0].conditions)
         predict = functools.partial(_by_length if oil == "white oil" else _by_tests, critical)
-        held += [predict(_without(places, k), place) for k, place in enumerate(places)]
-        within += [predict(places, place) for place in places]
+        held_out += [
+            predict(_all_but(transitions_of_oil, k), transition)
+            for k, transition in enumerate(transitions_of_oil)
+        ]
+        in_sample_predictions += [
+            predict(transitions_of_oil, transition) for transition in transitions_of_oil
+        ]
     measured = np.concatenate([TABLE_4.velocity, TABLE_6.velocity])
-    predicted = np.exp([one.likely for one in held])
+    predicted = np.exp([prediction.median for prediction in held_out])
     laws = _simple_laws(tests)
     errors = {"model": np.log(predicted / measured).tolist(), **laws}
-    in_sample = np.log(np.exp([one.likely for one in within]) / measured)
+    in_sample = np.log(
+        np.exp([prediction.median for prediction in in_sample_predictions]) / measured
+    )
     data = {
         "measured [m/s]": measured,
         "predicted [m/s]": predicted,
-        "by y = 0 [m/s]": np.exp([one.computed for one in held]),
-        "chosen": [one.constant for one in held],
+        "by y = 0 [m/s]": np.exp([prediction.computed for prediction in held_out]),
+        "chosen": [prediction.constant for prediction in held_out],
         "in sample [m/s]": measured * np.exp(in_sample),
         "held out, ln(predicted/measured)": errors,
     }
-    rms = {name: [_rms(its[:4]), _rms(its[4:])] for name, its in errors.items()}
+    rms = {
+        name: [_rms(law_errors[:4]), _rms(law_errors[4:])] for name, law_errors in errors.items()
+    }
     values = {
         "surfaces": len(study.seeds(_SURFACES)),
         "white": np.expm1(errors["model"][:4]),
         "oil_a": np.expm1(errors["model"][4:]),
         "rms": rms,
-        "all": {name: _rms(its) for name, its in errors.items()},
+        "all": {name: _rms(law_errors) for name, law_errors in errors.items()},
         "all_in_sample": _rms(in_sample),
-        "lengths": [one.constant for one in held[:4]],
-        "temperatures": [one.constant for one in held[4:]],
+        "lengths": [prediction.constant for prediction in held_out[:4]],
+        "temperatures": [prediction.constant for prediction in held_out[4:]],
     }
     rows = [(oil, *test) for oil, tested in tests.items() for test in tested]
-    return Report.of(
+    return Report.from_values(
         "heldout",
         values,
         verdicts={
             "white_oil": np.abs(values["white"]).max() < _GOOD,
             "oil_a": np.abs(values["oil_a"]).max() < _GOOD,
-            "simple": all(_rms(errors["model"]) < _rms(its) for its in laws.values()),
+            "simple": all(_rms(errors["model"]) < _rms(law_errors) for law_errors in laws.values()),
         },
-        table=_table(rows, data, held),
+        table=_table(rows, data, held_out),
         data=data,
         figure=_draw(rows, errors),
     )
 
 
-def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Place]:
-    """Compute the surroundings of the transitions of an oil, or resume its store."""
+def _computed_transitions(
+    study: Study, oil: str, transitions: Sequence[Tested]
+) -> list[_MeasuredTransition]:
+    """The transitions of an oil with their curves, computed, or read from their store."""
     lengths = _LENGTHS[oil]
     table = [
         {
@@ -148,61 +159,67 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
     # The surfaces belong to one specimen, whose rise is the mean of their logarithms.
     means = rises.mean(axis=-1)
     return [
-        _Place(
+        _MeasuredTransition(
             row.velocity,
             row.friction,
             scene.conditions.bulk_temperature,
             {
                 length: (math.log(row.velocity) + np.array(_FACTORS), curve)
-                for length, curve in zip(lengths, own, strict=True)
+                for length, curve in zip(lengths, curves_by_length, strict=True)
             },
         )
-        for (scene, row), own in zip(transitions, means, strict=True)
+        for (scene, row), curves_by_length in zip(transitions, means, strict=True)
     ]
 
 
-def _without(places: Sequence[_Place], number: int) -> list[_Place]:
-    return [*places[:number], *places[number + 1 :]]
+def _all_but(transitions: Sequence[_MeasuredTransition], number: int) -> list[_MeasuredTransition]:
+    return [*transitions[:number], *transitions[number + 1 :]]
 
 
-def _outcomes(critical: float, length: float, tests: Sequence[_Place]) -> tuple[Outcome, ...]:
+def _outcomes(
+    critical: float, length: float, tests: Sequence[_MeasuredTransition]
+) -> tuple[Outcome, ...]:
     """The transitions, with what is computed there."""
     computed = (test.y(critical, length) for test in tests)
     return tuple(Outcome(y, y) for y in computed)
 
 
-def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
+def _by_length(
+    critical: float, tests: Sequence[_MeasuredTransition], transition: _MeasuredTransition
+) -> _Prediction:
     """Predict a transition; the length has the least squares of ln(velocity) of the `tests`."""
 
     def misfit(length: float) -> float:
         velocities = [test.log_velocity(0.0, critical, length) for test in tests]
         return _rms(velocities - np.log([test.velocity for test in tests]))
 
-    length = min(place.curves, key=misfit)
+    length = min(transition.curves, key=misfit)
     belief = update(_outcomes(critical, length, tests), Prior())
-    return _predicted(place, belief.level(0.5), critical, length, constant=length)
+    return _predicted(transition, belief.level(0.5), critical, length, constant=length)
 
 
-def _by_tests(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
+def _by_tests(
+    critical: float, tests: Sequence[_MeasuredTransition], transition: _MeasuredTransition
+) -> _Prediction:
     """Predict a transition, with the critical temperature from the `tests`, as ``irg infer``."""
-    (length,), bulk = place.curves, min(test.bulk for test in tests)
-    found = critical
-    for _ in range(_MOST_STEPS):
-        belief = update(_outcomes(found, length, tests), Prior(bias=1.0))  # as in `infer`
+    (length,), bulk = transition.curves, min(test.bulk for test in tests)
+    fitted_critical = critical
+    for _ in range(_MAX_STEPS):
+        belief = update(_outcomes(fitted_critical, length, tests), Prior(bias=1.0))  # as in `infer`
         step = -float(belief.bias @ belief.weights)
-        found = bulk + (found - bulk) * math.exp(step)
-        if abs(step) < _SETTLED:
+        fitted_critical = bulk + (fitted_critical - bulk) * math.exp(step)
+        if abs(step) < _STEP_TOLERANCE:
             break
     level = belief.level(0.5)
-    return _predicted(place, level, found, length, constant=found - 273.15)
+    return _predicted(transition, level, fitted_critical, length, constant=fitted_critical - 273.15)
 
 
 def _predicted(
-    place: _Place, level: float, critical: float, length: float, constant: float
-) -> _Predicted:
+    transition: _MeasuredTransition, level: float, critical: float, length: float, constant: float
+) -> _Prediction:
     """Predict a transition, where y has the `level` at which severe wear is 50 % likely."""
-    likely, computed = (place.log_velocity(y, critical, length) for y in (level, 0.0))
-    return _Predicted(likely, computed, constant)
+    median, computed = (transition.log_velocity(y, critical, length) for y in (level, 0.0))
+    return _Prediction(median, computed, constant)
 
 
 def _simple_laws(tests: Mapping[str, Sequence[Tested]]) -> dict[str, list[float]]:
@@ -242,22 +259,24 @@ def _rms(values: Any) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _table(rows: Sequence[Any], data: dict[str, Any], held: Sequence[_Predicted]) -> pd.DataFrame:
+def _table(
+    rows: Sequence[Any], data: dict[str, Any], held_out: Sequence[_Prediction]
+) -> pd.DataFrame:
     errors = data["held out, ln(predicted/measured)"]
     lines = []
     for k, (oil, scene, row) in enumerate(rows):
         hot = row.normal_load, scene.conditions.bulk_temperature - 273.15
-        place = f"{oil.removesuffix(' oil')}, {hot[0]:g} N, {hot[1]:g} °C"
-        constant = f"{held[k].constant:.0f} {'µm' if oil == 'white oil' else '°C'}"
+        label = f"{oil.removesuffix(' oil')}, {hot[0]:g} N, {hot[1]:g} °C"
+        constant = f"{held_out[k].constant:.0f} {'µm' if oil == 'white oil' else '°C'}"
         velocities = [data[name][k] for name in ("predicted [m/s]", "by y = 0 [m/s]")]
-        off = [math.expm1(its[k]) for its in errors.values()]
+        off = [math.expm1(law_errors[k]) for law_errors in errors.values()]
         sample = data["in sample [m/s]"][k] / row.velocity - 1
         measured = f"{row.velocity:g}"
         lines.append(
-            (place, measured, constant, *cells(velocities, ".2f"), *cells([*off, sample], "+.0f%"))
+            (label, measured, constant, *cells(velocities, ".2f"), *cells([*off, sample], "+.0f%"))
         )
     sample = np.log(data["in sample [m/s]"] / data["measured [m/s]"])
-    spreads = [_rms(its) for its in (*errors.values(), sample)]
+    spreads = [_rms(law_errors) for law_errors in (*errors.values(), sample)]
     lines.append(("rms of ln V", "", "", "", "", *cells(spreads, ".3f")))
     return texts(
         ("oil, load, bulk", "measured [m/s]", "chosen", "predicted", "by y = 0", "off",
@@ -270,12 +289,13 @@ def _table(rows: Sequence[Any], data: dict[str, Any], held: Sequence[_Predicted]
 def _draw(rows: Sequence[Any], errors: Mapping[str, Sequence[float]]) -> Figure:
     figure = Figure(figsize=(10.4, 4.8))
     axes = figure.subplots()
-    places = np.arange(len(rows))
+    abscissas = np.arange(len(rows))
     markers = ("o", "●"), ("s", "■"), ("^", "▲"), ("D", "◆")
-    for (name, its), (marker, sign) in zip(errors.items(), markers, strict=True):
+    for (name, law_errors), (marker, sign) in zip(errors.items(), markers, strict=True):
         for part in (slice(0, 4), slice(4, 8)):
             axes.plot(
-                places[part], 100 * np.expm1(its[part]), color=_LOOKS[name], marker=marker,
+                abscissas[part], 100 * np.expm1(law_errors[part]), color=_COLOURS[name],
+                marker=marker,
                 lw=2.4 if name == "model" else 1.1, ls="-" if name == "model" else "--",
                 label=f"{sign} {_LAWS[name]}" if part.start else None,
             )  # fmt: skip
@@ -284,7 +304,7 @@ def _draw(rows: Sequence[Any], errors: Mapping[str, Sequence[float]]) -> Figure:
         f"{oil}\n{row.normal_load:g} N\n{scene.conditions.bulk_temperature - 273.15:g} °C"
         for oil, scene, row in rows
     ]
-    axes.set_xticks(places, ticks, fontsize=8)
+    axes.set_xticks(abscissas, ticks, fontsize=8)
     axes.set(xlim=(-0.5, len(rows) - 0.5), ylabel="predicted − measured velocity [%]")
     axes.set_title("Each transition, predicted from the other three of its oil", loc="left")
     label_ends(axes)

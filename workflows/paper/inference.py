@@ -59,7 +59,7 @@ def inverse(study: Study) -> Report:
         "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
     }
     of_a = values["cold_rates"], values["hot_rates"]
-    return Report.of(
+    return Report.from_values(
         "inverse",
         values,
         verdicts={
@@ -104,7 +104,7 @@ def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
     return celsius_of(ends, transitions[0][0].conditions.critical_area_fraction)
 
 
-def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
+def _ramp_and_hold(sweep: Sweep, row: Any, duration: float) -> Sweep:
     """Scene whose load is held after its ramp, so that the test lasts `duration` [s]."""
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
@@ -114,15 +114,17 @@ def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate [m²/N] by which a contact wears to its measured width in a test."""
-    scene = _held(sweep.changed("disk.roughness", None), row, duration)
+    scene = _ramp_and_hold(sweep.changed("disk.roughness", None), row, duration)
     return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value
 
 
 def _widening(sweep: Sweep) -> float:
     """Relative widening of the contact by roughness at the end of a test."""
     row = TABLE_4[0]
-    held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2])
-    rough, smooth = (end_of(scene, row) for scene in (held, held.changed("disk.roughness", None)))
+    held_sweep = _ramp_and_hold(sweep, row, _DURATIONS[len(_DURATIONS) // 2])
+    rough, smooth = (
+        end_of(scene, row) for scene in (held_sweep, held_sweep.changed("disk.roughness", None))
+    )
     return float(rough["contact_width"] / smooth["contact_width"] - 1)
 
 
@@ -195,14 +197,14 @@ def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[fl
     left, right = figure.subplots(1, 2)
     start = 0
     for (name, values), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
-        places = np.arange(start, start + len(values))
+        abscissas = np.arange(start, start + len(values))
         left.errorbar(
-            places, mean(values), spread(values),
+            abscissas, mean(values), spread(values),
             color=colour, marker="o", ls="none", capsize=3,
         )  # fmt: skip
-        left.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
+        left.hlines(values.mean(), abscissas[0] - 0.3, abscissas[-1] + 0.3, color=colour, lw=0.9)
         left.annotate(
-            f"{name}, mean {values.mean():.0f} °C", (places.mean(), values.max()), (0, 9),
+            f"{name}, mean {values.mean():.0f} °C", (abscissas.mean(), values.max()), (0, 9),
             textcoords="offset points", ha="center", color=colour,
         )  # fmt: skip
         start += len(values)

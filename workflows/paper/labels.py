@@ -13,11 +13,11 @@ _APART = 1.25  # least distance of two names, in heights of a letter
 
 def label_ends(axes: Axes, fontsize: float = 9.0) -> None:
     """Write the names of curves at their right ends, beside the axes, instead of a legend."""
-    found: Any = zip(*axes.get_legend_handles_labels(), strict=True)
+    handles_and_labels: Any = zip(*axes.get_legend_handles_labels(), strict=True)
     figure: Any = axes.get_figure(root=True)
     figure.draw_without_rendering()  # places the axes
     ends = []
-    for handle, name in found:
+    for handle, name in handles_and_labels:
         curve = getattr(handle, "lines", [handle])[0]
         heights = np.asarray(curve.get_ydata(), float)
         ends.append((float(heights[np.isfinite(heights)][-1]), name, curve.get_color()))

@@ -55,7 +55,7 @@ def fig4(study: Study) -> Report:
         "end": end / 1e9,
         "ratio": end / middle["free"],
     }
-    return Report.of(
+    return Report.from_values(
         "fig4",
         values,
         verdicts={

@@ -60,7 +60,7 @@ def fig8(study: Study) -> Report:
         "off": fitted["exceeded_celsius"] - recorded["exceeded_celsius"],
         "highest_off": fitted["max_celsius"] - recorded["max_celsius"],
     }
-    return Report.of(
+    return Report.from_values(
         "fig8",
         values,
         verdicts={

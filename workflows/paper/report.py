@@ -100,7 +100,7 @@ def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any])
     return Finding(statement, printed, computed, bool(agrees), why)
 
 
-_NEAR = 0.1  # relative: see `agree`
+_TOLERANCE = 0.1  # relative: see `agree`
 
 
 def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
@@ -115,7 +115,7 @@ def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
     >>> agree([[10.0, 11.0]], [9.6]), agree([[10.0, 10.2]], [9.0]), agree([[160.0]], [155.0], 145.0)
     (True, False, False)
     """
-    allowed = np.maximum(_NEAR * np.abs(np.subtract(printed, zero)), 2 * spread(computed))
+    allowed = np.maximum(_TOLERANCE * np.abs(np.subtract(printed, zero)), 2 * spread(computed))
     return bool((np.abs(mean(computed) - printed) <= allowed).all())
 
 
@@ -183,7 +183,7 @@ class Report:
     file: Path | None = None
 
     @classmethod
-    def of(
+    def from_values(
         cls,
         name: str,
         values: Mapping[str, Any],

@@ -36,7 +36,7 @@ _SCHEMES: dict[str, tuple[WearPattern, bool]] = {  # wear pattern, and whether w
     "explicit, local (as published)": ("local", True),
 }
 _POINT = TABLE_4[0]
-_SHOWN = 48  # elements of the pressure field that are drawn
+_DRAWN_ELEMENTS = 48  # elements of the pressure field that are drawn
 _NO_EFFECT = 2.0  # K: what the text may mean by "little to no effect", 1 % in the figure
 
 _Row = dict[int, list[float]]
@@ -63,7 +63,7 @@ def fig6(study: Study) -> Report:
         by_elements["10 %"][side] = celsius_of(swept, deciding)[0].tolist()
         by_elements["one step"][side] = celsius_of(unworn, HIGHEST)[0].tolist()
     counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
-    shown = max(count for count in counts if count <= _PUBLISHED)
+    drawn_count = max(count for count in counts if count <= _PUBLISHED)
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, is_explicit) in _SCHEMES.items():
         scenes = [worn(sweep, pattern)._take_surface(seed) for seed in seeds]
@@ -74,8 +74,8 @@ def fig6(study: Study) -> Report:
             for count in counts
             if is_explicit and _is_unstable(_with(scenes[0], increments=count).scene)
         ]
-        if pattern == "local" and shown in pressures:
-            fields[name] = pressures[shown]
+        if pattern == "local" and drawn_count in pressures:
+            fields[name] = pressures[drawn_count]
     neighbours = {name: neighbours_of(field) for name, field in fields.items()}
     values = {
         "load": _POINT.normal_load,
@@ -83,7 +83,7 @@ def fig6(study: Study) -> Report:
         "friction": _POINT.friction,
         "bulk": shown_in(sweep.conditions.bulk_temperature, "°C"),
     }
-    return Report.of(
+    return Report.from_values(
         "fig6",
         values,
         verdicts={},
@@ -98,7 +98,7 @@ def fig6(study: Study) -> Report:
             "neighbours": neighbours,
             "unstable_increments": unstable,
         },
-        figure=_draw(sweep, by_elements, by_increments, fields, shown),
+        figure=_draw(sweep, by_elements, by_increments, fields, drawn_count),
     )
 
 
@@ -216,14 +216,14 @@ def _draw(
     by_elements: Mapping[str, _Row],
     by_increments: Mapping[str, _Row],
     fields: Mapping[str, Array],
-    shown: int,
+    drawn_count: int,
 ) -> Figure:
     figure = Figure(figsize=(10.4, 8.2))
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1))
     upper, lower = halves
     left, right = upper.subplots(1, 2, sharey=True)
     if fields:
-        draw_fields(lower, sweep, fields, shown, "cd")
+        draw_fields(lower, sweep, fields, drawn_count, "cd")
     for name, label, colour, style in (
         ("one step", "unworn,\nhighest", BLACK, "--"),
         ("maximum", "swept wear,\nhighest", BLUE, "-"),
@@ -272,7 +272,7 @@ def draw_fields(
     parts = []
     for pressure in fields.values():
         (nx, ny), gigapascal = pressure.shape, pressure / 1e9
-        i, j = min(_SHOWN, nx), min(_SHOWN, ny)
+        i, j = min(_DRAWN_ELEMENTS, nx), min(_DRAWN_ELEMENTS, ny)
         parts.append(gigapascal[(nx - i) // 2 : (nx + i) // 2, (ny - j) // 2 : (ny + j) // 2])
     highest = max(float(part.max()) for part in parts)
     for letter, axes, name, part in zip(letters, row, fields, parts, strict=False):

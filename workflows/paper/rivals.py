@@ -39,7 +39,7 @@ class _Rival:
     name: str
     unit: str
     values: Array  # with the measured friction
-    alike: Array  # with the scene's friction at all transitions
+    at_one_friction: Array  # with the scene's friction at all transitions
     exponents: Array | float  # d ln(value)/d ln(velocity)
     scaled: Array  # values in `unit`; a rise has the bulk temperature added
 
@@ -56,7 +56,7 @@ class _Rival:
     @property
     def worst_alike(self) -> float:
         """Largest relative error of a velocity, with the same friction at all transitions."""
-        return float(abs(_off(self.alike, self.exponents)).max())
+        return float(abs(_off(self.at_one_friction, self.exponents)).max())
 
 
 def _off(values: Array, exponents: Array | float) -> Array:
@@ -88,7 +88,7 @@ def rivals(study: Study) -> Report:
         **_constancy(criteria),
         "regimes": ", ".join(regimes),
     }
-    return Report.of(
+    return Report.from_values(
         "rivals",
         values,
         verdicts={
@@ -159,17 +159,19 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Rival]
 def _constancy(criteria: Mapping[str, _Rival]) -> dict[str, Any]:
     """The most constant simple criterion, and those with smaller velocity errors than the model."""
     ours = criteria["ours"]
-    others = [criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)]
+    simple_criteria = [
+        criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)
+    ]
 
     def nearer(error: str) -> str:
         """Names of criteria with a smaller error `error` of a velocity than the model."""
-        errors = {other.name: getattr(other, error) for other in others}
+        errors = {criterion.name: getattr(criterion, error) for criterion in simple_criteria}
         limit = getattr(ours, error)
         texts = (f"{name} ({100 * off:.0f} %)" for name, off in errors.items() if off < limit)
         return ", ".join(texts) or "none"
 
     return {
-        "best": min(others, key=lambda other: other.spread),
+        "best": min(simple_criteria, key=lambda criterion: criterion.spread),
         "nearer": nearer("worst"),
         "nearer_alike": nearer("worst_alike"),
     }
@@ -209,11 +211,11 @@ _IN_FULL = {
 def _draw(criteria: Mapping[str, _Rival]) -> Figure:
     figure = Figure(figsize=(10.4, 5.2))
     axes = figure.subplots()
-    places = np.arange(len(TABLE_4))
+    abscissas = np.arange(len(TABLE_4))
     for number, (key, criterion) in enumerate(criteria.items()):
         is_ours = key == "ours"
         axes.plot(
-            places,
+            abscissas,
             criterion.values / _mean(criterion.values),
             marker="os^vDdPXp"[number % 9],
             color=_LOOKS[key.split("_")[0]],
@@ -223,7 +225,7 @@ def _draw(criteria: Mapping[str, _Rival]) -> Figure:
             label=_IN_FULL[key],
         )
     axes.axhline(1, color=BLACK, lw=0.8)
-    axes.set_xticks(places, list(map(label_of, TABLE_4)))
+    axes.set_xticks(abscissas, list(map(label_of, TABLE_4)))
     axes.set_xlim(-0.3, len(TABLE_4) - 0.9)
     axes.set_ylabel("criterion / its mean over the four tests")
     axes.set_title(

@@ -45,7 +45,7 @@ def spacing(study: Study) -> Report:
     velocities = critical.sel({axis: np.array(lengths)}, method="nearest").values
     change = velocities[1:] / velocities[0] - 1
     loads = critical["load"].values
-    return Report.of(
+    return Report.from_values(
         "spacing",
         {
             "ra": 1e6 * ra,

@@ -26,7 +26,7 @@ _SURFACES = 4
 _CONDUCTIVITIES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
 _VELOCITIES = {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"}
 _SOFT, _HARD = 45.0, 21.0  # W/(m K): of the paper's table; measured for through-hardened steel
-_ONE = 30.0  # [K]; temperatures of oil A that differ less are alike in the paper
+_SAME_WITHIN = 30.0  # [K]; temperatures of oil A that differ less are one temperature
 
 
 def steel(study: Study) -> Report:
@@ -61,13 +61,13 @@ def steel(study: Study) -> Report:
         "changes": boundary["change"],
         "scatter": [float(np.std(np.log(white[K] - bulk), ddof=1)) for K in (_SOFT, _HARD)],
     }
-    taken = by_oil["white oil"][:, :, _CONDUCTIVITIES.index(_SOFT)]
-    return Report.of(
+    of_white_oil = by_oil["white oil"][:, :, _CONDUCTIVITIES.index(_SOFT)]
+    return Report.from_values(
         "steel",
         values,
         verdicts={
-            "white_oil": agree(taken, len(taken) * [printed], bulk),
-            "oil_a": float(np.ptp(of_a[_SOFT])) <= _ONE,
+            "white_oil": agree(of_white_oil, len(of_white_oil) * [printed], bulk),
+            "oil_a": float(np.ptp(of_a[_SOFT])) <= _SAME_WITHIN,
         },
         table=_table(names, means, boundary),
         data={"conductivity": _CONDUCTIVITIES, "critical_celsius": by_oil, "boundary": boundary},
@@ -77,16 +77,16 @@ def steel(study: Study) -> Report:
 
 def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
     """Critical temperature [°C] from a transition, (surface, conductivity)."""
-    found = []
+    temperatures = []
     for seed in study.seeds(_SURFACES):
         surface = sweep._take_surface(seed)
         *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
             end = end_at(other, add_temperature(other.scene, contact, row.velocity), row.friction)
-            found.append(float(celsius_of(end, sweep.conditions.critical_area_fraction)))
+            temperatures.append(float(celsius_of(end, sweep.conditions.critical_area_fraction)))
     study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
-    return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
+    return np.reshape(temperatures, (-1, len(_CONDUCTIVITIES)))
 
 
 def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
@@ -108,12 +108,12 @@ def _boundary(study: Study) -> dict[str, Any]:
         "sweep.velocities": _VELOCITIES,
     }
     sweep = study.scene("irg_transition", changes)
-    found = {
+    answers = {
         K: boundary(study.sweep(_conducting(sweep, K), f"steel_{K:g}")[1]) for K in (_SOFT, _HARD)
     }
-    soft, hard = (found[K]["critical_velocity"].values for K in (_SOFT, _HARD))
+    soft, hard = (answers[K]["critical_velocity"].values for K in (_SOFT, _HARD))
     return {
-        "load": found[_SOFT]["load"].values.tolist(),
+        "load": answers[_SOFT]["load"].values.tolist(),
         "soft": soft.tolist(),
         "hard": hard.tolist(),
         "change": (hard / soft - 1).tolist(),

@@ -47,7 +47,7 @@ def table4(study: Study) -> Report:
     sweep = study.scene("table4")
     data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
-    return Report.of(
+    return Report.from_values(
         "table4",
         values,
         verdicts={
@@ -79,13 +79,13 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     smoother = sweep
     for path, entry in _SMOOTHER.items():
         smoother = smoother.changed(path, entry)
-    others = {"unworn, Ra 0.20 µm": flatter, "swept, Ra 0.20 µm, 12 µm": smoother}
+    variations = {"unworn, Ra 0.20 µm": flatter, "swept, Ra 0.20 µm, 12 µm": smoother}
     of_others = {
         name: on_surfaces(
             [(other, row) for row in TABLE_4],
             study.stages(study.seeds(SURFACES), (name + ", surface {}").format),
         )
-        for name, other in others.items()
+        for name, other in variations.items()
     }
     flat, smooth = of_others.values()
     return {
@@ -121,7 +121,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
         100 * (mean(data[key]) / _WIDTHS - 1) for key in ("unworn_width_um", "bearing_width_um")
     )
     shares = mean(data["failed_percent"]["swept"])
-    alike = mean(data["failed_percent_at_scene_friction"])
+    at_scene_friction = mean(data["failed_percent_at_scene_friction"])
     other = friction != TABLE_4.friction
     maxima, tenths = mean(data["max_celsius"]["swept"]), mean(data["exceeded_celsius"]["swept"])
     return {
@@ -132,13 +132,16 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
         "why": "why_between" if bearing.max() <= 0 <= outer.min() else "why",
         "good": _STEP,
         "shares": shares,
-        "steep": _STEP * friction * (shares - alike)[other] / (TABLE_4.friction - friction)[other],
+        "steep": _STEP
+        * friction
+        * (shares - at_scene_friction)[other]
+        / (TABLE_4.friction - friction)[other],
         "maxima": maxima,
         "apart": maxima - TABLE_4.max_celsius,
         "ratios": (tenths - bulk) / (maxima - bulk),
         "ratios_smoother": (mean(data["exceeded_celsius_smoother"]) - bulk)
         / (mean(data["max_celsius_smoother"]) - bulk),
-        "shares_alike": alike,
+        "shares_alike": at_scene_friction,
         "shares_smoother": mean(data["failed_percent_smoother"]),
         "spreads_smoother": spread(data["failed_percent_smoother"]),
         "needed": mean(data["friction_for_printed_share"]),
@@ -156,7 +159,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
 def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
     critical = shown_in(known_critical_temperature(conditions), "°C")
     needed = data["friction_for_printed_share"]
-    alike = f"  swept, friction {conditions.friction:g} at each"
+    label = f"  swept, friction {conditions.friction:g} at each"
 
     def by_wear(key: str, form: str = ".0f") -> list[tuple[str, ...]]:
         return [line(f"  {wear}", data[key][wear], form) for wear in ("swept", "local", "unworn")]
@@ -171,7 +174,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
             (f"contact area above {critical:g} °C [%]",),
             line("  printed", _SHARES, ".1f"),
             *by_wear("failed_percent", ".1f"),
-            line(alike, data["failed_percent_at_scene_friction"], ".1f"),
+            line(label, data["failed_percent_at_scene_friction"], ".1f"),
             ("friction coefficient",),
             line("  measured", TABLE_4.friction, ".3f"),
             line("  that gives the printed area fraction, swept", needed, ".4f"),

@@ -85,7 +85,7 @@ def table6(study: Study) -> Report:
     }
     names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * fraction:g} %"
-    return Report.of(
+    return Report.from_values(
         "table6",
         values,
         verdicts={

@@ -74,7 +74,7 @@ def fig10(study: Study) -> Report:
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
-    return Report.of(
+    return Report.from_values(
         "fig10",
         values,
         verdicts={
@@ -98,7 +98,7 @@ def _draw(ds: xr.Dataset, crossings: xr.Dataset) -> Figure:
         figure = diagram(ds, {})
     for mark in [line for line in figure.axes[0].lines if line.get_gid() == "simulated"]:
         mark.remove()
-    (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == COMPUTED)
+    (line,) = (text for text in figure.legends[0].get_texts() if text.get_text() == COMPUTED)
     line.set_text("computed boundary, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values

@@ -182,15 +182,15 @@ def draw_beside(
     title: str,
 ) -> None:
     """Draw printed values, and beside each the mean and standard deviation of computed ones."""
-    places = np.arange(len(ticks))
+    abscissas = np.arange(len(ticks))
     if printed is not None:
-        axes.plot(places - 0.2, printed, "D", color=BLACK, ms=6, label="printed")
+        axes.plot(abscissas - 0.2, printed, "D", color=BLACK, ms=6, label="printed")
     for number, (name, row) in enumerate(values.items()):
         colour, marker = _LOOKS[name]
         axes.errorbar(
-            places + 0.14 * number - 0.06, mean(row), spread(row),
+            abscissas + 0.14 * number - 0.06, mean(row), spread(row),
             color=colour, marker=marker, ls="none", capsize=3, label=f"computed, {name}",
         )  # fmt: skip
-    axes.set_xticks(places, ticks)
+    axes.set_xticks(abscissas, ticks)
     axes.set(xlim=(-0.5, len(ticks) - 0.5), title="")
     axes.set_title(title, loc="left")
