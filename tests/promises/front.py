@@ -5,6 +5,11 @@ which the rise grows with the velocity, against `reference` as `truth` has it. A
 bound of 99 % of its errors at places without a warning. Scenes of an odd number judge the presets;
 all take over an hour.
 
+A pin that wears under strips of the disk errs at random, too, since each stage of its wear has
+other strips. Surface sampling includes this error, because it differs between realizations. Single
+errors of such scenes therefore have a wider bound. `moving_disk` judges their mean errors, which
+realizations share.
+
     python -m tests.promises.front
     python -m tests.promises.front --scenes 8
 """
@@ -29,6 +34,8 @@ from tribo.constants import SLOWEST
 from tribo.simulation import RampCache, forget_kernels
 
 PROMISED = "standard", "fine"
+BOUND_UNDER_STRIPS = 0.02
+"""Bound of 99 % of the errors of a preset at places of pins that wear under strips."""
 NUMBERS = 16
 _QUANTILE, _WARNED = 0.99, 0.06
 _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest", "CPU [s]"
@@ -44,7 +51,8 @@ def dividing(scene, fidelity):
 def errors(case, fidelity):
     """Velocity errors, warnings and CPU time of a fidelity on a scene; None without true rises.
 
-    ``over`` is the preset's largest bound over its bound for the scene's area fraction.
+    ``over`` is the preset's largest bound over its bound for the scene's area fraction, and
+    ``under_strips`` says if the pin wears under strips of the disk.
     """
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:
@@ -68,6 +76,7 @@ def errors(case, fidelity):
         "errors": velocity_errors.tolist(),
         "warned": is_warned.tolist(),
         "over": over,
+        "under_strips": sweep.scene.wears_by_strips,
         "seconds": seconds,
     }
 
@@ -97,32 +106,31 @@ def known_rows(path):
     return {(row["choice"], row["digest"]): row for row in read(path) if "failed" not in row}
 
 
-def summary(name, fidelity, rows, digests):
-    """Table row of a choice over all scenes: number of points, share warned, errors, CPU time."""
-    text = json.dumps(asdict(fidelity))
-    records = [rows[text, digest] for digest in digests if (text, digest) in rows]
+def summary(name, bound, records):
+    """Table row of a preset on scenes: bound, number of points, share warned, errors, CPU time."""
     errors = np.abs(np.concatenate([row["over"] * np.ravel(row["errors"]) for row in records]))
     is_warned = np.concatenate([np.ravel(row["warned"]) for row in records])
     unwarned = errors[~is_warned]
     quantiles = *np.quantile(unwarned, [0.5, _QUANTILE]), unwarned.max()
-    return name, len(errors), is_warned.mean(), *quantiles, sum(row["seconds"] for row in records)
+    seconds = sum(row["seconds"] for row in records)
+    return name, bound, len(errors), is_warned.mean(), *quantiles, seconds
 
 
 def worded(row):
-    name, count, share, *sizes, seconds = row
-    promise = f"{PRESET_BOUNDS[name]:.2g}" if name in PRESET_BOUNDS else ""
-    return name, promise, count, f"{share:.1%}", *(f"{x:.2%}" for x in sizes), f"{seconds:.1f}"
+    name, bound, count, share, *sizes, seconds = row
+    quantiles = (f"{size:.2%}" for size in sizes)
+    return name, f"{bound:.2g}", count, f"{share:.1%}", *quantiles, f"{seconds:.1f}"
 
 
 def drawn(numbers, count):
-    """`count` scenes of these numbers in random order, without repeats; all if None."""
-    scenes = [*{case.digest: case for case in cases(numbers)}.values()]
+    """`count` scenes with true rises, in random order, without repeats; all if None."""
+    scenes = [*{case.digest: case for case in cases(numbers) if known(case)}.values()]
     return [scenes[number] for number in np.random.default_rng(0).permutation(len(scenes))[:count]]
 
 
 def are_kept(rows):
-    """True if each preset keeps its error bound, and few points carry a warning."""
-    return all(row[4] <= PRESET_BOUNDS[row[0]] and row[2] <= _WARNED for row in rows)
+    """True if each preset keeps its error bounds, and few points carry a warning."""
+    return all(row[5] <= row[1] and row[3] <= _WARNED for row in rows)
 
 
 def judged(path, scenes, minutes):
@@ -139,7 +147,16 @@ def judged(path, scenes, minutes):
     rows = known_rows(path)
     digests = [case.digest for case in scenes]
     done = [digest for digest in digests if all((text, digest) in rows for text in texts.values())]
-    return [summary(name, PRESETS[name], rows, done) for name in PROMISED], len(done)
+    summaries = []
+    for name, text in texts.items():
+        records = [rows[text, digest] for digest in done]
+        at_rest = [record for record in records if record["under_strips"]]
+        others = [record for record in records if not record["under_strips"]]
+        if others:
+            summaries.append(summary(name, PRESET_BOUNDS[name], others))
+        if at_rest:
+            summaries.append(summary(f"{name}, under strips", BOUND_UNDER_STRIPS, at_rest))
+    return summaries, len(done)
 
 
 def main():
