@@ -340,9 +340,9 @@ def record(draw, number):
 
 
 def measured(draw, number):
-    """Entries and file of a measured surface: scratched, with plateaus, or turned."""
+    """Entries and file of a measured surface: scratched, with plateaus, turned, or oblique."""
     entries, velocity, _ = lay(draw, number)
-    kind = ("scratched", "plateaus", "turned")[number % 3]
+    kind = ("scratched", "oblique", "plateaus", "turned", "oblique")[number % 5]
     return entries, velocity, measure(entries, kind)
 
 
@@ -376,6 +376,11 @@ def measured_heights(shape, kind, seed, ra):
         heights = noise(4, 4, 1.8) + 0.3 * noise(1.5, 1.5, 1.5) - 0.6 * np.abs(noise(40, 2, 2.2))
     elif kind == "plateaus":
         heights = np.minimum(noise(3, 12, 1.8), 0.6 + 0.15 * noise(3, 3, 1.8))
+    elif kind == "oblique":  # grooves at an angle to y
+        cosine, sine = np.cos(angle := np.radians((45, -45, 20)[seed % 3])), np.sin(angle)
+        across, along = cosine * qx + sine * qy, cosine * qy - sine * qx
+        spectrum = (1 + (6 * np.pi * across) ** 2 + (80 * np.pi * along) ** 2) ** -0.9
+        heights = np.fft.ifft2(np.fft.fft2(rng.standard_normal(shape)) * spectrum).real
     elif kind == "honed":  # crossing scratches below a plateau
         scratches = noise(30, 1.5, 2.2) + noise(1.5, 30, 2.2)
         heights = 0.25 * noise(2, 2, 1.6) - np.abs(scratches) ** 1.5
