@@ -153,6 +153,7 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
 
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
 _BAR = 0.12  # height of a colour bar, and of the gap below it [in]
+_AT_ONE_POSITION = "at one position of the disk; verdicts use the mean over several positions"
 _COLUMN = 4.7  # width of a figure below which its panels are stacked [in]
 
 
@@ -208,7 +209,9 @@ def fields(
         f", step {step} at {drawn.values('normal_load')[point][step - 1]:g} N" if step else ""
     )
     where = f"{drawn.words(point)}{step_words}, {heating_words(drawn.conditions)}"
-    style.write_title(figure, drawn.title(where))
+    scene = drawn.case.sweep.scene
+    notes = [_AT_ONE_POSITION] if scene.wears_by_strips or scene.sweeps_over else []
+    style.write_title(figure, drawn.title(where, *notes))
     return figure
 
 

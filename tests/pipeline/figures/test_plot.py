@@ -93,7 +93,8 @@ def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
 def test_fields_of_the_point_nearest_to_the_transition(sweep):
     figure = pipeline.plot(sweep, "fields")
     assert figure.get_suptitle() == (
-        "White oil on ground steel\n750 N, 1.25 m/s, friction 0.1, bulk temperature 25 °C"
+        "White oil on ground steel\n750 N, 1.25 m/s, friction 0.1, bulk temperature 25 °C\n"
+        "at one position of the disk; verdicts use the mean over several positions"
     )
     panels = figure.axes[:3]
     assert panels[0].get_ylabel() == "y [µm]"
