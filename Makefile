@@ -26,7 +26,7 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg paper all -o workflows
 
-SCENES = cam_tappet gear_mesh roller designs own_rig srv scan
+SCENES = cam_tappet gear_mesh roller designs own_rig srv ground_ring scan
 scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pictures, in some minutes
 	for scene in $(SCENES); do \
 	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene --width "14 cm" --dpi 100 --plain \
