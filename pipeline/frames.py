@@ -90,7 +90,7 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
 def _broken(text: str, width: int) -> list[str]:
     """Lines of a text, broken between words to at most `width` letters; none without text."""
     if len(text) <= width:  # the wrapping is slow
-        return [text] * bool(text)
+        return [text] if text else []
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 

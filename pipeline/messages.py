@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from pipeline.limits import MOST_FAULTS
 
 _MAX_FAULTS = 18  # that a message lists
+_MAX_NAMED = 6  # names that a message lists
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
@@ -65,3 +66,21 @@ def join_notes(notes: Iterable[str]) -> str:
 def split_notes(cells: Iterable[str]) -> list[str]:
     """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
     return [*dict.fromkeys(note for cell in cells if cell for note in cell.split(_SEPARATOR))]
+
+
+def listed(names: Sequence[str], most: int = _MAX_NAMED) -> str:
+    """List at most `most` names, and the number of further ones.
+
+    Examples
+    --------
+    >>> listed(["nose", "base", "flank"], 2)
+    'nose, base and 1 more'
+    """
+    if len(names) > most:
+        return f"{', '.join(names[:most])} and {len(names) - most} more"
+    return ", ".join(names)
+
+
+def pluralized(number: int, singular: str, plural: str) -> str:
+    """Number with its noun in the `singular` or `plural`, such as "1 load" or "3 loads"."""
+    return f"{number} {singular if number == 1 else plural}"

@@ -80,6 +80,7 @@ def _value(name: str, cell: Any) -> float:
             low, high = (to_si(end, "1 K") for end in OIL_WORKS)
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
-        advice = f"; give a {name} above 0" * (name in _LOAD_AND_VELOCITY)
-        raise InputError(f"{quoted(cell)} is outside the allowed range{advice}")
+        if name in _LOAD_AND_VELOCITY:
+            raise InputError(f"{quoted(cell)} is outside the allowed range; give a {name} above 0")
+        raise InputError(f"{quoted(cell)} is outside the allowed range")
     return value

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers import wording
-from pipeline.answers.condition_values import NAMES
-from pipeline.answers.scene_wording import usual_unit
-from pipeline.answers.wording import ATTRIBUTES, probability_text
+from pipeline.answers.attributes import ATTRIBUTES
+from pipeline.answers.conditions import NAMES
+from pipeline.answers.digits import error_of, rounded, rounded_error
+from pipeline.answers.readable import code_text, flag_names, probability_text
+from pipeline.answers.scene_words import usual_unit
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
@@ -24,6 +25,8 @@ _ROWS = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
+_ROUNDED = re.compile("critical_.*|governing_temperature|temperature_margin|film_.*|.*_factor")
+"""Variables whose digits depend on the numerical error."""
 _HEADINGS = {
     "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
     "critical_velocity_p95": "95 %", "velocity_error": "numerical error",
@@ -70,11 +73,9 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 def _to_text(variable: xr.DataArray) -> xr.Variable:
     """A variable with text for its codes and flags."""
     if "flag_values" in variable.attrs:
-        return variable.copy(data=wording.code_text(variable)).variable
+        return variable.copy(data=code_text(variable)).variable
     if "flag_masks" in variable.attrs:
-        texts = [
-            ", ".join(wording.flag_names(variable, k)) for k in variable.values.ravel().tolist()
-        ]
+        texts = [", ".join(flag_names(variable, k)) for k in variable.values.ravel().tolist()]
         return variable.copy(data=np.array(texts, object).reshape(variable.shape)).variable
     return variable.variable
 
@@ -93,11 +94,11 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     user_columns = [
         str(name) for name, array in answer.coords.items() if array.ndim and name not in hidden
     ]
-    frame = answer_frame(answer, *user_columns, *_ROWS)
+    frame = _rounded_frame(answer, *user_columns, *_ROWS)
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]
-    return without_columns(frame, [CASE] * bool(user_columns and CASE in answer.sizes))
+    return without_columns(frame, [CASE] if user_columns and CASE in answer.sizes else [])
 
 
 def tests_frame(comparison: xr.Dataset) -> pd.DataFrame:
@@ -131,7 +132,24 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
         ]
     )
     omitted = re.compile("velocity_error_.*|ruled_out_by")
-    return answer_frame(answer, *(name for name in names if not omitted.fullmatch(name)))
+    return _rounded_frame(answer, *(name for name in names if not omitted.fullmatch(name)))
+
+
+def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
+    """`answer_frame` for a reader: numbers as text, with the digits that their errors allow."""
+    errors = {f"error {k}": name for k, name in enumerate(names) if _ROUNDED.fullmatch(name)}
+    columns = {column: error_of(answer, name).variable for column, name in errors.items()}
+    columns = {column: (error.dims, error.values) for column, error in columns.items()}
+    frame = answer_frame(answer.assign(columns), *names, *columns)
+    for column, name in errors.items():
+        heading = _heading(name, answer)
+        pairs = zip(frame[heading], frame.pop(column), strict=True)
+        frame[heading] = [rounded(value, error) or None for value, error in pairs]
+    for name in names:
+        if name.endswith("_error") or "_error_" in name:
+            heading = _heading(name, answer)
+            frame[heading] = [rounded_error(error) or None for error in frame[heading]]
+    return frame
 
 
 def _heading(name: str, answer: xr.Dataset) -> str:

@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers import wording
-from pipeline.answers.condition_values import (
+from pipeline.answers.attributes import POINT_CONDITIONS, answer_attributes
+from pipeline.answers.conditions import (
     NAMES,
     ConditionValues,
     Operation,
@@ -213,7 +213,7 @@ def margin(
         }
         varied = {name: array for name, array in case_overrides.items() if array.ndim}
         dataset = _to_dataset(variables, model, varied, template.drop_attrs().coords)
-        attributes = {"conditions": wording.POINT_CONDITIONS} if len(conditions_by_row) > 1 else {}
+        attributes = {"conditions": POINT_CONDITIONS} if len(conditions_by_row) > 1 else {}
         return dataset.assign_attrs(attributes)
 
     return _join_cases(ds, answer)
@@ -389,9 +389,7 @@ def _to_dataset(
             if name in array.dims or point_conditions.get(name) is None
             else point_conditions[name]
         )
-    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(
-        wording.answer_attributes(model)
-    )
+    return with_attributes(xr.Dataset(variables, axes)).assign_attrs(answer_attributes(model))
 
 
 def with_attributes(ds: xr.Dataset) -> xr.Dataset:
@@ -489,5 +487,5 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
         float(evidence.log_rise_ratio_quantiles(probability, bulk)[0]) for probability in DECIDED
     ]
     return with_attributes(comparison).assign_attrs(
-        wording.answer_attributes(model), missing_points=0, levels=levels
+        answer_attributes(model), missing_points=0, levels=levels
     )

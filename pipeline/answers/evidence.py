@@ -132,8 +132,9 @@ class Evidence:
 def waiting_text(evidence: Evidence) -> str:
     """First test without a result, with the reason, and the number of others; else empty."""
     rows = evidence.without_result
-    more = f"; {len(rows) - 1} more without a result" * (len(rows) > 1)
-    return f"{rows[0]} {rows[0].reason}{more}" if rows else ""
+    if len(rows) > 1:
+        return f"{rows[0]} {rows[0].reason}; {len(rows) - 1} more without a result"
+    return f"{rows[0]} {rows[0].reason}" if rows else ""
 
 
 def outcome_of(rows: list[EvaluatedTest]) -> Outcome:

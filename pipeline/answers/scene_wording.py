@@ -14,6 +14,7 @@ from pipeline.sweep.condition_entries import Conditions, known_critical_temperat
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual
+from pipeline.words import listed
 from tribo import SelfAffineRoughness
 
 if TYPE_CHECKING:
@@ -21,8 +22,15 @@ if TYPE_CHECKING:
 
 _DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
 _SAME = 1e-6  # relative rounding difference of equal frictions
-_MAX_NAMED = 6  # cases that a warning lists
 _IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers state elsewhere
+_FRESH_SPECIMEN = (
+    "test {}: one specimen at several points, but each is simulated as a fresh specimen and thus "
+    "too hot: give its load stages"
+)
+_FRESH_SPECIMENS = (
+    "tests {}: one specimen at several points, but each is simulated as a fresh specimen and thus "
+    "too hot: give its load stages"
+)
 _DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
@@ -34,8 +42,9 @@ def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) ->
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
     friction = f"friction {conditions.friction:.4g}{_test_frictions(conditions, tests)}"
-    added = f", rise {signed_percent(conditions.added_rise_fraction)}"
-    return f"{friction}, {bulk}{added * bool(conditions.added_rise_fraction)}"
+    if not conditions.added_rise_fraction:
+        return f"{friction}, {bulk}"
+    return f"{friction}, {bulk}, rise {signed_percent(conditions.added_rise_fraction)}"
 
 
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
@@ -54,11 +63,13 @@ def verdict_conditions(
 
     The critical area fraction follows if it is not 10 %, and corrections if there are any.
     """
-    critical = display(known_critical_temperature(conditions), "°C", 5)
-    text = f"{heating_words(conditions, tests)}, critical temperature {critical}"
-    text += " (median, from tests)" * from_tests
-    share = conditions.critical_area_fraction
-    text += "" if share == _DEFAULT_FRACTION else f", critical area fraction {100 * share:.4g} %"
+    critical = display(known_critical_temperature(conditions), "°C", 4 if from_tests else 5)
+    parts = [heating_words(conditions, tests), f"critical temperature {critical}"]
+    if from_tests:
+        parts[-1] = f"critical temperature {critical} (median, from tests)"
+    if conditions.critical_area_fraction != _DEFAULT_FRACTION:
+        parts.append(f"critical area fraction {100 * conditions.critical_area_fraction:.4g} %")
+    text = ", ".join(parts)
     return f"{text}; {conditions.corrections.text}" if conditions.corrections else text
 
 
@@ -82,8 +93,12 @@ def signed_percent(share: float) -> str:
 
 def warning_text(warning: SceneWarning) -> str:
     """A warning as text, after the path of its entry."""
-    words = _words(warning) + _cases_text(warning)
-    return f"{warning.place}: {words}" if warning.place else words
+    text = _words(warning)
+    if warning.cases or warning.of_case:
+        names = listed(warning.cases) or "all cases"
+        of_case = f"; numbers are of case {warning.of_case}" if warning.of_case else ""
+        text = f"{text} (in {names}{of_case})"
+    return f"{warning.place}: {text}" if warning.place else text
 
 
 def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
@@ -135,11 +150,9 @@ def _words(warning: SceneWarning) -> str:
             return f"the test at {point} lies far outside the sweep: check its units"
         case "fresh_specimens":
             names, more = values
-            tests = f"test{'s' * (', ' in names)} {names}" + f" and {more:g} more" * (more > 0)
-            return (
-                f"{tests}: one specimen at several points, but each is simulated as a fresh "
-                "specimen and thus too hot: give its load stages"
-            )
+            if more:
+                return _FRESH_SPECIMENS.format(f"{names} and {more:g} more")
+            return (_FRESH_SPECIMENS if ", " in names else _FRESH_SPECIMEN).format(names)
         case "cold_tracks":
             lengths = dict(zip(values[::2], values[1::2], strict=True))
             tracks = " and ".join(
@@ -160,16 +173,6 @@ def _words(warning: SceneWarning) -> str:
                 f"{100 * SHARP_ENDS[0]:g} to {100 * SHARP_ENDS[1]:g} % lower velocity (irg help "
                 "physics)"
             )
-
-
-def _cases_text(warning: SceneWarning) -> str:
-    """Cases that have a warning, as text; empty if all have the same."""
-    if not (warning.cases or warning.of_case):
-        return ""
-    more = len(warning.cases) - _MAX_NAMED
-    names = ", ".join(warning.cases[:_MAX_NAMED]) + f" and {more} more" * (more > 0)
-    number_case = f"; numbers are of case {warning.of_case}" * bool(warning.of_case)
-    return f" (in {names or 'all cases'}{number_case})"
 
 
 def model_words(sweep: Sweep) -> str:

@@ -14,7 +14,7 @@ import pipeline
 from pipeline.answers.discretization_error import has_unknown_error
 from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
-from pipeline.cli.output import Result, pluralized
+from pipeline.cli.output import Result
 from pipeline.frames import frame_of, records
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
@@ -34,6 +34,7 @@ from pipeline.surface.window import form_words
 from pipeline.sweep.case_table import CASE
 from pipeline.sweep.notes import SceneNote, library_tables
 from pipeline.sweep.sweep import Sweep
+from pipeline.words import listed, pluralized
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 
@@ -65,7 +66,7 @@ def check(options: argparse.Namespace) -> Result:
     ]
     frame = frame_of(_HEADS, rows)
     statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
-    sources_hint = ["for library values with their sources: -o TABLE.md"] * bool(sweep.sources)
+    sources_hint = ["for library values with their sources: -o TABLE.md"] if sweep.sources else []
     table = [_case_frame(case_estimates), ""] if has_table else []
     document = {
         "title": sweep.title,
@@ -83,6 +84,14 @@ _MAX_CASES = 200  # most cases that are described, of a sweep along a table
 _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not mentioned
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _MAX_NUMBERS = 3  # most numbers of tests in a note
+_OTHER_LOADING_OF_ONE = (
+    "test {} has another loading than the sweep, so its wear before the end, and its temperature, "
+    "differ"
+)
+_OTHER_LOADING = (
+    "tests {} have another loading than the sweep, so their wear before the end, and their "
+    "temperature, differ"
+)
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -228,12 +237,8 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
     if not tests:
         return sweep.notes
     names = [*dict.fromkeys(str(test.number) for test in tests)]
-    rest = f" and {len(names) - _MAX_NUMBERS} more" * (len(names) > _MAX_NUMBERS)
-    words = (
-        f"test{'s' * (len(names) > 1)} {', '.join(names[:_MAX_NUMBERS])}{rest}: loaded in another "
-        "way than the sweep, so that wear before the end, and the temperature, differ"
-    )
-    return *sweep.notes, SceneNote("", words)
+    template = _OTHER_LOADING_OF_ONE if len(names) == 1 else _OTHER_LOADING
+    return *sweep.notes, SceneNote("", template.format(listed(names, _MAX_NUMBERS)))
 
 
 def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:

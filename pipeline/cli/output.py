@@ -93,11 +93,6 @@ def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
     return [*itertools.chain(*parts)]
 
 
-def pluralized(number: int, singular: str, plural: str) -> str:
-    """Number with its noun in the `singular` or `plural`, such as "1 load" or "3 loads"."""
-    return f"{number} {singular if number == 1 else plural}"
-
-
 def print_note(*messages: str | Progress) -> None:
     """Print notes, or the beginning of a stage, on stderr unless --quiet."""
     for message in messages if not QUIET.is_set() else ():

@@ -10,25 +10,29 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.answers import wording
-from pipeline.answers.answer_frames import answer_frame, tests_frame, whole_frame
+from pipeline.answers.answer_lines import common_lines
+from pipeline.answers.digits import rounded
+from pipeline.answers.frames import answer_frame, tests_frame, whole_frame
+from pipeline.answers.point_lines import margin_lines
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
-from pipeline.cli.output import Result, pluralized, print_note, working, wrapped
+from pipeline.cli.output import Result, print_note, working, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.quantities import display, shown_in
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
 from pipeline.sweep.sweep import Point, Sweep
+from pipeline.words import pluralized
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
 _NEIGHBOURS = (0.8, 1.2)  # velocities of two neighbours over that of the point
 _ANNOUNCED = 8  # most points that are simulated without a note
 _OTHER_MODEL = (
-    "infer it again for another one, which may differ by more than this standard deviation; tests "
-    "gave 7 to 36 K more on a random surface than on a measured one"
+    "infer it again for another one, which may differ by more than this standard deviation; the "
+    "tests of two rigs gave 5 to 7 K more on a random surface than on a measured one, and 18 to "
+    "30 K more with wear pattern swept than with local"
 )
 _CONTACT = {
     "max_temperature": "highest temperature [°C]",
@@ -68,7 +72,7 @@ def point(options: argparse.Namespace) -> Result:
     text, frame = ["without temperature.critical there is no verdict"], contact
     if sweep_of(ds).base.is_judged:
         margins = pipeline.margin(ds, load, velocity)
-        text = [*wording.margin_lines(margins), *wording.common_lines(margins)]
+        text = [*margin_lines(margins), *common_lines(margins)]
         frame = whole_frame(margins).join(contact)
     warned = pipeline.points_with_warnings(ds)
     return Result(text=wrapped([*text, "", transposed(contact)]), warned=warned, frames=[frame])
@@ -112,14 +116,15 @@ def infer(options: argparse.Namespace) -> Result:
         bound = display(result["at_most"], "°C", 3)
         finding = f"critical temperature: at most {bound} (95 %), from {count}"
     else:
-        median = display(result["critical_temperature"], "°C", 4)
+        celsius = shown_in(result["critical_temperature"], "°C")
         finding = (
-            f"critical temperature {median}; standard deviation {result['spread_another_rig']:.2g} "
+            f"critical temperature {rounded(celsius, result['spread_this_rig'])} °C; standard "
+            f"deviation {result['spread_another_rig']:.2g} "
             f"K for another rig, {result['spread_this_rig']:.2g} K for this one, from {count}"
         )
     frame = answer_frame(tests)
     belongs = f"it belongs to {values.attrs['model']}: {_OTHER_MODEL}"
-    text = [finding, belongs, "", without_columns(tests_frame(tests)), *wording.common_lines(tests)]
+    text = [finding, belongs, "", without_columns(tests_frame(tests)), *common_lines(tests)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

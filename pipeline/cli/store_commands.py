@@ -12,14 +12,30 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.answers import wording
-from pipeline.answers.answer_frames import boundary_frame, margin_frame, tests_frame, whole_frame
+from pipeline.answers.answer_lines import (
+    common_lines,
+    conditions_lines,
+    model_error_line,
+    not_included_lines,
+    reason_lines,
+    row_warnings,
+)
+from pipeline.answers.boundary_lines import boundary_lines
 from pipeline.answers.discretization_error import error_in_words
+from pipeline.answers.frames import (
+    answer_frame,
+    boundary_frame,
+    margin_frame,
+    tests_frame,
+    whole_frame,
+)
+from pipeline.answers.point_lines import margin_lines
+from pipeline.answers.readable import code_text
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import UNKNOWN
 from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, pluralized, working, wrapped
+from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
 from pipeline.messages import quoted
 from pipeline.shipped import typed_name
@@ -28,6 +44,7 @@ from pipeline.store.resume import mismatches
 from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE
 from pipeline.store.status import states
+from pipeline.words import pluralized, quoted
 from tribo import InputError, TriboError
 from tribo.types import Mask
 
@@ -42,11 +59,12 @@ def status(options: argparse.Namespace) -> Result:
     tests = [state.tests] if state.tests else []
     failed = [point for summary in (state, *tests) for point in summary.failed]
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
+    running = [f"running: {state.running}"] if state.running else []
     text = [
         state.title,
         f"{state.total} points: {counts}",
         *(f"tests: {summary.done} of {summary.total} points done" for summary in tests),
-        *[f"running: {state.running}"] * bool(state.running),
+        *running,
         error_in_words(sweep),
         *(f"failed: {point}" for point in failed),
     ]
@@ -140,37 +158,37 @@ def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
     for index in np.ndindex(*sizes.values()):
         margin = margins.isel(dict(zip(sizes, index, strict=True)))
         conditions = [named_value(margin[dim]) for dim in sizes]
-        lines += [f"{', '.join(conditions)}:"] * bool(conditions)
-        lines += wording.margin_lines(margin)
-    return [*lines, *wording.common_lines(margins)]
+        if conditions:
+            lines.append(f"{', '.join(conditions)}:")
+        lines += margin_lines(margin)
+    return [*lines, *common_lines(margins)]
 
 
 def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     """The rows with the least margins, and lines on all of them."""
-    verdicts, counts = np.unique(
-        wording.code_text(margins["verdict"]).astype(str), return_counts=True
-    )
+    verdicts, counts = np.unique(code_text(margins["verdict"]).astype(str), return_counts=True)
     verdict_counts = ", ".join(
         f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True)
     )
     count = pluralized(int(counts.sum()), "operating point", "operating points")
     frame = margin_frame(margins)
-    margin_head = "temperature margin [K]"  # missing if no point has an answer
-    ordered = frame.sort_values(margin_head) if margin_head in frame else frame
-    printed = frame if has_all else ordered.head(_MAX_ROWS)
+    numbers = answer_frame(margins, "temperature_margin")
+    order = numbers.sort_values("temperature margin [K]").index
+    printed = frame if has_all else frame.loc[order].head(_MAX_ROWS)
     omitted = len(frame) - len(printed)
+    hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     return [
         f"{count}: {verdict_counts}",
-        *wording.conditions_lines(margins),
-        *wording.not_included_lines(margins),
+        *conditions_lines(margins),
+        *not_included_lines(margins),
         "",
         printed,
         "",
-        *[f"{omitted} more rows: use --all, or -o TABLE.csv"] * bool(omitted),
-        *wording.reason_lines(margins),
-        *wording.row_warnings(margins),
-        wording.model_error_line(margins),
-        *wording.common_lines(margins),
+        *hint,
+        *reason_lines(margins),
+        *row_warnings(margins),
+        model_error_line(margins),
+        *common_lines(margins),
     ]
 
 
@@ -183,21 +201,15 @@ def boundary(options: argparse.Namespace) -> Result:
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
         table = without_columns(tests_frame(results))
-        text: list[Any] = [
-            "tests, each at its own conditions",
-            table,
-            *wording.common_lines(results),
-        ]
+        text: list[Any] = ["tests, each at its own conditions", table, *common_lines(results)]
         return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
     with working("computing the boundary"):
         results = pipeline.boundary(ds, **conditions)
     rows = without_columns(boundary_frame(results, options.by))
     printed = rows if options.all else some_rows(rows, _MAX_ROWS, _are_tested(ds, rows, options.by))
-    hint = [f"{len(rows) - len(printed)} more rows: use --all, or -o TABLE.csv"]
-    text = [
-        *wording.conditions_lines(results), "", printed, "", *hint * (len(printed) < len(rows)),
-        *wording.boundary_lines(results),
-    ]  # fmt: skip
+    omitted = len(rows) - len(printed)
+    hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
+    text = [*conditions_lines(results), "", printed, "", *hint, *boundary_lines(results)]
     parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
     return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])
 

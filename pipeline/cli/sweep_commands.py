@@ -13,7 +13,7 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers import wording
+from pipeline.answers.boundary_lines import closing_lines
 from pipeline.answers.discretization_error import error_in_words, has_unknown_error
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import warning_lines
@@ -106,7 +106,7 @@ def _ending(ds: xr.Dataset, store: str) -> list[str]:
     if not case_dims(ds):  # one scene; irg boundary has a table of several
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary_lines = [*wrapped(wording.closing_lines(pipeline.boundary(ds)))]
+            boundary_lines = [*wrapped(closing_lines(pipeline.boundary(ds)))]
     return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
 
 

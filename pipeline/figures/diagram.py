@@ -21,7 +21,9 @@ from matplotlib.patheffects import Normal, Stroke
 from scipy.ndimage import distance_transform_edt
 
 import pipeline
-from pipeline.answers import wording
+from pipeline.answers.answer_lines import not_included_lines, withheld_lines
+from pipeline.answers.boundary_lines import error_lines, ruling_lines
+from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import CaseResults, cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
@@ -103,13 +105,13 @@ def diagram(
     moved = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
     tests, tests_entry, caption = mark_tests(axes, case, bulk, friction, moved)
     marked = [*tests, *operating_points]
-    lines = [f"conditions: {text}" for text in wording.attribute_texts(boundary, "conditions")]
+    lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
     legend = Legend()
     if case_dimensions:
         x, y, plane = _plane(ds, case, conditions)
         legend = _draw_cases(axes, plane, x, y, case_dimensions)
         by = " and ".join(case_dimensions).replace("_", " ")
-        lines = ["; ".join([f"boundary by {by}", *lines * (len(lines) == 1)])]
+        lines = [f"boundary by {by}; {lines[0]}" if len(lines) == 1 else f"boundary by {by}"]
     elif is_plane:
         x, y, plane = _plane(ds, case, conditions)
         legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
@@ -126,9 +128,9 @@ def diagram(
         title = f"{title}, surface realization {realization}"
     style.write_title(axes, title)
     legend |= tests_entry
-    notes = [*wording.not_included_lines(boundary)][:1] + split_notes(
-        wording.attribute_texts(boundary, "notes")
-    )[:1]
+    notes = [*not_included_lines(boundary)][:1] + split_notes(attribute_texts(boundary, "notes"))[
+        :1
+    ]
     style.legend_below(
         figure,
         2 if len(legend) == 4 else 3,
@@ -184,14 +186,14 @@ def _captions(
     case: CaseResults, boundary: xr.Dataset, x: Array, y: Array, bulk: float
 ) -> Iterable[str]:
     """Yield lines on errors, on the oil film, and on verdicts that tests rule out."""
-    yield from wording.error_lines(boundary)
+    yield from error_lines(boundary)
     if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
         film = oil.film_parameter(y[:, None], x, bulk)
         ends = float(film.min()), float(film.max())
         regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
         yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
-    yield from wording.ruling_lines(boundary)
-    yield from wording.withheld_lines(boundary)
+    yield from ruling_lines(boundary)
+    yield from withheld_lines(boundary)
 
 
 def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
@@ -336,7 +338,8 @@ def _mark_simulated(
             axes.plot(
                 *coordinates, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look
             )
-    yield from ["dots: simulated points"] * bool(is_simulated.any())
+    if is_simulated.any():
+        yield "dots: simulated points"
     if is_unfinished.any():
         yield f"×: {is_unfinished.sum()} points are pending or failed"
 

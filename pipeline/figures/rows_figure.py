@@ -11,7 +11,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers import wording
+from pipeline.answers.answer_lines import conditions_lines
+from pipeline.answers.digits import error_of, rounded
+from pipeline.answers.readable import attribute_texts, probability_text, row_labels
 from pipeline.answers.results import sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
@@ -51,9 +53,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {margins['reason'].values[0]}")
-    names = [
-        style.as_text(label) for label in wording.row_labels(margins, *map(str, margins.sizes))
-    ]
+    names = [style.as_text(label) for label in row_labels(margins, *map(str, margins.sizes))]
     labels = [textwrap.fill(name, int(_LETTERS * style.wanted_width(_WIDTH))) for name in names]
     lines_per_row = 1 + max(label.count("\n") for label in labels)
     positions = np.arange(len(names))
@@ -77,11 +77,17 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     ticks = positions if len(names) <= _MAX_LABELS else positions[:: -(-len(names) // _MAX_LABELS)]
     ticks = np.union1d(ticks, [deciding])
     axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
-    for row in ticks:
-        probability, factor = (
-            margins[name].values[row] for name in ("probability", "friction_safety_factor")
+    probabilities, factors, factor_errors = (
+        values.values.tolist()
+        for values in (
+            margins["probability"],
+            margins["friction_safety_factor"],
+            error_of(margins, "friction_safety_factor"),
         )
-        text = f"{wording.probability_text(probability)}, {factor:.2f}" if factor > 0 else ""
+    )
+    for row in ticks:
+        probability, factor = probabilities[row], rounded(factors[row], factor_errors[row])
+        text = f"{probability_text(probability)}, {factor}" if factor else ""
         axes.annotate(
             "unknown" if np.isnan(margin[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
@@ -100,10 +106,8 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         f"most critical: {names[deciding]}",
         "at the right: probability of severe wear, safety factor of friction",
     ]
-    lines += wording.conditions_lines(margins)
-    lines += [
-        f"model error: {text}" for text in wording.attribute_texts(margins, "model_error")[:1]
-    ]
+    lines += conditions_lines(margins)
+    lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 

@@ -15,7 +15,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 import pipeline
-from pipeline.answers import wording
+from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import CaseResults, refuse_cases, sweep_of
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, FAINT, GREY
@@ -50,7 +50,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         raise InputError("the scene has no tests to draw; add [[tests]] to it")
     with_result = comparison.isel(test=comparison["reason"].values == "")
     if not with_result.sizes["test"]:
-        reason = wording.attribute_texts(comparison, "tests_without_result")[0]
+        reason = attribute_texts(comparison, "tests_without_result")[0]
         raise InputError(f"no test of the scene has a result yet: {reason}")
     low, middle, high = map(math.exp, comparison.attrs["levels"])
     figure, axes = style.canvas((8.0, 1.8 + 0.35 * with_result.sizes["test"]))
@@ -79,7 +79,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     axes.set(xlabel="computed rise ratio of the test")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
-    caption = f"model error: {wording.attribute_texts(comparison, 'model_error')[0]}"
+    caption = f"model error: {attribute_texts(comparison, 'model_error')[0]}"
     if missing := comparison.sizes["test"] - len(pairs):
         caption += f"\n{missing} of {comparison.sizes['test']} tests have no result"
     style.legend_below(
@@ -106,10 +106,11 @@ def draw_test_marker(
     If `label` is given, the number is to the right of this position instead.
     """
     marker, face = TESTS[outcome]
+    gid = f"test {outcome}, elsewhere" if faint else f"test {outcome}"
     look: dict[str, Any] = {"mfc": face, "mec": BLACK if face == "white" else "white"}
     axes.plot(
         *position, marker, ms=style.BIG * rcParams["lines.markersize"], clip_on=False, zorder=4,
-        alpha=FAINT if faint else 1.0, gid=f"test {outcome}{', elsewhere' * faint}", **look,
+        alpha=FAINT if faint else 1.0, gid=gid, **look,
     )  # fmt: skip
     axes.annotate(
         style.as_text(number), label or position, (8, 0), textcoords="offset points",
@@ -162,10 +163,11 @@ def mark_tests(
         draw_test_marker(axes, number, kinds[-1], (point[1], point[0]), faint, label)
         points.append(point)
         has_faint |= faint
-    caption = ["faint: tests at another bulk temperature"] * has_faint
-    caption += [
-        f"not shown (outside the axes): test{'s' * (len(omitted) > 1)} {', '.join(omitted)}"
-    ] * bool(omitted)
+    caption = ["faint: tests at another bulk temperature"] if has_faint else []
+    if len(omitted) == 1:
+        caption.append(f"not shown (outside the axes): test {omitted[0]}")
+    elif omitted:
+        caption.append(f"not shown (outside the axes): tests {', '.join(omitted)}")
     legend = tests_legend(kinds)
     if has_moved:
         legend[f"the same test at friction {friction:g}"] = Line2D(

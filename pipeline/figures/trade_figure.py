@@ -24,12 +24,12 @@ def draw_trade(trade: Trade) -> Figure:
         )
         axes.plot(x, y, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
         for measured in measurements:
-            goal = "" if measured.accuracy is None else f"{100 * measured.accuracy:g} %: "
-            words = f"{goal}{measured.points} points" if goal else f"{measured.preset}"
-            words += ", all steps" * measured.has_steps
+            label = f"{measured.preset}, all steps" if measured.has_steps else measured.preset
+            if measured.accuracy is not None:
+                label = f"{100 * measured.accuracy:g} %: {measured.points} points"
             offset = (8, -14) if measured.has_steps else (8, 4)  # planes have nearly the same error
             axes.annotate(
-                words, (measured.seconds, measured.error), offset, textcoords="offset points",
+                label, (measured.seconds, measured.error), offset, textcoords="offset points",
                 path_effects=style.HALO,
             )  # fmt: skip
     axes.margins(0.15)

@@ -22,13 +22,27 @@ from jinja2 import Environment
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers import wording
-from pipeline.answers.answer_frames import (
+from pipeline.answers.answer_lines import (
+    common_lines,
+    conditions_lines,
+    model_error_line,
+    not_included_lines,
+    point_warnings,
+    reason_lines,
+    row_warnings,
+    temperature_error_line,
+    test_lines,
+)
+from pipeline.answers.boundary_lines import error_lines, next_run_line, ruling_lines, shift_lines
+from pipeline.answers.digits import error_of, rounded
+from pipeline.answers.frames import (
     boundary_frame,
     has_counted_tests,
     margin_frame,
     tests_frame,
 )
+from pipeline.answers.point_lines import headline, margin_facts, to_decide
+from pipeline.answers.readable import attribute_texts, code_text, row_labels, verdict_text
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
@@ -69,7 +83,8 @@ _PAPER = (
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
 _TABLE_BELOW = "The table below has the numbers."
-_AS_COMPUTED = "Critical velocity as computed"
+_WITH_TESTS = "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
+_WITHOUT_TESTS = "Critical velocity as computed, and where severe wear is 5 and 95 % probable"
 _LIMIT_NODES = 401  # loads or velocities among which the highest mild one is found
 _NARROW_WIDTH = 0.075  # width of figures on a telephone [m]
 
@@ -134,7 +149,7 @@ def report(
     points : path or mapping, optional
         Table of operating points in place of one, as in `pipeline.margin`.
     title, author : str, optional
-        Title of the report, by default that of the scene; who has written it.
+        Title of the report, by default that of the scene; name of its author.
     command : str, optional
         Command that wrote the report, to be stated in it.
     **conditions
@@ -182,7 +197,7 @@ def report(
     page = template.render(
         answer._asdict(),
         title=title or sweep.title,
-        about=[*[sweep.title] * bool(title), ", ".join(filter(None, (date, author)))],
+        about=[*([sweep.title] if title else []), ", ".join(filter(None, (date, author)))],
         author=author,
         version=version,
         command=command,
@@ -197,11 +212,11 @@ def report(
 def _boundary_answer(ds: xr.Dataset, conditions: Conditions) -> Answer:
     """The boundary of a plane, without an operating point."""
     boundary = pipeline.boundary(ds, **conditions)
-    lines = [*wording.not_included_lines(boundary)]
+    lines = [*not_included_lines(boundary)]
     if boundary["critical_velocity"].ndim == 1:  # a single case
-        lines.insert(0, wording.next_run_line(boundary))
-    headline = "Boundary between mild and severe wear"
-    return Answer("", headline, [*map(_as_sentence, lines)], _plane(ds, conditions))
+        lines.insert(0, next_run_line(boundary))
+    title = "Boundary between mild and severe wear"
+    return Answer("", title, [*map(_as_sentence, lines)], _plane(ds, conditions))
 
 
 def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> Answer:
@@ -210,20 +225,23 @@ def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) ->
     if verdict not in HEADLINES:
         raise InputError(reason)
     point = margin["load"].item(), margin["velocity"].item()
-    facts, deciding_test = dict(wording.margin_facts(margin)), wording.to_decide(margin)
+    facts, advice = dict(margin_facts(margin)), to_decide(margin)
     sentences = [_verdict(margin), *_mild_limits(ds, conditions, point)]
-    sentences += wording.not_included_lines(margin)
-    sentences += [f"The verdict is withheld: {reason}"] * bool(reason)
-    sentences += [f"To decide it, {deciding_test}"] * bool(deciding_test)
-    sentences += _without_help(wording.common_lines(margin))
+    sentences += not_included_lines(margin)
+    if reason:
+        sentences.append(f"The verdict is withheld: {reason}")
+    if advice:
+        sentences.append(f"To decide it, {advice}")
+    sentences += _without_help(common_lines(margin))
     rows = [*map(list, facts.items())]
     table = Grid("The operating point in numbers", ["quantity", "value"], rows)
-    warnings = [*wording.margin_warnings(margin)]
+    warnings = [*map(_as_sentence, point_warnings(margin))]
     first, *other_sections = _plane(ds, conditions, [point])
-    sections: list[Section] = [first, ("Operating point", [table, *[warnings] * bool(warnings)])]
-    headline = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
+    numbers: Section = ("Operating point", [table, warnings] if warnings else [table])
+    sections: list[Section] = [first, numbers]
+    title = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
     lines = [*map(_as_sentence, sentences)]
-    return Answer(wording.verdict_text(margin), headline, lines, [*sections, *other_sections])
+    return Answer(verdict_text(margin), title, lines, [*sections, *other_sections])
 
 
 def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) -> Iterator[str]:
@@ -234,7 +252,8 @@ def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) 
             continue
         grid = np.linspace(values[0], values[-1], _LIMIT_NODES)
         line = (fixed, grid) if axis == "velocity" else (grid, fixed)
-        is_mild = pipeline.margin(ds, *line, **conditions)["verdict"].values == MILD
+        margins = pipeline.margin(ds, *line, **conditions)
+        is_mild = margins["verdict"].values == MILD
         unit, fixed_unit = ("m/s", "N") if axis == "velocity" else ("N", "m/s")
         if not is_mild[0]:
             yield f"at {fixed:.4g} {fixed_unit}, wear is not mild at any simulated {axis}"
@@ -242,10 +261,10 @@ def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) 
             end = f"{grid[-1]:.4g} {unit}, the highest simulated {axis}"
             yield f"at {fixed:.4g} {fixed_unit}, wear is mild up to {end}"
         else:
-            highest = grid[int(is_mild.argmin()) - 1]
-            digit = 10.0 ** (math.floor(math.log10(highest)) - 2)
-            highest = digit * math.floor(highest / digit)  # not rounded up
-            yield f"at {fixed:.4g} {fixed_unit}, wear is mild up to {highest:.3g} {unit}"
+            k = int(is_mild.argmin()) - 1
+            error = error_of(margins, axis).values[k]
+            highest = rounded(grid[k], error, upwards=False)
+            yield f"at {fixed:.4g} {fixed_unit}, wear is mild up to {highest} {unit}"
 
 
 def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> Answer:
@@ -254,16 +273,14 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         refuse_cases(ds)
         raise InputError(f"a report has rows along one dimension, not along {[*margins.sizes]}")
     (row,) = margins.sizes
-    deciding, names = deciding_row(margins), wording.row_labels(margins, str(row))
-    codes, verdicts = (
-        margins["verdict"].values.tolist(),
-        wording.code_text(margins["verdict"]).tolist(),
-    )
+    deciding, names = deciding_row(margins), row_labels(margins, str(row))
+    codes = margins["verdict"].values.tolist()
+    verdicts = code_text(margins["verdict"]).tolist()
     verdict, critical = verdicts[deciding], f"the most critical operating point: {names[deciding]}"
-    headline = f"{HEADLINES.get(codes[deciding], 'Unknown')} at {critical}"
+    title = f"{HEADLINES.get(codes[deciding], 'Unknown')} at {critical}"
     verdict_count = sum(code in (MILD, UNDECIDED, SEVERE) for code in codes)
     if codes[deciding] == MILD and verdict_count < len(codes):  # the others may be severe
-        headline = (
+        title = (
             f"{verdict_count} of {len(codes)} operating points have a verdict; mild at {critical}"
         )
         verdict = ""
@@ -273,8 +290,8 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         margin_frame(margins), "Operating points; the deciding one is bold", deciding
     )
     notes = [
-        *wording.conditions_lines(margins), *wording.reason_lines(margins),
-        *wording.row_warnings(margins), *wording.common_lines(margins),
+        *conditions_lines(margins), *reason_lines(margins),
+        *row_warnings(margins), *common_lines(margins),
     ]  # fmt: skip
     notes = [*map(_as_sentence, _without_help(notes))]
     sections: list[Section] = [("Operating points", [picture, grid, notes])]
@@ -283,18 +300,18 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
         coordinates = (values.values.ravel().tolist() for values in points)
         sections += _plane(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
     else:
-        lines = wording.temperature_error_line(margins), wording.model_error_line(margins)
+        lines = temperature_error_line(margins), model_error_line(margins)
         sections.append(("Errors", [_errors(*lines)]))
     numbers = ", ".join(f"{number} {text}" for text, number in Counter(verdicts).items())
-    sentences = [f"Operating points: {numbers}", *wording.not_included_lines(margins)]
+    sentences = [f"Operating points: {numbers}", *not_included_lines(margins)]
     if codes[deciding] in HEADLINES:
         sentences.insert(0, _verdict(margins.isel({row: deciding})))
-    return Answer(verdict, headline, [*map(_as_sentence, sentences)], sections)
+    return Answer(verdict, title, [*map(_as_sentence, sentences)], sections)
 
 
 def _verdict(margin: xr.Dataset) -> str:
     """Sentence on the probability at one operating point; the headline has its verdict."""
-    verdict, _, rest = wording.headline(margin).partition(": ")
+    verdict, _, rest = headline(margin).partition(": ")
     subject = "probability of severe wear "
     return (rest or verdict).replace(subject, f"the {subject}is ", 1)
 
@@ -310,8 +327,9 @@ def _plane(
         for point in points
         if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
     ]
-    caption = _as_sentence(wording.conditions_lines(boundary)[0])
-    caption += " Dots: simulated points." * (not case_dims(ds))
+    caption = _as_sentence(conditions_lines(boundary)[0])
+    if not case_dims(ds):
+        caption += " Dots: simulated points."
     if missing := boundary.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
     loads, velocities = ([point[axis] for point in points_inside] for axis in (0, 1))
@@ -319,20 +337,19 @@ def _plane(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption,
         f"Transition diagram over sliding velocity and normal load. {_TABLE_BELOW}",
     )  # fmt: skip
-    title, needless = f"{_AS_COMPUTED}; with tests: where severe wear is 5, 50, 95 % probable", []
+    title, needless = _WITH_TESTS, list[str]()
     if not has_counted_tests(boundary):
-        title = f"{_AS_COMPUTED}, and where severe wear is 5 and 95 % probable"
-        needless.append("50 % [m/s]")
+        title, needless = _WITHOUT_TESTS, ["50 % [m/s]"]
     crosses = bool(boundary["critical_velocity"].notnull().all())
-    is_plain = crosses and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1
-    needless += ["outcome"] * is_plain
+    if crosses and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1:
+        needless.append("outcome")
     grid = _frame_grid(without_columns(boundary_frame(boundary), needless), title)
     sections: list[Section] = [("Transition diagram", [picture]), ("Boundary", [grid])]
     if boundary.attrs.get("tests") and not case_dims(ds):
         sections.append(("Tests and prediction", [*_tests(ds, conditions)]))
-    if rulings := [*map(_as_sentence, wording.ruling_lines(boundary))]:
+    if rulings := [*map(_as_sentence, ruling_lines(boundary))]:
         sections.insert(2, ("Tests that rule verdicts out", [rulings]))
-    lines = _errors(*wording.error_lines(boundary), *wording.shift_lines(boundary))
+    lines = _errors(*error_lines(boundary), *shift_lines(boundary))
     return [*sections, ("Errors", [lines])]
 
 
@@ -356,7 +373,7 @@ def _tests(ds: xr.Dataset, conditions: Conditions) -> Iterator[Picture | Grid | 
     computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
     table.insert(2, "computed", computed)
     yield _frame_grid(table, "Tests, each at its own conditions, and what is computed for them")
-    if lines := [*wording.test_lines(tests)]:
+    if lines := [*test_lines(tests)]:
         yield lines
 
 
@@ -372,10 +389,10 @@ def _common(
     cases = [Grid("Cases of the sweep", heads, rows)] if rows else []
     yield "Conditions and inputs", [inputs, *cases]
     single = {name: value for name, value in conditions.items() if not np.ndim(value)}
-    notes = split_notes(wording.attribute_texts(pipeline.points(ds, **single), "notes"))
+    notes = split_notes(attribute_texts(pipeline.points(ds, **single), "notes"))
     limits = _without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
     uncovered = [line for line in map(_as_sentence, limits) if line not in stated]
-    yield "What is not covered", [_MODEL, *[uncovered] * bool(uncovered)]
+    yield "What is not covered", [_MODEL, uncovered] if uncovered else [_MODEL]
     choices = [
         f"{name.replace('_', ' ')} {quoted(value)}"
         for name, value in asdict(sweep.scene.fidelity).items()
@@ -397,7 +414,8 @@ def _without_help(lines: Iterable[str]) -> list[str]:
 
 def _as_sentence(line: str) -> str:
     """Line of an answer with a capital letter and a full stop."""
-    return f"{line[:1].upper()}{line[1:]}" + "." * (not line.endswith("."))
+    sentence = f"{line[:1].upper()}{line[1:]}"
+    return sentence if line.endswith(".") else f"{sentence}."
 
 
 def _frame_grid(frame: pd.DataFrame, caption: str, bold: int = -1) -> Grid:

@@ -126,9 +126,11 @@ class GoalRun:
         if before is None and sweep.steps is None:
             sweep = replace(sweep, steps="end")  # no earlier step governs
         chosen = with_preset_for(sweep, before, self.accuracy)
-        remark = ", in place of the scene's own [fidelity]" * (sweep.preset is None)
         error = percent(velocity_error(chosen) or 0.0)
-        report(Progress(f"preset {chosen.preset} (up to {error}){remark}"))
+        choice = f"preset {chosen.preset} (up to {error})"
+        if sweep.preset is None:
+            choice = f"preset {chosen.preset} (up to {error}), in place of the scene's [fidelity]"
+        report(Progress(choice))
         self.is_fixed, self._report = bool(why_fixed(chosen)), report
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen

@@ -63,9 +63,11 @@ class Trade:
         """Frame with a row for each run and plane."""
         rows = []
         for measured in (*self.runs, *self.planes):
-            name = f"plane by {measured.preset}" + ", all steps" * measured.has_steps
+            name = f"plane by {measured.preset}"
             if measured.accuracy is not None:
                 name = f"accuracy {100 * measured.accuracy:g}%"
+            elif measured.has_steps:
+                name = f"plane by {measured.preset}, all steps"
             numbers = float(f"{measured.seconds:.3g}"), float(f"{measured.error:.3g}")
             rows.append((name, measured.preset, measured.points, *numbers))
         return frame_of(_HEADS, rows)

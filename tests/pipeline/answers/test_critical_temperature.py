@@ -148,7 +148,7 @@ def test_every_door_has_the_same_critical_temperature():
     critical = pipeline.infer(ds)["critical_temperature"].item()
     boundary = pipeline.boundary(ds)
     assert boundary["critical_temperature"].item() == pytest.approx(critical)
-    statement = f"critical temperature {critical - 273.15:.5g} °C (median, from tests)"
+    statement = f"critical temperature {critical - 273.15:.4g} °C (median, from tests)"
     assert statement in boundary.attrs["conditions"]
     states = pipeline.points(ds)["state"].sel(load=400.0)[0]
     turns = pipeline.boundary(ds)["critical_velocity"].sel(load=400.0).item()

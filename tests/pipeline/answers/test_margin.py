@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers import wording
+from pipeline.answers.answer_lines import row_warnings
+from pipeline.answers.point_lines import margin_lines, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -150,7 +151,7 @@ def test_safety_factors_are_the_critical_values_over_those_of_the_point():
 
 
 def advice(ds, load, velocity, **conditions):
-    return wording.to_decide(pipeline.margin(ds, load, velocity, **conditions))
+    return to_decide(pipeline.margin(ds, load, velocity, **conditions))
 
 
 def test_a_test_is_advised_only_after_the_computing_that_may_decide():
@@ -185,7 +186,7 @@ def test_the_computing_that_is_advised_decides():
 def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first_line(share, near):
     ds, critical = without_model_error(), float(synthetic.critical_velocity(400.0, LIMIT))
     margin = pipeline.margin(ds, 400.0, share * critical)
-    first = next(iter(wording.margin_lines(margin)))
+    first = next(iter(margin_lines(margin)))
     ends = (
         "Mild, but perhaps severe at the pin's sharp ends, which are not modelled and wear "
         "severely at 9 to 23 % lower velocity: probability"
@@ -193,4 +194,4 @@ def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first
     assert first.startswith(ends if near else "Mild: probability")
     assert ("sharp_ends" in asked(ds, 400.0, share * critical).flags) == near
     rows = pipeline.margin(ds, [400.0, 300.0], [share * critical, 0.5])
-    assert any("sharp ends" in line for line in wording.row_warnings(rows)) == near
+    assert any("sharp ends" in line for line in row_warnings(rows)) == near

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.answers.answer_frames import boundary_frame
+from pipeline.answers.answer_lines import withheld_lines
+from pipeline.answers.boundary_lines import boundary_lines, closing_lines, next_run_line
 from pipeline.answers.field import Outcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
-from pipeline.answers.wording import boundary_lines, closing_lines, next_run_line, withheld_lines
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -153,7 +153,7 @@ def test_the_boundary_is_limited_by_the_tests_that_rule_verdicts_out_in_margins(
     assert answer["ruled_out_by"].sel(load=200.0).item() == ""  # the test was at a higher load
     lines = [*boundary_lines(answer), *closing_lines(answer)]
     assert lines.count(f"at 300 to 750 N, {named_text}") == 2
-    assert "(5 %: 0.75 m/s" in next_run_line(answer)
+    assert "(5 %: 0.750 m/s" in next_run_line(answer)
 
 
 def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():

@@ -7,7 +7,8 @@ import pytest
 
 import pipeline
 from pipeline import plot
-from pipeline.answers.wording import row_labels
+from pipeline.answers.digits import error_of, rounded
+from pipeline.answers.readable import row_labels
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import deciding_row, draw_rows
@@ -174,5 +175,9 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     texts = [text.get_text() for text in axes.texts]
     factors = row_margins["friction_safety_factor"].values
     probabilities = "less than 1 %", "37 %", "more than 99 %"
-    expected = [f"{p}, {factor:.2f}" for p, factor in zip(probabilities, factors[:3], strict=True)]
+    errors = error_of(row_margins, "friction_safety_factor").values
+    expected = [
+        f"{p}, {rounded(*pair)}"
+        for p, *pair in zip(probabilities, factors[:3], errors[:3], strict=True)
+    ]
     assert texts == [*expected, "unknown"]

@@ -101,7 +101,7 @@ def test_each_case_has_the_goal_and_a_preset_in_place_of_its_own_numbers(tmp_pat
     radii = {"sweep.over": {"pin.radius": ["1.8 mm", "2 mm"]}, "sweep.loads": ["750 N"]}
     sweep = scene(**radii | {"fidelity.increments": 7})
     run(sweep, path, 0.05, progress=lambda progress: messages.append(str(progress)))
-    assert messages[0] == "preset standard (up to 1.1 %), in place of the scene's own [fidelity]"
+    assert messages[0] == "preset standard (up to 1.1 %), in place of the scene's [fidelity]"
     boundary = pipeline.boundary(path)
     assert boundary["velocity_error"].dims == ("pin_radius", "load")
     assert np.isfinite(boundary["critical_velocity"]).all()

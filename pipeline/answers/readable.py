@@ -1,0 +1,92 @@
+"""Values of answers as text: codes, flags, outcomes, probabilities and the labels of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.answers.attributes import ATTRIBUTES
+from pipeline.answers.conditions import NAMES
+from pipeline.answers.scene_words import value_words
+from pipeline.constants import LEAST_STATED
+from pipeline.store.schema import PLANE
+
+OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+_NUMBER = tuple("0123456789+-−.")
+_OUTCOMES = {
+    "transition": "transition",
+    "mild": "mild over the whole sweep",
+    "severe": "severe over the whole sweep",
+    "mild to highest": "mild up to the highest simulated {axis}",
+    "severe from lowest": "severe down to the lowest simulated {axis}",
+    "unknown": "unknown because too few points are done",
+    "outside the model": OUTSIDE,
+    "no line": "",
+    "": "",
+}
+
+
+def code_text(variable: xr.DataArray) -> Any:
+    """Names of the codes of a variable, such as "outside the model"; empty for others."""
+    names = variable.attrs["flag_meanings"].replace("outside_model", "outside_the_model").split()
+    texts = np.array([name.replace("_", " ") for name in names] + [""], object)
+    codes = np.asarray(variable.values)
+    return np.asarray(texts[np.where(codes < 0, len(names), codes)], object)
+
+
+def verdict_text(point: xr.Dataset) -> str:
+    """The verdict on one point, as text."""
+    return str(code_text(point["verdict"])[()])
+
+
+def outcome_texts(answer: xr.Dataset, axis: str) -> Any:
+    """Outcome of each line along `axis`, as text; empty where there is no line."""
+    texts = {name: text.format(axis=axis) for name, text in _OUTCOMES.items()}
+    codes = code_text(answer[f"outcome_along_{axis}"])
+    return np.vectorize(texts.__getitem__, otypes=[object])(codes)
+
+
+def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
+    """Names of the flags of a variable that are set in `flags`."""
+    pairs = zip(variable.attrs["flag_meanings"].split(), variable.attrs["flag_masks"], strict=True)
+    return [name for name, mask in pairs if flags & int(mask)]
+
+
+def probability_text(probability: float) -> str:
+    """A probability as text: a percentage, or "less than 1 %"."""
+    if probability < LEAST_STATED:
+        return f"less than {100 * LEAST_STATED:g} %"
+    if probability > 1 - LEAST_STATED:
+        return f"more than {100 * (1 - LEAST_STATED):g} %"
+    return f"{100 * probability:.2g} %"
+
+
+def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
+    """Distinct values of an attribute; it is a coordinate if cases differ in it."""
+    values: Iterable[Any] = (
+        [answer.attrs[name]] if name in answer.attrs else answer[name].values.ravel()
+    )
+    return [str(value) for value in dict.fromkeys(values) if value]
+
+
+def row_labels(answer: xr.Dataset, row: str) -> list[str]:
+    """Label of each row of an answer: the user's first column, else load and velocity.
+
+    `row` is the dimension of the rows.
+    """
+    hidden = {*PLANE, *ATTRIBUTES, *NAMES}
+    user_columns = [
+        name for name, array in answer.coords.items() if array.dims == (row,) and name not in hidden
+    ]
+    if not user_columns:
+        points = zip(*(answer[name].values.tolist() for name in PLANE), strict=True)
+        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in points]
+    axis = answer[min(user_columns, key=lambda name: name == row)]
+    texts = [value_words(axis, value) for value in axis.values.tolist()]
+    name = str(axis.name).replace("_", " ").partition(" [")
+    named_texts = (f"{name[0]} {text} {name[2][:-1]}".rstrip() for text in texts)
+    pairs = zip(texts, named_texts, strict=True)
+    return [named_text if text[:1] in _NUMBER else text for text, named_text in pairs]
