@@ -163,7 +163,9 @@ def _group(attributes: Document) -> Document:
 
 def _digest(facts: Mapping[str, Any]) -> str:
     """SHA-256 of the facts without their digest."""
-    contents = [facts[name] for name in ("format", "history", "inputs", "growths", "sweep")]
+    contents = [
+        facts[name] for name in ("format", "history", "inputs", "growths", "sweep", "scene")
+    ]
     return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
 

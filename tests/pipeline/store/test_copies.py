@@ -1,5 +1,6 @@
 """Runs that find a store damaged next to the copies of a killed growth, or without its root."""
 
+import dataclasses
 import shutil
 from pathlib import Path
 
@@ -165,3 +166,18 @@ def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
         )
         assert done_points(path) == expected
         assert verify_store(path).is_clean
+
+
+@pytest.mark.parametrize("key", [FACTS, ROOT])
+def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path, key):
+    sweep = dataclasses.replace(SWEEP, text='radius = "2 mm"\n')
+    commit_all(path, sweep)
+    commit(path, sweep, ())
+    before = contents(path)
+    content = bytearray(before[key])
+    content[content.rindex(b"2 mm")] ^= 1
+    (path / key).write_bytes(content)
+    assert "2 mm" in pipeline.open_sweep(path).attrs["scene"]
+    assert verify_store(path).shared == (key,)
+    commit(path, sweep, ())
+    assert contents(path) == before
