@@ -9,10 +9,10 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.attributes import ATTRIBUTES
-from pipeline.answers.conditions import NAMES
+from pipeline.answers.condition_values import NAMES
 from pipeline.answers.digits import error_of, rounded, rounded_error
 from pipeline.answers.readable import code_text, flag_names, probability_text
-from pipeline.answers.scene_words import usual_unit
+from pipeline.answers.scene_wording import usual_unit
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE

@@ -10,7 +10,7 @@ import xarray as xr
 from pipeline.answers.attributes import SHARP_PERCENTS
 from pipeline.answers.digits import rounded_error
 from pipeline.answers.readable import attribute_texts, flag_names, row_labels
-from pipeline.words import listed, split_notes
+from pipeline.messages import listed, split_notes
 
 _MAX_REASONS = 6
 _MILD_BUT_FOR_ENDS = (

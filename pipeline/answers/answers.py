@@ -17,7 +17,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.attributes import POINT_CONDITIONS, answer_attributes
-from pipeline.answers.conditions import (
+from pipeline.answers.condition_values import (
     NAMES,
     ConditionValues,
     Operation,

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.scene_words import (
+from pipeline.answers.evidence import Evidence, waiting_text
+from pipeline.answers.scene_wording import (
     added_rise_words,
     model_words,
     verdict_conditions,
     warning_lines,
 )
 from pipeline.answers.specimen import specimen_of
-from pipeline.answers.tests import Evidence, waiting_text
-from pipeline.answers.verdict import VerdictModel
+from pipeline.answers.verdict_model import VerdictModel
 from pipeline.constants import SHARP_ENDS
+from pipeline.messages import join_notes
 from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
-from pipeline.words import join_notes
 from tribo import Corrections, Fidelity, Scene, Track
 from tribo.simulation.corrections import NEEDED
 

@@ -15,7 +15,7 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.digits import rounded_value
 from pipeline.answers.readable import outcome_texts
-from pipeline.words import split_notes
+from pipeline.messages import split_notes
 from tribo.types import Array
 
 _MIN_SHIFT = 0.05  # relative shift of the boundary by tests above which it is stated

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.attributes import ATTRIBUTES
-from pipeline.answers.conditions import NAMES
-from pipeline.answers.scene_words import value_words
+from pipeline.answers.condition_values import NAMES
+from pipeline.answers.scene_wording import value_words
 from pipeline.constants import LEAST_STATED
 from pipeline.store.schema import PLANE
 

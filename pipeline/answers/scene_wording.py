@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from pipeline.constants import SHARP_ENDS
+from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
 from pipeline.sweep.case import SpecimenTest
@@ -14,7 +15,6 @@ from pipeline.sweep.condition_entries import Conditions, known_critical_temperat
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual
-from pipeline.words import listed
 from tribo import SelfAffineRoughness
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ import xarray as xr
 
 from pipeline.answers.answers import with_attributes
 from pipeline.answers.attributes import answer_attributes
-from pipeline.answers.conditions import ConditionValues, override_conditions
+from pipeline.answers.condition_values import ConditionValues, override_conditions
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
-from pipeline.answers.scene_words import named_value
-from pipeline.answers.verdict import JudgedCase, conditions_of
+from pipeline.answers.scene_wording import named_value
+from pipeline.answers.verdict_model import JudgedCase, conditions_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.condition_entries import allowable_rise

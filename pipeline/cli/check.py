@@ -16,6 +16,7 @@ from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result
 from pipeline.frames import frame_of, records
+from pipeline.messages import listed, pluralized
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.estimate import Estimate, machine_memory, worker_bytes
@@ -34,7 +35,6 @@ from pipeline.surface.window import form_words
 from pipeline.sweep.case_table import CASE
 from pipeline.sweep.notes import SceneNote, library_tables
 from pipeline.sweep.sweep import Sweep
-from pipeline.words import listed, pluralized
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 
@@ -85,12 +85,12 @@ _IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not menti
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _MAX_NUMBERS = 3  # most numbers of tests in a note
 _OTHER_LOADING_OF_ONE = (
-    "test {} has another loading than the sweep, so its wear before the end, and its temperature, "
-    "differ"
+    "test {}: its loading differs from that of the sweep, and so do its wear before the end and "
+    "its temperature"
 )
 _OTHER_LOADING = (
-    "tests {} have another loading than the sweep, so their wear before the end, and their "
-    "temperature, differ"
+    "tests {}: their loading differs from that of the sweep, and so do their wear before the end "
+    "and their temperature"
 )
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""

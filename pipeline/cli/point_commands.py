@@ -10,20 +10,20 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
+from pipeline.answers.answer_frames import answer_frame, tests_frame, whole_frame
 from pipeline.answers.answer_lines import common_lines
 from pipeline.answers.digits import rounded
-from pipeline.answers.frames import answer_frame, tests_frame, whole_frame
 from pipeline.answers.point_lines import margin_lines
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, working, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
+from pipeline.messages import pluralized
 from pipeline.quantities import display, shown_in
 from pipeline.run.serial import computed_dataset, run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
 from pipeline.sweep.sweep import Point, Sweep
-from pipeline.words import pluralized
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 

@@ -12,6 +12,13 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
+from pipeline.answers.answer_frames import (
+    answer_frame,
+    boundary_frame,
+    margin_frame,
+    tests_frame,
+    whole_frame,
+)
 from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
@@ -22,13 +29,6 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.boundary_lines import boundary_lines
 from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.frames import (
-    answer_frame,
-    boundary_frame,
-    margin_frame,
-    tests_frame,
-    whole_frame,
-)
 from pipeline.answers.point_lines import margin_lines
 from pipeline.answers.readable import code_text
 from pipeline.answers.results import sweep_of
@@ -37,14 +37,13 @@ from pipeline.answers.verdict_model import UNKNOWN
 from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
-from pipeline.messages import quoted
+from pipeline.messages import pluralized, quoted
 from pipeline.shipped import typed_name
 from pipeline.store.place import REMEDY, StoreError
 from pipeline.store.resume import mismatches
 from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE
 from pipeline.store.status import states
-from pipeline.words import pluralized, quoted
 from tribo import InputError, TriboError
 from tribo.types import Mask
 

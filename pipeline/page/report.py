@@ -22,6 +22,12 @@ from jinja2 import Environment
 from matplotlib.figure import Figure
 
 import pipeline
+from pipeline.answers.answer_frames import (
+    boundary_frame,
+    has_counted_tests,
+    margin_frame,
+    tests_frame,
+)
 from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
@@ -35,12 +41,6 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.boundary_lines import error_lines, next_run_line, ruling_lines, shift_lines
 from pipeline.answers.digits import error_of, rounded
-from pipeline.answers.frames import (
-    boundary_frame,
-    has_counted_tests,
-    margin_frame,
-    tests_frame,
-)
 from pipeline.answers.point_lines import headline, margin_facts, to_decide
 from pipeline.answers.readable import attribute_texts, code_text, row_labels, verdict_text
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of

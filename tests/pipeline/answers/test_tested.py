@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.boundary_lines import boundary_lines, closing_lines, next_run_line
 from pipeline.answers.field import Outcome as Along

@@ -224,7 +224,7 @@ POINT = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
 STAGES = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\n'
 RUN = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
 FRESH = "one specimen at several points, but each is simulated as a fresh specimen and thus too hot"
-OTHERWISE = "has another loading than the sweep"
+OTHERWISE = "its loading differs from that of the sweep"
 PASTS = [
     (POINT + STAGES, OTHERWISE),
     (POINT + 'with = { "loading.rate" = "15 N/s" }\n', OTHERWISE),
@@ -241,4 +241,4 @@ def test_a_test_with_another_past_than_the_plane_is_told_with_its_effect(
     scene.write_text(f'extends = "first_try"\nwithout = ["tests"]\n[[tests]]\n{test}')
     statements = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
     (line,) = [statement for statement in statements if statement.startswith("test ")]
-    assert line.startswith(f"test 1 {words}")
+    assert line.startswith(f"test 1: {words}")
