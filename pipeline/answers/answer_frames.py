@@ -138,9 +138,9 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
 def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     """`answer_frame` for a reader: numbers as text, with the digits that their errors allow."""
     errors = {f"error {k}": name for k, name in enumerate(names) if _ROUNDED.fullmatch(name)}
-    columns = {column: error_of(answer, name).variable for column, name in errors.items()}
-    columns = {column: (error.dims, error.values) for column, error in columns.items()}
-    frame = answer_frame(answer.assign(columns), *names, *columns)
+    columns = {column: error_of(answer, name) for column, name in errors.items()}
+    plain = {column: (error.dims, error.values) for column, error in columns.items()}
+    frame = answer_frame(answer.assign(plain), *names, *plain)
     for column, name in errors.items():
         heading = _heading(name, answer)
         pairs = zip(frame[heading], frame.pop(column), strict=True)

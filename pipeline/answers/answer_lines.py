@@ -41,13 +41,10 @@ def withheld_lines(answer: xr.Dataset) -> Iterator[str]:
 
 def conditions_lines(answer: xr.Dataset) -> list[str]:
     """Line with the conditions of an answer, of its first row if rows differ in them."""
-    match attribute_texts(answer, "conditions"):
-        case []:
-            return []
-        case [text]:
-            return [f"conditions: {text}"]
-        case [text, *others]:
-            return [f"conditions: {text}; {len(others)} more"]
+    texts = attribute_texts(answer, "conditions")
+    if len(texts) > 1:
+        return [f"conditions: {texts[0]}; {len(texts) - 1} more"]
+    return [f"conditions: {text}" for text in texts]
 
 
 def model_error_line(answer: xr.Dataset) -> str:

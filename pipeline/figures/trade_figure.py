@@ -24,12 +24,14 @@ def draw_trade(trade: Trade) -> Figure:
         )
         axes.plot(x, y, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
         for measured in measurements:
-            label = f"{measured.preset}, all steps" if measured.has_steps else measured.preset
+            name = str(measured.preset)
+            if measured.has_steps:
+                name = f"{measured.preset}, all steps"
             if measured.accuracy is not None:
-                label = f"{100 * measured.accuracy:g} %: {measured.points} points"
+                name = f"{100 * measured.accuracy:g} %: {measured.points} points"
             offset = (8, -14) if measured.has_steps else (8, 4)  # planes have nearly the same error
             axes.annotate(
-                label, (measured.seconds, measured.error), offset, textcoords="offset points",
+                name, (measured.seconds, measured.error), offset, textcoords="offset points",
                 path_effects=style.HALO,
             )  # fmt: skip
     axes.margins(0.15)

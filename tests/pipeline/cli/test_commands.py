@@ -100,9 +100,8 @@ def test_a_point_alone_is_the_point_of_the_store(scene, store, tmp_path, irg):
     temperature = 298.15 + 0.1 * quantiles.sel(area_fraction_below=0.9).item()
     assert row["governing temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
     assert row["temperature margin [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
-    assert (
-        f"governing temperature   {temperature - 273.15:.4g} °C, simulated at this point" in output
-    )
+    (printed,) = re.findall(r"governing temperature   ([\d.]+) °C, simulated at this point", output)
+    assert abs(float(printed) - (temperature - 273.15)) <= 0.25 * row["temperature error [K]"]
     for words, value in {
         "highest temperature [°C]": highest - 273.15,
         "heat into the pin [%]": 100 * ds["pin_heat_share"].item(),
