@@ -80,7 +80,8 @@ def _value(name: str, cell: Any) -> float:
             low, high = (to_si(end, "1 K") for end in OIL_WORKS)
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
+        problem = f"{quoted(cell)} is outside the allowed range"
         if name in _LOAD_AND_VELOCITY:
-            raise InputError(f"{quoted(cell)} is outside the allowed range; give a {name} above 0")
-        raise InputError(f"{quoted(cell)} is outside the allowed range")
+            problem = f"{quoted(cell)} is outside the allowed range; give a {name} above 0"
+        raise InputError(problem)
     return value
