@@ -1,4 +1,4 @@
-"""Tables of tests, operating points, rows and loads: CSV or Excel, with headings like "load [N]".
+"""Tables of tests, operating points, rows and loads, with headings like "load [N]".
 
 All tables have one contract. Each column acts, is left out by the user, or holds words; a number is
 never a label. Cells are text here, and nothing is guessed: an empty cell in a column that acts, a
@@ -8,34 +8,22 @@ an ambiguous number are refused: all faults at once, each with its row and colum
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
-from pipeline.arguments import plain_value
 from pipeline.limits import (
-    MOST_BYTES_OF_LINE,
-    MOST_BYTES_OF_TEXT,
-    MOST_CELLS_OF_TEXT,
-    MOST_COLUMNS,
     MOST_FAULTS,
 )
 from pipeline.messages import did_you_mean, fault_lines, quoted
-from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.units import GROUPED, NUMBER, to_si
-from pipeline.workbook import workbook_rows
 from tribo import InputError
 from tribo.types import Array
 
-Source = str | Path | Mapping[str, Sequence[Any]]
 NAME = "number"
 """Column with the numbers or names of specimens and rows, which stay as they are written."""
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
@@ -46,15 +34,10 @@ _NUMERIC = re.compile(
     re.IGNORECASE,
 )
 """Beginning of a cell that is no word: a number, a formula, or an error of a spreadsheet."""
-_ERRORS = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
 _SIGNS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
 _NO_VALUE = {"-", "--", "—"}  # after `_SIGNS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
-_SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
-"""Units of numbers that are given in Python without one."""
 _MAX_LISTED = 12  # names that a message lists
-_MOST_HEADINGS = 1000  # lines above the rows
-_LONGEST_HEADING = 200
 _SYNONYMS = {
     "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
     "friction_coefficient": "friction", "coefficient_of_friction": "friction",
@@ -222,7 +205,7 @@ class Sheet:
             elif is_omissible and plain in _NO_VALUE:
                 yield ""
             else:
-                number, rest = _split(plain)
+                number, rest = split_number(plain)
                 if problem := self._fault_of_marks(number):
                     faults.append(f"{where}: {cell} {problem}")
                 yield number.replace(",", ".") + rest
@@ -256,201 +239,10 @@ class Sheet:
 _DASH = ", or a dash where it does not apply"
 
 
-def _split(cell: str) -> tuple[str, str]:
+def split_number(cell: str) -> tuple[str, str]:
     """A cell as its number, with all of its marks, and what follows; no number is empty."""
     match = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
     return (match[1], match[2] or "") if match else ("", cell)
-
-
-def read_table(
-    source: Source,
-    max_rows: int,
-    decimal: str | None = None,
-    ignore: Collection[str] = (),
-    advice: Advice = PYTHON,
-) -> Sheet:
-    """Read a .csv or .xlsx file, or columns by heading such as a data frame.
-
-    In CSV cells are divided by the first of tab, semicolon and comma in the headings. `decimal` is
-    the decimal mark of its numbers. Columns whose headings are in `ignore` are left out. `advice`
-    is how its user states both.
-    """
-    if isinstance(source, str | Path):
-        path = user_path(source)
-        try:
-            rows, is_local = _rows(path, max_rows)
-        except InputError:
-            raise
-        except OSError as error:
-            raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
-        except _UNREADABLE as error:
-            raise InputError(f"{path} is no table with a row of headings: {error}") from error
-    else:
-        path, rows, is_local = Path("the table"), _rows_of_frame(source), False
-    if len(rows) < 2:
-        raise InputError(f"{path} has no rows below its headings; add one")
-    if len(rows) - 1 > max_rows:
-        raise InputError(f"{path} has {len(rows) - 1} rows; at most {max_rows} are read")
-    sheet = replace(_sheet(str(path), rows, ignore), advice=advice, decimal=decimal)
-    cells = [cell for column in sheet.columns for cell in column.cells]
-    # A number with a point and not three decimals shows that points are decimal marks.
-    points = [number for number, _ in map(_split, cells) if "." in number]
-    return replace(sheet, is_local=is_local and all(map(GROUPED.fullmatch, points)))
-
-
-_UNREADABLE = ValueError, ImportError, csv.Error
-
-
-def _rows_of_frame(
-    source: Mapping[str, Sequence[Any]],
-) -> list[tuple[int, list[str]]]:
-    """Rows of columns by heading, numbered from 1; headings first."""
-    if isinstance(source, pd.DataFrame):
-        if named := [str(name) for name in source.index.names if name is not None]:
-            raise InputError(f"the index {quoted(named[0])} is not read; use reset_index()")
-        columns = [(str(head), source.iloc[:, k]) for k, head in enumerate(source.columns)]
-    elif hasattr(source, "dims"):
-        raise InputError("a Dataset is no table; give its variables as load and velocity")
-    else:
-        columns = [(str(head), cells) for head, cells in source.items()]
-    lists, sizes = list[list[str]](), dict[str, int]()
-    for head, cells in columns:
-        plain, column = plain_value(f"column {quoted(head)}", cells), Column.from_heading(head)
-        if not isinstance(plain, list):
-            raise InputError(f"column {quoted(head)} is no list; give one with a value per row")
-        lists.append([_text(column, item) for item in plain])
-        sizes[head] = len(plain)
-    if len({*sizes.values()}) > 1:
-        counts = ", ".join(f"{quoted(head)} {size}" for head, size in sizes.items())
-        raise InputError(f"columns differ in their numbers of rows: {counts}; give each as many")
-    heads = [head for head, _ in columns]
-    return [*enumerate([heads, *map(list, zip(*lists, strict=True))])]
-
-
-def _text(column: Column, value: Any) -> str:
-    """Cell of a value of Python; a number under a heading without a unit is in SI."""
-    if value is None or value != value:  # NaN
-        return ""
-    is_bare = isinstance(value, int | float) and not isinstance(value, bool) and not column.unit
-    return f"{value!r} {_SI[column.name]}" if is_bare and column.name in _SI else str(value)
-
-
-def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]:
-    """Rows of a file with their numbers, headings first, without empty ones and comments above.
-
-    Also true if points of numbers may divide thousands: where cells are not divided by commas.
-    """
-    content = read_file(path, MOST_BYTES_OF_TEXT)
-    if content.startswith(b"PK"):
-        rows, mark = [*enumerate(workbook_rows(path, content), start=1)], ","
-    elif kind := kind_of(content):
-        raise InputError(f"{path} is {kind}; save the table as .csv")
-    else:
-        _require_few_lines(path, content, max_rows)
-        rows, mark = _rows_of_text(path, _decoded(content))
-    return [(line, row) for line, row in rows if any(cell.strip() for cell in row)], mark != ","
-
-
-def _require_few_lines(path: Path, content: bytes, max_rows: int) -> None:
-    """Raise an `InputError` for a text with too many or too long lines, before it is parsed."""
-    count = content.count(b"\n")
-    if count > 2 * max_rows + _MOST_HEADINGS:  # with an empty line below each row
-        raise InputError(f"{path} has {count} lines; at most {max_rows} rows are read")
-    if (longest := max(map(len, io.BytesIO(content)), default=0)) > MOST_BYTES_OF_LINE:
-        raise InputError(
-            f"{path} has a line of {longest} bytes; {MOST_BYTES_OF_LINE} at most are read"
-        )
-    if (cells := max(map(content.count, (b"\t", b";", b",")))) > MOST_CELLS_OF_TEXT:
-        raise InputError(f"{path} has {cells} cells; at most {MOST_CELLS_OF_TEXT} are read")
-
-
-def _decoded(content: bytes) -> str:
-    is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    try:
-        return content.decode("utf-16" if is_utf16 else "utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")  # as Excel writes in the west
-
-
-def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Rows of CSV with their numbers, and the delimiter of cells."""
-    if "\0" in text:
-        raise InputError(f"{path} is binary; save the table as .csv")
-    lines = text.splitlines()
-    above = next((k for k, row in enumerate(lines) if row.strip() and row[0] != "#"), len(lines))
-    head = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
-    mark = next((delimiter for delimiter in "\t;," if delimiter in head), ",")
-    reader = csv.reader(lines[above:], delimiter=mark, strict=True)
-    try:
-        return [(above + reader.line_num, row) for row in reader], mark
-    except csv.Error as error:
-        if re.match("unexpected end of data|field larger", str(error)):
-            raise InputError(f"{path}: a quote is not closed; close or remove it") from error
-        raise InputError(f"{path}: row {above + reader.line_num}: {error}") from error
-
-
-def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
-    """Columns of a table; rows with more or fewer cells than headings are faults, and left out."""
-    (first, heads), *body = rows
-    width = max((k + 1 for k, head in enumerate(heads) if head.strip()), default=0)
-    faults, fit = TableFaults(name), list[tuple[int, list[str]]]()
-    if width > MOST_COLUMNS:
-        raise InputError(f"{name} has {width} columns; at most {MOST_COLUMNS} are read")
-    for line, row in body:
-        if len(row) < width or any(cell.strip() for cell in row[width:]):
-            count = len(row) if len(row) < width else len(_stripped(row))
-            faults.append(
-                f"row {line} has {count} cell{'s' * (count != 1)} below {width} heading"
-                f"{'s' * (width != 1)}; give one for each"
-            )
-        else:
-            fit.append((line, row))
-    if len(faults) == len(body) and width == 1:
-        fault = f"row {first} has one cell, and rows below have more; leave out the title"
-        faults = TableFaults(name, [fault])
-    columns, positions = list[Column](), dict[str, int]()
-    ignored, skipped = {heading.strip().lower(): heading for heading in ignore}, set[str]()
-    for k in range(width):
-        column = Column.from_heading(heads[k], [row[k] for _, row in fit])
-        keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & ignored.keys()
-        if keys:
-            skipped |= keys
-        elif len(column.head) > _LONGEST_HEADING:
-            faults.append(f"the heading of column {k + 1} is too long; give a short one")
-        elif not column.head:
-            problem = f"column {k + 1} has no heading; give one, and merge no cells"
-            faults.extend([problem] * any(column.cells))
-        elif column.name in positions:
-            both = f"in columns {positions[column.name]} and {k + 1}"
-            faults.append(f"the heading {quoted(column.head)} stands twice, {both}; leave one out")
-        else:
-            columns.append(column)
-            positions[column.name] = k + 1
-            faults.extend(_faults_of_formulas(column, [line for line, _ in fit]))
-    listed = ", ".join(quoted(column.head) for column in columns)
-    faults.extend(
-        f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
-        "of the table"
-        for key in ignored.keys() - skipped
-    )
-    return Sheet(name, columns, [line for line, _ in fit], faults)
-
-
-def _faults_of_formulas(column: Column, lines: Sequence[int]) -> Iterator[str]:
-    """Faults of cells with a formula instead of its value, or with an error of a spreadsheet."""
-    for line, cell in zip(lines, column.cells, strict=True):
-        if re.match(r"=[^=\s]", cell):
-            yield (
-                f"row {line}, {column.head}: the formula {quoted(cell)} has no stored value; open "
-                "and save the table in a spreadsheet program, or write the number"
-            )
-        elif _ERRORS.match(cell):
-            yield f"row {line}, {column.head}: {cell} is an error of a formula; correct it"
-
-
-def _stripped(row: list[str]) -> list[str]:
-    """A row without empty cells at its end."""
-    return row[: max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)]
 
 
 def rows_of(

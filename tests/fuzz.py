@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline import load_scene, surface_statistics
-from pipeline.table import read_table
+from pipeline.table_reader import read_table
 from tests.helpers import instruments
 from tests.helpers.campaigns import conclude
 from tribo import TriboError

@@ -44,7 +44,7 @@ from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.left_out import has_sharp_ends
+from pipeline.sweep.sweep import has_sharp_ends
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 

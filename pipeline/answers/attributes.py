@@ -21,7 +21,7 @@ from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import VerdictModel
 from pipeline.constants import SHARP_ENDS
 from pipeline.messages import join_notes
-from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
+from pipeline.sweep.sweep import cold_tracks, has_sharp_ends
 from tribo import Corrections, Fidelity, Scene, Track
 from tribo.simulation.corrections import NEEDED
 

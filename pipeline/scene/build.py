@@ -14,6 +14,7 @@ import tribo
 from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
 from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
+from pipeline.scene.declared_tables import Declared, table_of
 from pipeline.scene.entries import Entries, entry_at
 from pipeline.scene.faults import Faults, TooManyFaultsError
 from pipeline.scene.format import (
@@ -31,14 +32,14 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.library import resolve_library
 from pipeline.scene.load_stages import expand_tests, stages_of
-from pipeline.scene.tables import Declared, table_of
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import AREAS
 from pipeline.sweep.condition_entries import PATHS, Conditions
 from pipeline.sweep.notes import FromLibrary
-from pipeline.table import SCENE, numbers_of, read_table
+from pipeline.table import SCENE, numbers_of
+from pipeline.table_reader import read_table
 from tribo.loading.record import find_fault
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of

@@ -13,11 +13,11 @@ from typing import Any
 from pipeline.limits import MOST_SCENES, MOST_VARIED
 from pipeline.messages import quoted
 from pipeline.scene.build import Built, Files, build, realizations_of
+from pipeline.scene.declared_tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import SceneFile, TableFile
 from pipeline.scene.kinds import LOAD, SPEED
-from pipeline.scene.tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import (
     AREAS,
@@ -32,8 +32,9 @@ from pipeline.sweep.case_table import (
 )
 from pipeline.sweep.codec import digest
 from pipeline.sweep.condition_entries import CONDITION_ENTRIES
-from pipeline.table import SCENE, Advice, Sheet, TableError, TableFaults, read_table
+from pipeline.table import SCENE, Advice, Sheet, TableError, TableFaults
 from pipeline.table import Column as TableColumn
+from pipeline.table_reader import read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 

@@ -8,6 +8,18 @@ from typing import Any, ClassVar, get_type_hints
 
 import tribo
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_WITHOUT
+from pipeline.scene.declared_tables import (
+    ByPath,
+    Changes,
+    Declared,
+    Either,
+    List,
+    MixedList,
+    Range,
+    Sorted,
+    kind_of,
+    table_of,
+)
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
@@ -31,18 +43,6 @@ from pipeline.scene.kinds import (
     Spread,
     Text,
     UnitText,
-)
-from pipeline.scene.tables import (
-    ByPath,
-    Changes,
-    Declared,
-    Either,
-    List,
-    MixedList,
-    Range,
-    Sorted,
-    kind_of,
-    table_of,
 )
 from pipeline.sweep.case import OUTCOMES
 from tribo.simulation.usual_values import USUAL

@@ -11,10 +11,10 @@ from importlib import resources
 from typing import Any
 
 from pipeline.messages import key_path, quoted
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import entry_at
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import MaterialTable
-from pipeline.scene.tables import table_of
 from pipeline.sweep.notes import FromLibrary
 
 Entries = dict[str, Any]

@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.quantities import UNITS, display
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, Test
-from pipeline.scene.tables import table_of
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 

@@ -18,12 +18,12 @@ from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
+from pipeline.scene.declared_tables import keys_of, table_of
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, replace_value, replace_values
 from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
-from pipeline.scene.tables import keys_of, table_of
 from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import override_entries, read_document, text_of
 from pipeline.shipped import scene_path

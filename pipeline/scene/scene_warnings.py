@@ -12,12 +12,11 @@ from pipeline.scene.contact_estimate import (
     estimate_contact,
     single_cases,
 )
+from pipeline.scene.declared_tables import number_at
 from pipeline.scene.format import SceneFile
-from pipeline.scene.tables import number_at
 from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.left_out import cold_tracks, has_sharp_ends
 from pipeline.sweep.notes import SceneWarning, unusual_warning
-from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.sweep import Sweep, cold_tracks, has_sharp_ends
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 

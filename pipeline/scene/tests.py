@@ -10,15 +10,16 @@ from typing import Any
 from pipeline.limits import MOST_SCENES
 from pipeline.messages import quoted
 from pipeline.scene.build import Built, Files, build
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile
 from pipeline.scene.format import Test as TestEntry
 from pipeline.scene.load_stages import stages_of, test_faults
-from pipeline.scene.tables import table_of
 from pipeline.sweep.case import TEST, Case, SpecimenTest
 from pipeline.sweep.condition_entries import with_test_conditions
-from pipeline.table import SCENE, read_table, rows_of
+from pipeline.table import SCENE, rows_of
+from pipeline.table_reader import read_table
 from tribo import InputError, MeasuredLoad, Scene, Stages
 from tribo.simulation import widen_window
 

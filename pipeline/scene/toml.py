@@ -24,10 +24,10 @@ from pipeline.limits import (
 )
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, merged, replace_value
 from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import SceneFile
-from pipeline.scene.tables import table_of
 from pipeline.shipped import name_of, scene_path, shipped_scenes
 
 _KEYS = table_of(SceneFile).keys

@@ -11,8 +11,8 @@ import sys
 
 import tribo
 from pipeline.messages import quoted
+from pipeline.scene.declared_tables import List
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.tables import List
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from pipeline.scene.declared_tables import Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Kind, Number, Quantity
-from pipeline.scene.tables import Either, Entry, List, Range, Table, Tables, table_of
 
 
 class Section(NamedTuple):

@@ -28,7 +28,7 @@ from .heldout import heldout
 from .inference import inverse
 from .line_pressure import fig4
 from .load_record import fig8
-from .report import WORDS, Report
+from .recomputed import WORDS, Report
 from .resolution import fig6
 from .rivals import rivals
 from .spacing import spacing

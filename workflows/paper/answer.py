@@ -9,7 +9,7 @@ from pipeline.cli.inputs import values_in
 from pipeline.cli.output import Result, print_note
 
 from .. import paper
-from .report import WORDS
+from .recomputed import WORDS
 
 
 def recompute(options: argparse.Namespace) -> Result:

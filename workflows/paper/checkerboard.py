@@ -15,7 +15,7 @@ from tribo.types import Array
 
 from .explicit_loop import EXPLICIT_LIMIT, explicit_loop, stiffness
 from .publication import TABLE_4
-from .report import Report, line, texts
+from .recomputed import Report, line, texts
 from .resolution import draw_fields, neighbours_of
 from .study import Study
 from .transitions import label_of, worn

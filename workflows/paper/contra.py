@@ -17,7 +17,7 @@ from tribo.simulation import state_rises
 from tribo.types import Array
 
 from .publication import TABLE_4
-from .report import Report, texts
+from .recomputed import Report, texts
 from .smooth import load_speed_exponent
 from .study import Study
 

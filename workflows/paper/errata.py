@@ -16,7 +16,7 @@ from tribo.contact import ElasticHalfSpace
 from tribo.types import Array
 
 from .publication import DISK_DIAMETER, TABLE_4
-from .report import WORDS, Report, texts
+from .recomputed import WORDS, Report, texts
 from .study import Study
 
 _ELEMENTS, _WINDOW = 128, 456e-6  # along x, in the plane of the cylinder [m]

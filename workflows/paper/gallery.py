@@ -14,7 +14,7 @@ from pathlib import Path
 from pipeline.frames import markdown_of
 from tribo import InputError
 
-from .report import WORDS, Finding, Report, texts
+from .recomputed import WORDS, Finding, Report, texts
 
 PAGES = "README.md", "REPRODUCING.md", "MODEL.md"
 _FOLDER = Path(__file__).parents[1]

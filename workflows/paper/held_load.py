@@ -13,7 +13,7 @@ from tribo import InputError, Ramp
 from tribo.types import Array
 
 from .labels import label_ends
-from .report import Report, line, texts
+from .recomputed import Report, line, texts
 from .study import Study
 from .transitions import HIGHEST, Wear, history, worn
 

@@ -21,7 +21,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import TABLE_4, TABLE_6
-from .report import Report, cells, texts
+from .recomputed import Report, cells, texts
 from .smooth import SmoothContact
 from .study import Study
 from .transitions import Tested, oil_a, white_oil

@@ -19,7 +19,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import RIG_HEATING, ROOM_CELSIUS, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
-from .report import Report, agree, line, mean, spread, texts
+from .recomputed import Report, agree, line, mean, spread, texts
 from .rig import rig_heating
 from .study import Study
 from .transitions import Tested, celsius_of, end_of, ensemble, label_of, oil_a, white_oil

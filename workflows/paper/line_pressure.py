@@ -16,7 +16,7 @@ from tribo.contact import ElasticHalfSpace, ElasticKernel, solve_contact
 from tribo.types import Array
 
 from .publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from .report import Report, cells, texts
+from .recomputed import Report, cells, texts
 from .study import Study
 
 _LOOKS = {

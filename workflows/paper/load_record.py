@@ -16,7 +16,7 @@ from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 
 from .publication import LOADING_RATE
-from .report import Report, cells, texts
+from .recomputed import Report, cells, texts
 from .study import Study
 from .transitions import HIGHEST, celsius_of, end_at, history
 

@@ -20,7 +20,7 @@ from tribo.types import Array
 from .explicit_loop import EXPLICIT_LIMIT, explicit_loop, highest_rise, stiffness
 from .labels import label_ends
 from .publication import TABLE_4
-from .report import Finding, Report, judged, line, mean, spread, texts
+from .recomputed import Finding, Report, judged, line, mean, spread, texts
 from .study import Study
 from .transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 

@@ -21,7 +21,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import TABLE_4
-from .report import Report, cells, mean, texts
+from .recomputed import Report, cells, mean, texts
 from .smooth import SmoothContact, load_speed_exponent
 from .study import Study
 from .transitions import around_transition, film_parameter, label_of, on_surfaces

@@ -11,7 +11,7 @@ from pipeline.surface.data_sheet import correlation_length
 from tribo.types import Array
 
 from .labels import label_ends
-from .report import Report, cells, texts
+from .recomputed import Report, cells, texts
 from .study import Study
 
 _SPACINGS = (20e-6, 30e-6, 40e-6, 60e-6)  # RSm [m], usual for grinding to this Ra

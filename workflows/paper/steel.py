@@ -18,7 +18,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .report import Report, agree, line, texts
+from .recomputed import Report, agree, line, texts
 from .study import Study
 from .transitions import celsius_of, end_at, oil_a, white_oil
 

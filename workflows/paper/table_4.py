@@ -17,7 +17,7 @@ from pipeline.sweep.condition_entries import allowable_rise, known_critical_temp
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4
-from .report import Report, agree, line, mean, spread, texts
+from .recomputed import Report, agree, line, mean, spread, texts
 from .study import Study
 from .transitions import (
     HIGHEST,

@@ -15,7 +15,7 @@ from pipeline.quantities import shown_in
 from tribo.types import Array
 
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .report import Report, agree, line, mean, texts
+from .recomputed import Report, agree, line, mean, texts
 from .study import Study
 from .transitions import (
     HIGHEST,

@@ -12,7 +12,7 @@ from pipeline import boundary
 from pipeline.figures.diagram import COMPUTED, diagram
 from pipeline.figures.style import GREEN, HALO, fitted
 
-from .report import Report, texts
+from .recomputed import Report, texts
 from .study import Study
 from .transitions import worn
 

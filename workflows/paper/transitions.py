@@ -21,7 +21,7 @@ from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
 
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .report import mean, spread
+from .recomputed import mean, spread
 from .study import Study
 
 HIGHEST = 0.0

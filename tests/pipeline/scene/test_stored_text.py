@@ -8,8 +8,8 @@ import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.scene import library
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.format import RandomSurface
-from pipeline.scene.tables import table_of
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.stores import make

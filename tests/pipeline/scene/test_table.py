@@ -5,9 +5,10 @@ import pytest
 
 from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format as scene_format
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.faults import Faults
-from pipeline.scene.tables import table_of
-from pipeline.table import read_table, rows_of
+from pipeline.table import rows_of
+from pipeline.table_reader import read_table
 from tribo import InputError
 
 TEST = table_of(scene_format.Test)

@@ -21,7 +21,7 @@ from tribo import InputError
 from workflows import paper
 from workflows.paper.gallery import pages
 from workflows.paper.publication import TABLE_4, TABLE_6
-from workflows.paper.report import WORDS
+from workflows.paper.recomputed import WORDS
 from workflows.paper.study import Study
 from workflows.paper.synthetic_record import synthetic_record
 
