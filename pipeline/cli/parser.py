@@ -235,21 +235,21 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
 
     command = add(
         "surface", "pipeline.cli.figure_commands:surface",
-        "describe a scan by ISO 25178-2, beside a random surface like it, and print its tables",
+        "describe a scan by ISO 25178-2, compare it with a random surface, and print its tables",
         'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png',
     )  # fmt: skip
     words = "map of heights: .npy, a matrix in text, or the file of an instrument"
     _value(command, "scan SCAN", words, user_path, nargs="?")
-    words = 'unit of the heights, such as "um", where the file gives none or a wrong one'
+    words = 'unit of the heights, such as "um", if the file states none or a wrong one'
     _value(command, "--height-unit UNIT", words)
-    words = 'sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"'
+    words = 'sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"'
     _value(command, "--pixel-size DX[,DY]", words, values.sides)
     words = "share of missing heights up to which they are filled; default: 10%%"
     _value(command, "--missing SHARE", words, values.share, default=0.1)
     words = "Ra of a profile or data sheet, with --rsm, without a file"
     _quantity(command, "--ra RA", words, "0.2 um")
     _quantity(command, "--rsm RSM", "RSm of a profile or data sheet", "60 um")
-    words = "figure of the scan beside the random surface"
+    words = "figure of the scan and of the random surface"
     _value(command, "-o --output FILE.png", words, values.writable("figure"))
 
 
@@ -324,10 +324,10 @@ def _add_commands_on_stores(add: AddCommand) -> None:
     _store(command)
     _operating_point(command)
     _points(command)
-    words = "file of the report; default: beside the store"
+    words = "file of the report; default: next to the store"
     _value(command, "-o --output FILE.html", words, user_path)
     _value(command, "--title TITLE", "title of the report; default: that of the scene")
-    _value(command, "--author NAME", "who has written it")
+    _value(command, "--author NAME", "name of the author")
     _judgement(command)
 
 

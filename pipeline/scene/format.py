@@ -230,7 +230,7 @@ class StagesTable(Declared):
         'of the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of '
         "the sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
-    reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
+    reference_load: A[float | None, Quantity("750 N"), "Not used with stages."] = None
 
 class Record(TableFile):
     form_name = "record"
