@@ -37,8 +37,11 @@ def workbook_rows(path: Path, content: bytes) -> list[list[str]]:
         reason = " ".join(f"{error}".split()) or type(error).__name__
         raise InputError(f"{path} is no workbook: {reason:.200}; {_SAVE_AS}") from error
     if len(filled) != 1:
-        titles = f": {', '.join(map(quoted, filled))}" * bool(filled)
-        raise InputError(f"{path} has {len(filled)} sheets with cells{titles}; keep one")
+        problem = f"{path} has no sheet with cells; fill one"
+        if filled:
+            titles = ", ".join(map(quoted, filled))
+            problem = f"{path} has {len(filled)} sheets with cells: {titles}; keep one"
+        raise InputError(problem)
     return next(iter(filled.values()))
 
 
