@@ -50,7 +50,7 @@ from tribo.simulation.cache import cached_heights, cached_summits
 from tribo.simulation.disk_positions import position_count
 from tribo.simulation.scene import Scene
 from tribo.surface import rms_slope
-from tribo.types import Array
+from tribo.types import Mask
 
 
 class Summits(NamedTuple):
@@ -182,14 +182,15 @@ def _summits(scene: Scene) -> Summits:
     heights = cached_heights(scene)
     if heights is None:
         return SMOOTH
-    widths = _run_length(heights, 0), _run_length(heights, 1)
-    peak_height = heights.max() - np.quantile(heights, SUMMIT_QUANTILE)
+    level = np.quantile(heights, SUMMIT_QUANTILE)
+    is_high = heights >= level
+    widths = _run_length(is_high, 0), _run_length(is_high, 1)
+    peak_height = heights.max() - level
     are_flat = bool(peak_height < FLAT_TOP * heights.std())
     return Summits(widths, rms_slope(heights, scene.pixels.spacing), are_flat)
 
 
-def _run_length(heights: Array, axis: int) -> float:
-    """Mean width of summits along an axis [pixels]: runs among the highest tenth of all pixels."""
-    high = heights >= np.quantile(heights, SUMMIT_QUANTILE)
-    begins = high & ~np.roll(high, 1, axis)
-    return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))
+def _run_length(is_high: Mask, axis: int) -> float:
+    """Mean length of runs of high pixels along an axis, the width of summits [pixels]."""
+    begins = is_high & ~np.roll(is_high, 1, axis)
+    return float(np.count_nonzero(is_high)) / max(1, int(np.count_nonzero(begins)))
