@@ -78,8 +78,8 @@ def _rows_of_frame(
 ) -> list[tuple[int, list[str]]]:
     """Rows of columns by heading, numbered from 1; headings first."""
     if isinstance(source, pd.DataFrame):
-        if named := [str(name) for name in source.index.names if name is not None]:
-            raise InputError(f"the index {quoted(named[0])} is not read; use reset_index()")
+        if index_names := [str(name) for name in source.index.names if name is not None]:
+            raise InputError(f"the index {quoted(index_names[0])} is not read; use reset_index()")
         columns = [(str(head), source.iloc[:, k]) for k, head in enumerate(source.columns)]
     elif hasattr(source, "dims"):
         raise InputError("a Dataset is no table; give its variables as load and velocity")

@@ -62,8 +62,8 @@ def _require_small(path: Path, content: bytes) -> None:
         if size > MOST_BYTES_OF_BOOK:
             raise InputError(_too_large(path, f"{size / 1e6:.3g} MB unpacked", MOST_BYTES_OF_BOOK))
         sheets = [_count_marks(book, member) for member in members if _is_sheet(member)]
-        others = [_count_marks(book, member) for member in members if not _is_sheet(member)]
-        if sum(sheets) > MOST_MARKS_OF_SHEETS or sum(others) > MOST_MARKS_OF_STYLES:
+        other_parts = [_count_marks(book, member) for member in members if not _is_sheet(member)]
+        if sum(sheets) > MOST_MARKS_OF_SHEETS or sum(other_parts) > MOST_MARKS_OF_STYLES:
             raise InputError(f"{path} has more cells or styles than can be read; {_SAVE_AS}")
 
 
@@ -78,8 +78,8 @@ def _count_marks(book: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
     return part.count(b"<") + part.count(b"=")
 
 
-def _too_large(path: Path, size: str, most: int) -> str:
-    return f"{path} has {size}, of which {most / 1e6:g} MB can be read; {_SAVE_AS}"
+def _too_large(path: Path, size: str, limit: int) -> str:
+    return f"{path} has {size}, of which {limit / 1e6:g} MB can be read; {_SAVE_AS}"
 
 
 def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]:

@@ -98,11 +98,11 @@ def warning_text(warning: SceneWarning) -> str:
         names = listed(warning.cases) or "all cases"
         of_case = f"; numbers are of case {warning.of_case}" if warning.of_case else ""
         text = f"{text} (in {names}{of_case})"
-    return f"{warning.place}: {text}" if warning.place else text
+    return f"{warning.path}: {text}" if warning.path else text
 
 
-def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
-    """Lines with at most `most` warnings on a scene, and the number of further ones.
+def warning_lines(sweep: Sweep, max_count: int = 3, answered: bool = False) -> list[str]:
+    """Lines with at most `max_count` warnings on a scene, and the number of further ones.
 
     An answer (`answered`) omits warnings that it states at the points that they concern.
     """
@@ -111,8 +111,8 @@ def warning_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[s
         for warning in sweep.all_warnings
         if not (answered and warning.code in _IN_ANSWERS)
     ]
-    if (more := len(lines) - most) > 0:
-        lines[most:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
+    if (more := len(lines) - max_count) > 0:
+        lines[max_count:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
     return lines
 
 

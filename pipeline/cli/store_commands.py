@@ -90,7 +90,7 @@ def verify(options: argparse.Namespace) -> Result:
             document[kind] = {"done": group.done, "damaged": len(group.damaged)}
             text.append(f"{kind}: {group.done} done and undamaged, {len(group.damaged)} damaged")
             text += [f"damaged: {damage}" for damage in (*group.damaged, *group.shared)]
-            rows += [(p.load, p.velocity, p.place, p.message) for p in group.damaged]
+            rows += [(p.load, p.velocity, p.location, p.message) for p in group.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     document |= {"damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:

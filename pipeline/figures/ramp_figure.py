@@ -77,7 +77,7 @@ def ramp(
         for k, point in enumerate(points)
     ]
     caption_lines = [heating_words(drawn.conditions)]
-    caption_lines += warning_lines(drawn.case.sweep, most=1, answered=True)
+    caption_lines += warning_lines(drawn.case.sweep, max_count=1, answered=True)
     style.legend_below(figure, handles=names, caption="\n".join(caption_lines))
     return figure
 

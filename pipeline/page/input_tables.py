@@ -23,8 +23,9 @@ _UNITS = {
     "specific_heat": "J/(kg K)", "hardness": "GPa",
     "radius": "mm", "crown_radius": "mm", "length": "mm",
     "ra": "µm", "correlation_length": "µm", "pixel_size": "µm",
-    "rate": "N/s", "reference_load": "N", "hold": "s", "loads": "N", "holds": "s", "times": "s",
-    "specific_wear_rate": "mm³/(N m)", "pin_track_length": "mm", "disk_track_length": "mm",
+    "rate": "N/s", "reference_load": "N", "hold": "s", "loads": "N", "hold_times": "s",
+    "times": "s", "specific_wear_rate": "mm³/(N m)", "pin_track_length": "mm",
+    "disk_track_length": "mm",
     "viscosities": "mm²/s", "pressure_coefficient": "1/GPa",
     "bulk_temperature": "°C", "critical_temperature": "°C", "added_rise_fraction": "%",
     "critical_area_fraction": "%", "model_bias": "%", "model_scatter": "%",
@@ -44,10 +45,10 @@ Part = Mapping[str, str]
 
 def input_rows(sweep: Sweep) -> Iterator[list[str]]:
     """Yield rows (part, values, source); each material and the oil have one."""
-    base, *others = (dict(_parts(case)) for case in (sweep.base, *sweep.cases))
+    base, *cases = (dict(_parts(case)) for case in (sweep.base, *sweep.cases))
     for part, values in base.items():
         texts = [
-            f"{quantity.replace('_', ' ')} {_common(text, part, quantity, others)}".strip()
+            f"{quantity.replace('_', ' ')} {_common(text, part, quantity, cases)}".strip()
             for quantity, text in values.items()
         ]
         yield [part, "; ".join(texts), _source(part, sweep)]

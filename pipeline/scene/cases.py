@@ -214,7 +214,7 @@ def _row_labels(head: str, values: Sequence[Any]) -> tuple[tuple[Label, ...], st
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
     display_unit = number_at(SceneFile, entry).unit if entry and unit is not None else ""
-    return Column(name, unit, meaning=meaning, entry=entry, shown=display_unit)
+    return Column(name, unit, meaning=meaning, entry=entry, display_unit=display_unit)
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:

@@ -52,14 +52,14 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     Of many cases a few are checked, evenly spaced; the values of an entry are all checked.
     """
     values = [*_unusual_values(sweep)]
-    valued = {warning.place for warning in values}
-    noted = [warning for warning in sweep.warnings if warning.place not in valued]
+    valued = {warning.path for warning in values}
+    noted = [warning for warning in sweep.warnings if warning.path not in valued]
     chosen = single_cases(sweep, _MOST_CASES)
     by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
     for label, case in chosen:
         for warning in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
-            by_entry.setdefault((warning.code, warning.place), {})[label] = warning
+            by_entry.setdefault((warning.code, warning.path), {})[label] = warning
     of_cases = (_in_cases(by_label, len(chosen)) for by_label in by_entry.values())
     return *values, *noted, *of_cases
 

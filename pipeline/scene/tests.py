@@ -82,9 +82,9 @@ def read_tests(
                 known[key] = build(replace_values(bare, changes), files, case_faults), case_faults
             other, case_faults = known[key]
             wrong = [f"{fault.key}: {fault.problem}" for fault in case_faults]
-            faults.notes += [note for note in case_faults.notes if note.place in changes]
+            faults.notes += [note for note in case_faults.notes if note.path in changes]
             faults.warnings += [
-                warning for warning in case_faults.warnings if warning.place in changes
+                warning for warning in case_faults.warnings if warning.path in changes
             ]
             built = other or scene
         for problem in wrong:

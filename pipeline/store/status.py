@@ -24,17 +24,17 @@ from pipeline.sweep.sweep import Point, Sweep
 class FailedPoint:
     """A point that failed or is damaged: load [N], velocity [m/s], reason and case.
 
-    `place` describes the point in words, with entries in the user's units.
+    `location` describes the point in words, with entries in the user's units.
     """
 
     load: float
     velocity: float
     message: str
     case: CaseName = ()
-    place: str = field(default="", compare=False)
+    location: str = field(default="", compare=False)
 
     def __str__(self) -> str:
-        return f"{self.place or Point(self.load, self.velocity, self.case)}: {self.message}"
+        return f"{self.location or Point(self.load, self.velocity, self.case)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)

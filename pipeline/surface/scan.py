@@ -49,7 +49,7 @@ _WORDS = re.compile(
 """Words for a missing height other than "nan" and an empty cell."""
 _COMMA = re.compile(r"[-+]?\d+(,\d+)+(e[-+]?\d+)?", re.IGNORECASE)
 """A number with a comma, before decimals or thousands."""
-_WHOLE = re.compile(r"[-+]?[1-9]\d*")
+_INTEGER = re.compile(r"[-+]?[1-9]\d*")
 _HALF = re.compile(r"(?:^|,) *(-0|0\d+) *(?=,|$)", re.MULTILINE)
 """Half of a number that was split at a decimal comma: whole numbers have no leading zeros."""
 
@@ -271,14 +271,14 @@ def _require_single_table(numbers: list[int]) -> None:
 
 def _require_decimals(lines: list[str], delimiter: str | None) -> None:
     """Raise an `InputError` if points may divide thousands, as in 23.173 beside 476."""
-    marked, has_whole = "", False
+    marked, has_integer = "", False
     for cell in (cell.strip() for line in lines for cell in line.split(delimiter)):
         if "." in cell:
             if delimiter == "," or not GROUPED.fullmatch(cell):
                 return
             marked = marked or cell
-        has_whole |= _WHOLE.fullmatch(cell) is not None
-    if marked and has_whole:
+        has_integer |= _INTEGER.fullmatch(cell) is not None
+    if marked and has_integer:
         raise InputError(_thousands_problem(marked))
 
 

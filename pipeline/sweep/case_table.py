@@ -49,7 +49,7 @@ class Column:
     is_seed: bool = False  # rows that differ only in this column are equally likely surfaces
     meaning: str = ""
     entry: str = ""  # path of the entry that the column sets, unless it is the name
-    shown: str = ""  # unit of the labels in output
+    display_unit: str = ""  # unit of the labels in output
 
     @property
     def key(self) -> str:
@@ -61,7 +61,7 @@ class Column:
         if isinstance(label, str) or self.unit is None:
             return label
         usual = next(iter(DIMENSIONS[self.unit].units)) if self.unit in DIMENSIONS else ""
-        if unit := self.shown or usual:
+        if unit := self.display_unit or usual:
             return display(label, unit)
         return int(label) if isinstance(label, float) and label.is_integer() else label
 

@@ -9,15 +9,15 @@ from pipeline.units import unusual
 
 
 class SceneNote(NamedTuple):
-    """How an entry of a scene was read; `place` is its path, empty for no single entry."""
+    """How an entry of a scene was read; `path` is its path, empty for no single entry."""
 
-    place: str
+    path: str
     words: str
 
     @property
     def text(self) -> str:
         """The note as text, after the path of its entry."""
-        return f"{self.place}: {self.words}" if self.place else self.words
+        return f"{self.path}: {self.words}" if self.path else self.words
 
 
 Code = Literal[
@@ -30,13 +30,13 @@ Code = Literal[
 class SceneWarning(NamedTuple):
     """A probable mistake in a scene, or a limit of the model: a code, and its values [SI].
 
-    `place` is the path of the entry that it is about, empty for no single entry. `cases` has the
+    `path` is the path of the entry that it is about, empty for no single entry. `cases` has the
     labels of the cases that it is about, empty for all; `of_case` is the case that the values are
     of, empty if they are the same in all.
     """
 
     code: Code
-    place: str = ""
+    path: str = ""
     values: tuple[float | str, ...] = ()
     cases: tuple[str, ...] = ()
     of_case: str = ""

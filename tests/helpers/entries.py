@@ -115,7 +115,7 @@ def placed_rows(*positions):
 
 def two_pins():
     """Two cases of a sweep, with pin radii of 1 and 2 mm."""
-    column = Column("pin_radius", "m", entry="pin.radius", shown="mm")
+    column = Column("pin_radius", "m", entry="pin.radius", display_unit="mm")
     radii = (1e-3, 2e-3)
     table = CaseTable((column,), tuple({"pin_radius": radius} for radius in radii))
     return Rows(table, [{"pin.radius": radius} for radius in radii])

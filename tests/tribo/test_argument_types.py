@@ -25,7 +25,7 @@ CALLS = {
     },
     tribo.MeasuredRoughness: {"array": np.ones((4, 4))},
     tribo.Ramp: {"rate": 150.0, "reference_load": 750.0, "hold": 1.0},
-    tribo.Stages: {"loads": (1.0, 2.0), "holds": (1.0, 1.0), "rate": 1.0},
+    tribo.Stages: {"loads": (1.0, 2.0), "hold_times": (1.0, 1.0), "rate": 1.0},
     tribo.MeasuredLoad: {
         "times": [0.0, 1.0], "loads": [0.0, 1.0], "reference_load": 1.0,
     },

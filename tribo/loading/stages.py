@@ -26,14 +26,14 @@ class Stages:
     ----------
     loads : tuple of float
         Load of each stage on the whole pin [N], ascending.
-    holds : tuple of float
+    hold_times : tuple of float
         Time for which each stage is held [s].
     rate : float
         Growth of the load from 0 to the first stage, and from stage to stage [N/s].
 
     Examples
     --------
-    >>> stages = Stages(loads=(100.0, 200.0), holds=(60.0, 60.0), rate=150.0)
+    >>> stages = Stages(loads=(100.0, 200.0), hold_times=(60.0, 60.0), rate=150.0)
     >>> for load_step in stages.load_steps(200.0, increments=2):
     ...     print(f"{load_step.normal_load:.0f} N at {load_step.time:.1f} s")
     50 N at 0.3 s
@@ -48,20 +48,20 @@ class Stages:
     """
 
     loads: tuple[float, ...]
-    holds: tuple[float, ...]
+    hold_times: tuple[float, ...]
     rate: float
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate)
-        for name, values in (("loads", self.loads), ("holds", self.holds)):
+        for name, values in (("loads", self.loads), ("hold_times", self.hold_times)):
             if not isinstance(values, tuple):
                 raise InputError(f"{name} are {f'{values!r}'[:100]}; give a tuple of numbers")
             for value in values:
                 require_positive(**{name: value})
-        if not self.loads or len(self.holds) != len(self.loads):
+        if not self.loads or len(self.hold_times) != len(self.loads):
             raise InputError(
-                f"{len(self.loads)} loads and {len(self.holds)} holds are not load stages; each "
-                "stage has one load and one hold"
+                f"{len(self.loads)} loads and {len(self.hold_times)} holds are not load stages; "
+                "each stage has one load and one hold"
             )
         for lower, higher in pairwise(self.loads):
             if not lower < higher:
@@ -77,13 +77,14 @@ class Stages:
 
         Examples
         --------
-        >>> stages = Stages(loads=(100.0, 200.0), holds=(60.0, 60.0), rate=150.0)
-        >>> stages.shares_stages(Stages(loads=(100.0,), holds=(60.0,), rate=150.0))
+        >>> stages = Stages(loads=(100.0, 200.0), hold_times=(60.0, 60.0), rate=150.0)
+        >>> stages.shares_stages(Stages(loads=(100.0,), hold_times=(60.0,), rate=150.0))
         True
         """
-        count = min(len(self.holds), len(other.holds))
+        count = min(len(self.hold_times), len(other.hold_times))
         histories = [
-            (stages.rate, stages.loads[:count], stages.holds[:count]) for stages in (self, other)
+            (stages.rate, stages.loads[:count], stages.hold_times[:count])
+            for stages in (self, other)
         ]
         return histories[0] == histories[1]
 
@@ -106,7 +107,7 @@ class Stages:
 
         Examples
         --------
-        >>> Stages(loads=(100.0, 200.0), holds=(60.0, 30.0), rate=100.0).course
+        >>> Stages(loads=(100.0, 200.0), hold_times=(60.0, 30.0), rate=100.0).course
         ((0.0, 0.0), (1.0, 0.5), (61.0, 0.5), (62.0, 1.0), (92.0, 1.0))
         """
         load_steps = self.load_steps(self.loads[-1], 1)
@@ -123,7 +124,7 @@ class Stages:
         It determines the wear.
         """
         total = last_load = 0.0
-        for load, hold in zip(self.loads, self.holds, strict=True):
+        for load, hold in zip(self.loads, self.hold_times, strict=True):
             ramp_impulse = (load**2 - last_load**2) / 2 / self.rate
             total += abs(velocity) * (ramp_impulse + load * hold)
             last_load = load
@@ -141,7 +142,7 @@ class Stages:
             raise InputError(f"{count} stages take over {MOST_STEPS} steps; give fewer")
         load_step = LoadStep(0.0, 0.0, True, 0, 0.0)
         for number, (load, hold) in enumerate(
-            zip(self.loads[:count], self.holds[:count], strict=True)
+            zip(self.loads[:count], self.hold_times[:count], strict=True)
         ):
             steps = STEPS_OF_LATER_RAMP if number else increments
             for ramp_step in self._ramp_steps(load_step, load, steps):

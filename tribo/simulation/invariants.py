@@ -99,9 +99,9 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
         raise InvariantError(
             f"wear balance: the pin has lost {lost:.12g} m³, its law says {volume:.12g} m³"
         )
-    least = float((after - before).min())
-    if least < 0:
-        raise InvariantError(f"wear balance: the pin has grown back by {-least:.12g} m somewhere")
+    growth = float((after - before).min())
+    if growth < 0:
+        raise InvariantError(f"wear balance: the pin has grown back by {-growth:.12g} m somewhere")
 
 
 @_QUIET

@@ -91,7 +91,7 @@ def stages_of(
     Examples
     --------
     >>> import tribo
-    >>> stages = tribo.Stages(loads=(5.0, 10.0), holds=(1.0, 1.0), rate=10.0)
+    >>> stages = tribo.Stages(loads=(5.0, 10.0), hold_times=(1.0, 1.0), rate=10.0)
     >>> for state in stages_of(replace(scene, loading=stages), 10.0, 0.065):
     ...     print(f"{state.normal_load:g} N, {state.time:g} s: {0.1 * state.heat.max_rise:.1f} K")
     5 N, 0.5 s: 4.8 K

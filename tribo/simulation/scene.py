@@ -118,8 +118,8 @@ class Scene:
         if self.motion is not None:
             require_instance(Motion, motion=self.motion)
         if self.roughness is not None and not hasattr(self.roughness, "heights"):
-            shown = f"{self.roughness!r}"[:100]
-            raise InputError(f"roughness is {shown}, without heights; see tribo.Surface")
+            description = f"{self.roughness!r}"[:100]
+            raise InputError(f"roughness is {description}, without heights; see tribo.Surface")
 
     def __repr__(self) -> str:
         parts = (self.pin, self.roughness, self.loading, self.wear, self.motion)

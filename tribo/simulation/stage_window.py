@@ -32,7 +32,7 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     Examples
     --------
     >>> import tribo
-    >>> stages = tribo.Stages(loads=(5.0, 10.0), holds=(600.0, 600.0), rate=10.0)
+    >>> stages = tribo.Stages(loads=(5.0, 10.0), hold_times=(600.0, 600.0), rate=10.0)
     >>> worn = replace(scene, loading=stages, wear=tribo.Wear(1e-17))
     >>> scene.pixels.shape, widen_window(worn, velocity=1.0).pixels.shape
     ((64, 64), (120, 120))

@@ -32,7 +32,7 @@ class UsualRange(NamedTuple):
         """Ends of the range, in its unit."""
         return self.low, self.high
 
-    def has(self, value: float) -> bool:
+    def contains(self, value: float) -> bool:
         """True if a value in SI is in the range."""
         shift = _ZERO_CELSIUS if self.unit == "°C" else 0.0
         return self.low <= (value - shift) / self.size <= self.high
@@ -42,7 +42,9 @@ class UsualRange(NamedTuple):
         if self.unit == "°C":
             return self.unit if self.low <= number <= self.high else ""
         units = ((self.unit, self.size), *self.mistaken)
-        return next((unit for unit, size in units if size != 1 and self.has(number * size)), "")
+        return next(
+            (unit for unit, size in units if size != 1 and self.contains(number * size)), ""
+        )
 
 
 _LENGTHS = (("µm", 1e-6), ("cm", 1e-2))
@@ -88,7 +90,7 @@ def unusual_values(
         points.append(("loading.reference_load", "reference_load", ratio))
     for path, quantity, value in (*_values(scene, conditions), *points):
         usual = USUAL[quantity]
-        if not value or not math.isfinite(value) or usual.has(value):
+        if not value or not math.isfinite(value) or usual.contains(value):
             continue
         number = f"{value:.4g} {usual.si_unit or usual.unit}".strip()
         common = f"{usual.low:g} to {usual.high:g} {usual.unit}".strip()

@@ -134,7 +134,7 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
         key = path.rpartition(".")[2]
         scene_warnings = *scene.warnings, *warnings_of_case(scene, estimate_contact(scene))
         unusual = (
-            warning.place.split("[")[0] for warning in scene_warnings if warning.code == "unusual"
+            warning.path.split("[")[0] for warning in scene_warnings if warning.code == "unusual"
         )
         return any(warning_place.endswith(key) for warning_place in unusual)
 

@@ -150,7 +150,7 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     fitted = read((ramp, record + "\nfit = true"))
     assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
     (note,) = fitted.notes
-    assert note.place == "loading.file"
+    assert note.path == "loading.file"
     assert "fitted by" in note.words
     assert "N/s" in note.words
     (fault,) = faults((ramp, record.replace("500", "900")))
