@@ -15,7 +15,7 @@ from pipeline.arguments import in_share, in_si, plain_value
 from pipeline.quantities import display
 from pipeline.sweep.condition_entries import OIL_WORKS, PATHS, Conditions
 from tribo import InputError
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 NAMES = tuple(PATHS)
@@ -34,7 +34,7 @@ class ConditionValues(TypedDict, total=False):
     added_rise_fraction: Values | None
 
 
-class Operation(NamedTuple):
+class QueryPoints(NamedTuple):
     """Operating points (k,), each with a friction coefficient and a bulk temperature."""
 
     load: Array  # [N]
@@ -43,23 +43,14 @@ class Operation(NamedTuple):
     bulk_temperature: Array  # [K]
 
     @classmethod
-    def under(cls, conditions: Conditions, loads: Array, velocities: Array) -> Operation:
+    def under(cls, conditions: Conditions, loads: Array, velocities: Array) -> QueryPoints:
         """Points that all have the friction and bulk temperature of `conditions`."""
         values = conditions.friction, conditions.bulk_temperature
         return cls(loads, velocities, *(np.full(loads.shape, value) for value in values))
 
-    def take(self, index: Any) -> Operation:
+    def take(self, index: Any) -> QueryPoints:
         """Points selected by `index`, which may be a mask."""
-        return Operation(*(column[index] for column in self))
-
-
-def evaluate_by_bulk(bulks: Array, function: Callable[[float, Mask], Array]) -> Array:
-    """Values (k,) of a function of a bulk temperature [K] and of the mask of its points."""
-    values = np.full(bulks.shape, np.nan)
-    for bulk in np.unique(bulks).tolist():
-        is_member = bulks == bulk
-        values[is_member] = function(bulk, is_member)
-    return values
+        return QueryPoints(*(column[index] for column in self))
 
 
 def override_conditions(conditions: Conditions, overrides: Mapping[str, Any]) -> Conditions:
@@ -136,3 +127,17 @@ def _oil_temperature(name: str, value: Any) -> float:
             'number in Python is in kelvins, and text has its unit, such as "80 degC"'
         )
     return float(kelvin)
+
+
+def arguments_of_case(
+    arguments: Mapping[str, xr.DataArray], case_labels: Mapping[str, Any]
+) -> dict[str, xr.DataArray]:
+    """Arguments of a case; those that vary along the dimensions of cases, at its labels."""
+    selected = {**arguments}
+    for name, argument in arguments.items():
+        labels = {dim: case_labels[str(dim)] for dim in argument.dims if dim in case_labels}
+        try:
+            selected[name] = argument.sel(labels, drop=True) if labels else argument
+        except (IndexError, KeyError, TypeError):
+            raise InputError(f"{name} has not all {min(map(str, labels))} of the sweep") from None
+    return selected

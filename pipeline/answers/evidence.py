@@ -1,17 +1,25 @@
-"""Tests of a scene, each at its own conditions, and the model error after them."""
+"""Tests of a scene, each at its own conditions: the model error after them, what they rule out.
+
+A severe test rules out mild wear at points whose load, velocity, friction and bulk temperature are
+no lower, if the scene is the same, with a film or without. A mild test rules out severe wear where
+they are no higher, unless a film carried too much of its load. A transition without a step does
+both, at points that differ from it. A test without a result may rule a verdict out, so this verdict
+is withheld at all points.
+"""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.answers.condition_values import evaluate_by_bulk
+from pipeline.answers.case_results import CaseResults, TestPoint
+from pipeline.answers.condition_values import QueryPoints
 from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
-from pipeline.answers.results import CaseResults, TestPoint
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
@@ -21,6 +29,7 @@ from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
 
+_SAME = 1e-9  # relative rounding difference of equal conditions
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 _MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test
 
@@ -68,35 +77,40 @@ class Evidence:
         return [*grouped.values()]
 
     @functools.cached_property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """Result of each specimen."""
+        return tuple(map(outcome_of, self.specimens))
+
+    def has_outcome(self, name: str) -> bool:
+        """True if a specimen was "mild", or "severe", by `name`."""
+        return any(math.isfinite(getattr(outcome, name)) for outcome in self.outcomes)
+
+    @functools.cached_property
     def posterior(self) -> Posterior:
         """Bias and scatter of the model, after the tests, at the scene's bulk temperature."""
-        if self.critical is not None:
-            return self.critical.nodes
-        return update(tuple(map(outcome_of, self.specimens)), self.prior)
+        return update(self.outcomes, self.prior) if self.critical is None else self.critical.nodes
 
-    def probabilities(self, ys: Iterable[Array], bulks: Array) -> list[Array]:
-        """Probabilities of severe wear (k,) at each of `ys` (k,), at bulk temperatures [K]."""
-
-        def probability(y: Array) -> Array:
-            return self._evaluate_by_bulk(
-                bulks, lambda posterior, is_member: posterior.probability(y[is_member])
-            )
-
-        return [*map(probability, ys)]
+    def probability(self, y: Array, bulks: Array) -> Array:
+        """Probability of severe wear (k,) at `y` (k,), at bulk temperatures [K]."""
+        probability = np.full(y.shape, np.nan)
+        for posterior, is_member in self._posteriors(bulks):
+            probability[is_member] = posterior.probability(y[is_member])
+        return probability
 
     def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
         """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
-        return self._evaluate_by_bulk(
-            bulks,
-            lambda posterior, is_member: np.full(is_member.sum(), posterior.level(probability)),
-        )
+        quantiles = np.full(bulks.shape, np.nan)
+        for posterior, is_member in self._posteriors(bulks):
+            quantiles[is_member] = posterior.level(probability)
+        return quantiles
 
-    def _evaluate_by_bulk(self, bulks: Array, value: Callable[[Posterior, Mask], Array]) -> Array:
-        """Values of points by the posterior at the bulk temperature of each."""
+    def _posteriors(self, bulks: Array) -> Iterator[tuple[Posterior, Mask]]:
+        """Yield the posterior at each bulk temperature [K] among `bulks`, and its points."""
         if self.critical is None:
-            return value(self.posterior, np.ones(bulks.shape, bool))
-        at_bulk = self.critical.at_bulk
-        return evaluate_by_bulk(bulks, lambda bulk, is_member: value(at_bulk(bulk), is_member))
+            yield self.posterior, np.ones(bulks.shape, bool)
+            return
+        for bulk in np.unique(bulks).tolist():
+            yield self.critical.at_bulk(bulk), bulks == bulk
 
     @property
     def without_result(self) -> list[EvaluatedTest]:
@@ -190,3 +204,108 @@ def _is_outside(
         return False
     operating_point, bulk = (point.load, point.velocity), conditions.bulk_temperature
     return film_excess(test.case.scene, oil, *operating_point, bulk, inlet, pressure) > 0
+
+
+class RulingTest(NamedTuple):
+    """A test that rules out the verdict `excluded`, from or up to its own point and conditions."""
+
+    excluded: str  # "mild" or "severe"
+    point: QueryPoints  # its single operating point
+    is_strict: bool  # True if the verdict is possible at the point itself
+    name: str
+
+    def signs(self, points: QueryPoints) -> Array:
+        """Signs (4, k) of points minus test; reversed if the test excludes severe wear."""
+        signs = np.array([_sign(a, b.item()) for a, b in zip(points, self.point, strict=True)])
+        return signs if self.excluded == "mild" else -signs
+
+    def excludes(self, points: QueryPoints) -> Mask:
+        """True at points (k,) at which the verdict is ruled out."""
+        signs = self.signs(points)
+        return np.asarray((signs >= 0).all(axis=0) & ((signs > 0).any(axis=0) | ~self.is_strict))
+
+    def limits(self, points: QueryPoints) -> Array:
+        """Velocity (k,) from which, or up to which, the verdict is ruled out at the loads."""
+        velocity = self.point.velocity.item()
+        is_excluded = (self.signs(points._replace(velocity=0 * points.load + velocity)) >= 0).all(0)
+        return np.where(is_excluded, velocity, math.inf if self.excluded == "mild" else 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rulings:
+    """The verdicts that the tests of a case rule out."""
+
+    case: CaseResults
+    evidence: Evidence
+
+    @functools.cached_property
+    def tests(self) -> list[RulingTest]:
+        """Tests that rule a verdict out at some points."""
+        return [*self._tests()]
+
+    def _tests(self) -> Iterator[RulingTest]:
+        for row in self.evidence.rows:
+            test, conditions = row.test, row.conditions
+            if conditions is None or test.case.scene != self.case.sweep.scene:
+                continue
+            is_strict = test.outcome == "transition" and len(test.points) == 1
+            points = [
+                QueryPoints.under(conditions, *map(np.atleast_1d, point)) for point in test.points
+            ]
+            if test.outcome in ("severe", "transition"):
+                yield RulingTest("mild", points[-1], is_strict, str(row))
+            if test.outcome in ("mild", "transition") and not row.is_outside:
+                yield RulingTest("severe", points[0], is_strict, str(row))
+
+    @functools.cached_property
+    def withheld(self) -> dict[str, str]:
+        """Reason to withhold a verdict at all points, by verdict; empty if there is none."""
+        evidence, reason = self.evidence, waiting_text(self.evidence)
+        outcomes = {row.test.outcome for row in evidence.without_result}
+        reasons = {
+            "mild": reason if outcomes & {"severe", "transition"} else "",
+            "severe": reason if outcomes & {"mild", "transition"} else "",
+        }
+        for excluded, needed in (("mild", "severe"), ("severe", "mild")):
+            if evidence.critical and not (reasons[excluded] or evidence.has_outcome(needed)):
+                reasons[excluded] = (
+                    f"the critical temperature is found by tests, of which none was {needed}"
+                )
+        return reasons
+
+    def reasons(self, excluded: str, points: QueryPoints) -> list[str]:
+        """Reason why each point (k,) cannot be `excluded`, "mild" or "severe"; empty if it can."""
+        if self.withheld[excluded]:
+            return [self.withheld[excluded]] * len(points.load)
+        names: list[dict[str, None]] = [{} for _ in points.load]
+        for test in self.tests:
+            if test.excluded == excluded:
+                for k in np.flatnonzero(test.excludes(points)).tolist():
+                    names[k][test.name] = None
+        return [f"{', '.join(tests)} rules it out" if tests else "" for tests in names]
+
+    def velocity_limits(self, excluded: str, points: QueryPoints) -> tuple[Array, list[str]]:
+        """Velocity (k,) from which mild, or up to which severe wear is ruled out at the loads.
+
+        It is 0 (infinite) if mild (severe) wear is withheld at all velocities, and infinite (0) if
+        no test rules it out. The names are those of the tests.
+        """
+        is_mild = excluded == "mild"
+        is_possible = is_mild != bool(self.withheld[excluded])
+        velocities = np.full(len(points.load), math.inf if is_possible else 0.0)
+        names = [""] * len(points.load)
+        if self.withheld[excluded]:
+            return velocities, names
+        for test in self.tests:
+            if test.excluded != excluded:
+                continue
+            limits = test.limits(points)
+            is_closer = limits < velocities if is_mild else limits > velocities
+            for k in np.flatnonzero(is_closer).tolist():
+                velocities[k], names[k] = limits[k], test.name
+        return velocities, names
+
+
+def _sign(a: Array, b: float) -> Array:
+    """Sign of a − b; 0 if they differ only by rounding."""
+    return np.where(np.abs(a - b) <= _SAME * abs(b), 0.0, np.sign(a - b))

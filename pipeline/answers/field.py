@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.pchip import Pchip, roots
-from pipeline.answers.results import CaseResults
 from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS, RISE_SHARE
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask

@@ -128,66 +128,73 @@ def log_prior_scatter(v: Array, prior: Prior) -> Array:
 @functools.lru_cache(maxsize=64)
 def update(results: tuple[Outcome, ...], prior: Prior) -> Posterior:
     """Update the prior by the results of tests, one for each specimen."""
-    v = np.linspace(
-        math.log(0.05 * prior.scatter), math.log(max(50.0, 10 * prior.scatter)), _SCATTERS
-    )
-    scatter, log_scatter = np.exp(v), log_prior_scatter(v, prior)
-
-    def log_prior(bias: Array) -> Array:
-        t = bias[:, None] / max(prior.bias, LEAST_BIAS)
-        return -(WORTH + 1) / 2 * np.log1p(t**2 / WORTH) + log_scatter
-
-    def log_likelihoods(bias: Array) -> list[Array]:
-        return [result.log_likelihood(bias[:, None], scatter) for result in results]
-
-    edges = np.sinh(np.linspace(-8, 8, 65)) * 0.05
+    top = math.log(max(50.0, 10 * prior.scatter))
+    v = np.linspace(math.log(0.05 * prior.scatter), top, _SCATTERS)
     test_biases = [
         -y for result in results for y in (result.severe, result.mild) if math.isfinite(y)
     ]
-    edges = np.unique(np.clip([*edges, *test_biases], -_FARTHEST, _FARTHEST))
-    logs = sum(log_likelihoods(edges), start=log_prior(edges))
-    for _ in range(_MAX_HALVINGS):
-        is_significant = logs > logs.max() - _LOG_RANGE
-        is_steep = np.abs(np.diff(logs, axis=0)) > _MAX_LOG_CHANGE
-        is_split = (is_steep & (is_significant[1:] | is_significant[:-1])).any(axis=1) & (
-            np.diff(edges) > 1e-7
-        )
-        if not is_split.any():
-            break
-        middle = (edges[1:] + edges[:-1])[is_split] / 2
-        middle_logs = sum(log_likelihoods(middle), start=log_prior(middle))
-        positions = np.flatnonzero(is_split) + 1
-        edges = np.insert(edges, positions, middle)
-        logs = np.insert(logs, positions, middle_logs, axis=0)
+    edges = _panel_edges(results, prior, v, test_biases)
     half = np.diff(edges)[:, None] / 2
-    bias = (edges[:-1, None] + half * (1 + _NODES)).ravel()
-    log_likelihood_of_results = log_likelihoods(bias)
-    log_posterior = sum(
-        log_likelihood_of_results, start=log_prior(bias) + np.log(half * _WEIGHTS).reshape(-1, 1)
-    )
+    bias, scatter = (edges[:-1, None] + half * (1 + _NODES)).ravel(), np.exp(v)
+    log_likelihoods = [result.log_likelihood(bias[:, None], scatter) for result in results]
+    log_weights = np.log(half * _WEIGHTS).reshape(-1, 1)
+    log_posterior = sum(log_likelihoods, start=_log_prior(bias, v, prior) + log_weights)
     weights = np.exp(log_posterior - log_posterior.max())
     weights /= weights.sum()
     loo_probabilities = tuple(
         _loo_probability(result, log_posterior - log_likelihood, bias[:, None], scatter)
-        for result, log_likelihood in zip(results, log_likelihood_of_results, strict=True)
+        for result, log_likelihood in zip(results, log_likelihoods, strict=True)
     )
     flat_weights = weights.ravel()
     order = np.argsort(flat_weights)
-    kept_nodes = np.sort(order[np.searchsorted(np.cumsum(flat_weights[order]), _NEGLIGIBLE) :])
-    i, j = np.unravel_index(kept_nodes, weights.shape)
+    significant = np.sort(order[np.searchsorted(np.cumsum(flat_weights[order]), _NEGLIGIBLE) :])
+    i, j = np.unravel_index(significant, weights.shape)
+    weights = flat_weights[significant] / flat_weights[significant].sum()
+    return Posterior(bias[i], scatter[j], weights, loo_probabilities, _table_near(test_biases))
+
+
+def _panel_edges(
+    results: tuple[Outcome, ...], prior: Prior, v: Array, test_biases: list[float]
+) -> Array:
+    """Edges of panels of the bias, halved until the posterior changes little within each."""
+    edges = np.sinh(np.linspace(-8, 8, 65)) * 0.05
+    edges = np.unique(np.clip([*edges, *test_biases], -_FARTHEST, _FARTHEST))
+    logs = _log_posterior(edges, results, prior, v)
+    for _ in range(_MAX_HALVINGS):
+        is_significant = logs > logs.max() - _LOG_RANGE
+        is_steep = np.abs(np.diff(logs, axis=0)) > _MAX_LOG_CHANGE
+        is_split = (is_steep & (is_significant[1:] | is_significant[:-1])).any(axis=1)
+        is_split &= np.diff(edges) > 1e-7
+        if not is_split.any():
+            break
+        middle = (edges[1:] + edges[:-1])[is_split] / 2
+        positions = np.flatnonzero(is_split) + 1
+        edges = np.insert(edges, positions, middle)
+        middle_logs = _log_posterior(middle, results, prior, v)
+        logs = np.insert(logs, positions, middle_logs, axis=0)
+    return edges
+
+
+def _log_posterior(bias: Array, results: tuple[Outcome, ...], prior: Prior, v: Array) -> Array:
+    """ln(posterior), up to a constant, at each bias and each v = ln(scatter)."""
+    scatter = np.exp(v)
+    log_likelihoods = (result.log_likelihood(bias[:, None], scatter) for result in results)
+    return sum(log_likelihoods, start=_log_prior(bias, v, prior))
+
+
+def _log_prior(bias: Array, v: Array, prior: Prior) -> Array:
+    """ln(prior), up to a constant, at each bias and each v = ln(scatter)."""
+    t = bias[:, None] / max(prior.bias, LEAST_BIAS)
+    return np.asarray(-(WORTH + 1) / 2 * np.log1p(t**2 / WORTH) + log_prior_scatter(v, prior))
+
+
+def _table_near(test_biases: list[float]) -> Array:
+    """The y at which P is computed, dense also near those of distant tests."""
     distant_biases = {
         round(y, 1) for y in np.clip(test_biases, -_FARTHEST, _FARTHEST) if abs(y) > _DISTANT_Y
     }
-    table = np.unique(
-        np.concatenate([_TABLE, *(_TABLE[100:-100:2] - y for y in sorted(distant_biases))])
-    )
-    return Posterior(
-        bias[i],
-        scatter[j],
-        flat_weights[kept_nodes] / flat_weights[kept_nodes].sum(),
-        loo_probabilities,
-        table,
-    )
+    near_tests = (_TABLE[100:-100:2] - y for y in sorted(distant_biases))
+    return np.unique(np.concatenate([_TABLE, *near_tests]))
 
 
 def _loo_probability(result: Outcome, log_weights: Array, bias: Array, scatter: Array) -> float:

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import chdtri, stdtrit
 
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.field import TWINS, Field
-from pipeline.answers.results import CaseResults
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION_LENGTHS
 from pipeline.sweep.condition_entries import Conditions
 from tribo import Scene

@@ -16,21 +16,20 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.answers.condition_values import Operation, evaluate_by_bulk, override_conditions
-from pipeline.answers.critical_temperature import critical_temperature_of
+from pipeline.answers.case_results import CaseResults
+from pipeline.answers.condition_values import QueryPoints, override_conditions
+from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
-from pipeline.answers.evidence import Evidence, evidence_of
-from pipeline.answers.field import Field, Lines, Outcome, film_field
-from pipeline.answers.results import CaseResults
-from pipeline.answers.rulings import Rulings
+from pipeline.answers.evidence import Evidence, Rulings, evidence_of
+from pipeline.answers.field import Field, Outcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.constants import DECIDED, FARTHEST
 from pipeline.messages import join_notes
 from pipeline.quantities import UNITS
 from pipeline.sweep.condition_entries import Conditions, known_critical_temperature
 from tribo import Stages, WarningKind
-from tribo.types import Array, Mask
+from tribo.types import Array, Indices, Mask
 
 MILD, UNDECIDED, SEVERE, OUTSIDE, UNKNOWN = range(5)
 """Codes of verdicts on the next specimen."""
@@ -55,7 +54,7 @@ class JudgedCase:
     """Specimens, films and evidence of one case, cached by the conditions that they depend on."""
 
     def __init__(self, case: CaseResults) -> None:
-        self.case, self.promised = case, velocity_error(case.sweep)
+        self.case = case
         self._cache = dict[Any, Any]()
 
     def _cached(self, key: Any, compute: Any) -> Any:
@@ -65,48 +64,34 @@ class JudgedCase:
 
     def under(self, conditions: Conditions) -> VerdictModel:
         """Verdict model under `conditions`; points may replace friction and bulk temperature."""
-        c, from_tests = conditions, self.case.sweep.base.critical_from_tests
-        if not from_tests:
-            known_critical_temperature(c)
-        specimen = self._cached(
-            ("specimen", c.critical_area_fraction, c.corrections),
-            lambda: specimen_of(self.case, c),
-        )
-        if c.critical_temperature is None:
-            critical_key = (
-                "from tests",
-                c.added_rise_fraction,
-                c.critical_area_fraction,
-                c.corrections,
-            )
-            critical, evidence = self._cached(
-                critical_key, lambda: critical_temperature_of(self.case, specimen, c)
-            )
-            c = replace(c, critical_temperature=critical.temperature)
-            return VerdictModel(self, c, specimen, evidence)
-        oil_key = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
-        evidence = self._cached(
-            ("evidence", *oil_key, c.corrections), lambda: evidence_of(self.case, specimen, c)
-        )
-        return VerdictModel(self, c, specimen, evidence)
+        is_from_tests = conditions.critical_temperature is None
+        if is_from_tests and not self.case.sweep.base.critical_from_tests:
+            known_critical_temperature(conditions)  # raises
+        rise_key = conditions.critical_area_fraction, conditions.corrections
+        oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
+        specimen = self._cached(rise_key, lambda: specimen_of(self.case, conditions))
+        infer = evidence_with_critical_temperature if is_from_tests else evidence_of
+        evidence = self._cached(oil_key, lambda: infer(self.case, specimen, conditions))
+        if is_from_tests:
+            inferred = evidence.critical.temperature
+            conditions = replace(conditions, critical_temperature=inferred)
+        return VerdictModel(self, conditions, specimen, evidence)
 
-    def film_excess(self, points: Operation) -> Array | None:
+    def film_excess(self, points: QueryPoints) -> Array | None:
         """Ln of the film pressure over that which carries a fifth of the load (k,); NaN if unknown.
 
         None if the case has no film.
         """
-        if not points.load.size:
-            return np.zeros(0)
         if self._film(self.case.conditions.bulk_temperature) is None:
             return None
-
-        def excess(bulk: float, is_member: Mask) -> Array:
-            return np.asarray(self._film(bulk)(points.load[is_member], points.velocity[is_member]))
-
-        return evaluate_by_bulk(points.bulk_temperature, excess)
+        excess = np.full(points.load.shape, np.nan)
+        for bulk in np.unique(points.bulk_temperature).tolist():
+            is_member = points.bulk_temperature == bulk
+            excess[is_member] = self._film(bulk)(points.load[is_member], points.velocity[is_member])
+        return excess
 
     def _film(self, bulk: float) -> Any:
-        return self._cached(("film", bulk), lambda: film_field(self.case, bulk))
+        return self._cached(bulk, lambda: film_field(self.case, bulk))
 
 
 def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
@@ -132,10 +117,10 @@ class VerdictModel:
         """The results."""
         return self.judged_case.case
 
-    @property
+    @functools.cached_property
     def promised(self) -> float | None:
         """Relative error of critical velocities due to the preset; None if unknown."""
-        return self.judged_case.promised
+        return velocity_error(self.case.sweep)
 
     @property
     def field(self) -> Field:
@@ -151,9 +136,9 @@ class VerdictModel:
     def limit(self) -> float:
         """ln(allowable rise) at the friction and bulk temperature of the conditions."""
         unit = np.ones(1)
-        return float(self.limits(Operation.under(self.conditions, unit, unit))[0])
+        return float(self.limits(QueryPoints.under(self.conditions, unit, unit))[0])
 
-    def limits(self, points: Operation) -> Array:
+    def limits(self, points: QueryPoints) -> Array:
         """ln(allowable rise) of points (k,)."""
         critical = known_critical_temperature(self.conditions)
         rise_factor = points.friction * (1 + self.conditions.added_rise_fraction)
@@ -176,83 +161,95 @@ class VerdictModel:
         """True if the case has a film that is unknown at a computed point."""
         field = self.field
         plane = np.meshgrid(field.loads, field.velocities, indexing="ij")
-        points = Operation.under(self.conditions, *(axis.ravel() for axis in plane))
+        points = QueryPoints.under(self.conditions, *(axis.ravel() for axis in plane))
         return bool((self.films(points)[1] & field.is_known.ravel()).any())
 
-    def films(self, points: Operation) -> tuple[Mask, Mask]:
+    def films(self, points: QueryPoints) -> tuple[Mask, Mask]:
         """Masks (k,): the film carries more load than the model allows; the film is unknown."""
         excess = self.judged_case.film_excess(points)
         if excess is None:
             return np.zeros(points.load.shape, bool), np.zeros(points.load.shape, bool)
         return np.nan_to_num(excess, nan=-1.0) > 0, np.isnan(excess)
 
-    def points(self, points: Operation) -> dict[str, Any]:
+    def points(self, points: QueryPoints) -> dict[str, Any]:
         """Answers on points by name, each (k,), except those along lines through them."""
-        is_valid = (
-            (points.load > 0)
-            & (points.velocity > 0)
-            & np.isfinite(points.load)
-            & np.isfinite(points.velocity)
-        )
-        load = np.where(is_valid, points.load, np.nan)
-        velocity = np.where(is_valid, points.velocity, np.nan)
+        plane = np.stack([points.load, points.velocity])
+        is_valid = (np.isfinite(plane) & (plane > 0)).all(axis=0)
+        load, velocity = np.where(is_valid, plane, np.nan)
         rise = self.field(load, velocity)
         reasons = self._reasons(points, rise)
-        is_known = np.array([not text for text in reasons], bool)
+        is_known = np.asarray(reasons == "", bool)
         rise = np.where(is_known, rise, np.nan)
         log_ratio = rise - self.limits(points)
-        errors = np.where(
-            is_known, rise_errors(self.specimen, self.promised, load, velocity), np.nan
-        )
-        total_error = total(errors)
-        log_error = np.where(np.isfinite(total_error), np.log1p(total_error), 0.0)
-        low, probability, high = self.evidence.probabilities(
-            (log_ratio - log_error, log_ratio, log_ratio + log_error), points.bulk_temperature
-        )
-        low = np.where(np.isnan(total_error) & is_known, 0.0, low)
-        high = np.where(np.isnan(total_error) & is_known, 1.0, high)
+        errors = rise_errors(self.specimen, self.promised, load, velocity)
+        errors = np.where(is_known, errors, np.nan)
+        error = total(errors)
+        probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
         is_outside, is_film_unknown = self.films(points._replace(load=load, velocity=velocity))
         verdict = np.select(
-            (~is_known, is_outside, high <= DECIDED[0], low >= DECIDED[-1]),
+            (
+                ~is_known,
+                is_outside,
+                probabilities[2] <= DECIDED[0],
+                probabilities[0] >= DECIDED[-1],
+            ),
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
             UNDECIDED,
         )
         is_ruled_out = self._withhold(verdict, reasons, points)
-        verdict = np.where(is_ruled_out, UNDECIDED, verdict).astype(np.int8)
-        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
-        critical = known_critical_temperature(self.conditions)
-        is_simulated = is_known & self.field.is_point(points.load, points.velocity)
-        is_extrapolated = is_known & ~is_simulated & self.field.is_extrapolated(load, velocity)
-        is_at_edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
-        is_at_edge = is_known & (self.field.bilinear(is_at_edge.astype(float), load, velocity) > 0)
-        flags = is_at_edge * Flag.CONTACT_AT_EDGE + (is_known & is_film_unknown) * Flag.FILM_UNKNOWN
+        flags = self._at_edge(load, velocity) * Flag.CONTACT_AT_EDGE
+        flags += is_film_unknown * Flag.FILM_UNKNOWN
         has_no_verdict = is_outside | ~is_known
+        low, probability, high = np.where(has_no_verdict, np.nan, probabilities)
+        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
         temperature_rise = points.friction * rise_per_friction
+        temperature = points.bulk_temperature + temperature_rise
+        critical = known_critical_temperature(self.conditions)
+        parts = {
+            f"temperature_error_{part}": temperature_rise * part_error
+            for part, part_error in zip(PARTS, errors, strict=True)
+        }
         return {
-            "verdict": verdict,
-            "probability": np.where(has_no_verdict, np.nan, probability),
-            "probability_low": np.where(has_no_verdict, np.nan, low),
-            "probability_high": np.where(has_no_verdict, np.nan, high),
+            "verdict": np.where(is_ruled_out, UNDECIDED, verdict).astype(np.int8),
+            "probability": probability,
+            "probability_low": low,
+            "probability_high": high,
             "log_rise_ratio": log_ratio,
-            "governing_temperature": points.bulk_temperature + temperature_rise,
-            "temperature_margin": critical - (points.bulk_temperature + temperature_rise),
-            "temperature_error": temperature_rise * total_error,
-            **{
-                f"temperature_error_{part}": temperature_rise * error
-                for part, error in zip(PARTS, errors, strict=True)
-            },
+            "governing_temperature": temperature,
+            "temperature_margin": critical - temperature,
+            "temperature_error": temperature_rise * error,
+            **parts,
             "critical_friction": (critical - points.bulk_temperature) / rise_per_friction,
             "friction_safety_factor": np.where(has_no_verdict, np.nan, np.exp(-log_ratio)),
-            "origin": np.select(
-                (~is_known, is_simulated, is_extrapolated),
-                (-1, SIMULATED, EXTRAPOLATED),
-                INTERPOLATED,
-            ).astype(np.int8),
-            "warning_flags": (flags + is_ruled_out * Flag.RULED_OUT).astype(np.int16),
+            "origin": np.where(is_known, self._origins(points, load, velocity), -1).astype(np.int8),
+            "warning_flags": (is_known * flags + is_ruled_out * Flag.RULED_OUT).astype(np.int16),
             "reason": reasons,
         }
 
-    def _withhold(self, verdict: Array, reasons: Any, points: Operation) -> Mask:
+    def _probabilities(self, log_ratio: Array, error: Array, bulks: Array) -> Array:
+        """Probability of severe wear at its lower bound, at `log_ratio`, and at its upper bound.
+
+        Where the `error` is unknown, the bounds are 0 and 1.
+        """
+        log_error = np.log1p(np.nan_to_num(error))
+        ratios = log_ratio - log_error, log_ratio, log_ratio + log_error
+        probabilities = np.stack([self.evidence.probability(y, bulks) for y in ratios])
+        probabilities[0, np.isnan(error)], probabilities[2, np.isnan(error)] = 0.0, 1.0
+        return probabilities
+
+    def _at_edge(self, load: Array, velocity: Array) -> Mask:
+        """True where the contact reaches the edge of the window at neighbouring points."""
+        is_at_edge = (self.specimen.flags & int(WarningKind.CONTACT_AT_EDGE)) != 0
+        return self.field.bilinear(is_at_edge.astype(float), load, velocity) > 0
+
+    def _origins(self, points: QueryPoints, load: Array, velocity: Array) -> Indices:
+        """Code of the origin of each answer."""
+        is_simulated = self.field.is_point(points.load, points.velocity)
+        is_extrapolated = self.field.is_extrapolated(load, velocity)
+        codes = SIMULATED, EXTRAPOLATED
+        return np.select((is_simulated, is_extrapolated), codes, INTERPOLATED)
+
+    def _withhold(self, verdict: Array, reasons: Any, points: QueryPoints) -> Mask:
         """Mask of points whose verdict contradicts tests; writes an explanation to `reasons`."""
         is_ruled_out = np.zeros(verdict.shape, bool)
         for code in (MILD, SEVERE):
@@ -263,7 +260,7 @@ class VerdictModel:
                     reasons[k], is_ruled_out[k] = explanation, True
         return is_ruled_out
 
-    def _reasons(self, points: Operation, rise: Array) -> Any:
+    def _reasons(self, points: QueryPoints, rise: Array) -> Any:
         """Reasons for points without an answer; an empty text for points with one."""
         reasons, ranges = np.full(points.load.shape, "", object), self.ranges
         values = np.stack([points.load, points.velocity])
@@ -275,53 +272,54 @@ class VerdictModel:
         reasons[np.isnan(rise) & (reasons == "")] = _TOO_FEW
         return reasons
 
-    def critical(self, axis: str, points: Operation) -> dict[str, Any]:
-        """Critical values along `axis`, on lines through the points' values on the other axis."""
+    def critical(self, axis: str, points: QueryPoints) -> dict[str, Any]:
+        """Critical values along `axis`, on lines through the points' values on the other axis.
+
+        A value is NaN where a film carries too much load.
+        """
         line_values = points.load if axis == "velocity" else points.velocity
         levels = self.limits(points)
-        pairs = np.stack([line_values, levels, points.bulk_temperature])
-        _, first_indices, inverse = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
-        points = points.take(first_indices)
-        line_values, levels = line_values[first_indices], levels[first_indices]
-        find_lines = self.field.along_velocity if axis == "velocity" else self.field.along_load
-        lines = find_lines(line_values, levels)
-        critical, is_outside = self._inside(axis, points, lines)
-        codes = lines.outcomes(self.ranges[axis])
-        codes = np.where(is_outside, Outcome.OUTSIDE_MODEL, codes).astype(np.int8)
-        if len(self.field.velocities if axis == "velocity" else self.field.loads) == 1:
-            codes[:] = Outcome.NO_LINE
-        columns = {f"critical_{axis}": critical, f"outcome_along_{axis}": codes}
+        keys = np.stack([line_values, levels, points.bulk_temperature])
+        _, first, inverse = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        points, line_values, levels = points.take(first), line_values[first], levels[first]
+        if axis == "velocity":
+            lines, nodes = self.field.along_velocity(line_values, levels), self.field.velocities
+        else:
+            lines, nodes = self.field.along_load(line_values, levels), self.field.loads
+        is_outside, is_low_outside, is_high_outside = (
+            self.films(points._replace(**{axis: values}))[0]
+            for values in (lines.critical, lines.low, lines.high)
+        )
+        has_no_crossing = np.isnan(lines.critical)
+        is_line_outside = is_outside | (has_no_crossing & is_low_outside & is_high_outside)
+        outcomes = lines.outcomes(self.ranges[axis])
+        outcomes = np.where(is_line_outside, Outcome.OUTSIDE_MODEL, outcomes)
+        if len(nodes) == 1:
+            outcomes[:] = Outcome.NO_LINE
+        columns = {
+            f"critical_{axis}": np.where(is_outside, np.nan, lines.critical),
+            f"outcome_along_{axis}": outcomes.astype(np.int8),
+        }
         return {name: column[inverse.ravel()] for name, column in columns.items()}
 
-    def _inside(self, axis: str, points: Operation, lines: Lines) -> tuple[Array, Mask]:
-        """Critical values, NaN where a film carries too much load; mask of lines outside."""
-
-        def is_outside_model(values: Array) -> Mask:
-            is_known, is_outside = np.isfinite(values), np.zeros(values.shape, bool)
-            is_outside[is_known] = self.films(points._replace(**{axis: values}).take(is_known))[0]
-            return is_outside
-
-        is_critical_outside = is_outside_model(lines.critical)
-        are_ends_outside = is_outside_model(lines.low) & is_outside_model(lines.high)
-        is_line_outside = is_critical_outside | (np.isnan(lines.critical) & are_ends_outside)
-        return np.where(is_critical_outside, np.nan, lines.critical), is_line_outside
-
-    def velocity_of_probability(self, points: Operation, probability: float = 0.5) -> Array:
+    def velocity_of_probability(self, points: QueryPoints, probability: float = 0.5) -> Array:
         """Velocities (k,) [m/s] at which severe wear has this probability, at the loads of points.
 
         NaN for none among the velocities of the sweep, or if a film carries too much load.
         """
-        levels = self.limits(points) + self.evidence.log_rise_ratio_quantiles(
-            probability, points.bulk_temperature
-        )
+        levels = self._levels(points, probability)
         velocities = self.field.along_velocity(points.load, levels, FARTHEST).critical
         low, high = self.ranges["velocity"]
-        with np.errstate(invalid="ignore"):
-            is_known = np.isfinite(velocities) & (low <= velocities) & (velocities <= high)
-        is_known[is_known] = ~self.films(points._replace(velocity=velocities).take(is_known))[0]
-        return np.where(is_known, velocities, np.nan)
+        is_inside = (low <= velocities) & (velocities <= high)
+        is_inside &= ~self.films(points._replace(velocity=velocities))[0]
+        return np.where(is_inside, velocities, np.nan)
 
-    def decided_velocities(self, points: Operation) -> dict[str, Any]:
+    def _levels(self, points: QueryPoints, probability: float) -> Array:
+        """ln(rise) at which severe wear has this probability, at the conditions of points (k,)."""
+        bulks = points.bulk_temperature
+        return self.limits(points) + self.evidence.log_rise_ratio_quantiles(probability, bulks)
+
+    def decided_velocities(self, points: QueryPoints) -> dict[str, Any]:
         """Velocities (k,) [m/s] at the loads of points, up to and from which a verdict is possible.
 
         ``critical_velocity_p05`` is lowered to a test that rules out mild wear, and ``_p95`` is
@@ -329,27 +327,23 @@ class VerdictModel:
         NaN outside the sweep, or if the verdict is withheld at all velocities.
         """
         notes, columns = [list[str]() for _ in points.load], dict[str, Any]()
+        low, high = self.ranges["velocity"]
         for excluded, probability, template in (
             ("mild", DECIDED[0], "{} rules out mild wear from {:g} m/s"),
             ("severe", DECIDED[-1], "{} rules out severe wear up to {:g} m/s"),
         ):
             velocities = self.velocity_of_probability(points, probability)
             limits, names = self.rulings.velocity_limits(excluded, points)
-            is_mild = excluded == "mild"
-            level = self.limits(points) + self.evidence.log_rise_ratio_quantiles(
-                probability, points.bulk_temperature
-            )
-            low, high = self.ranges["velocity"]
+            levels = self._levels(points, probability)
             log_rise = self.field(points.load, np.clip(limits, low, high))
-            with np.errstate(invalid="ignore"):
-                # At the limit, the probability alone would still give the verdict.
-                is_limited = log_rise <= level if is_mild else log_rise >= level
-                is_limited |= limits < velocities if is_mild else limits > velocities
-            is_limited &= limits < math.inf if is_mild else limits > 0
-            is_inside = (low <= limits) & (limits <= high)
-            ruled = np.where(is_inside, limits, np.nan)
+            # At the limit, the probability alone would still give the verdict.
+            if excluded == "mild":
+                is_limited = (limits < math.inf) & ((log_rise <= levels) | (limits < velocities))
+            else:
+                is_limited = (limits > 0) & ((log_rise >= levels) | (limits > velocities))
+            inner_limits = np.where((low <= limits) & (limits <= high), limits, np.nan)
             columns[f"critical_velocity_p{100 * probability:02.0f}"] = np.where(
-                is_limited, ruled, velocities
+                is_limited, inner_limits, velocities
             )
             for k in np.flatnonzero(is_limited).tolist():
                 if names[k]:

@@ -23,8 +23,9 @@ from scipy.ndimage import distance_transform_edt
 import pipeline
 from pipeline.answers.answer_lines import not_included_lines, withheld_lines
 from pipeline.answers.boundary_lines import error_lines, ruling_lines
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.readable import attribute_texts
-from pipeline.answers.results import CaseResults, cases_of, sweep_of
+from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import DECIDED

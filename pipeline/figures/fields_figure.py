@@ -12,8 +12,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import in_array
-from pipeline.answers.results import CaseResults, cases_of, refuse_cases, sweep_of
+from pipeline.answers.results import cases_of, refuse_cases, sweep_of
 from pipeline.answers.scene_wording import heating_words
 from pipeline.answers.verdict_model import conditions_of, outside_reason
 from pipeline.arguments import in_si

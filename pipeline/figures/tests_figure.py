@@ -15,8 +15,9 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 import pipeline
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.readable import attribute_texts
-from pipeline.answers.results import CaseResults, refuse_cases, sweep_of
+from pipeline.answers.results import refuse_cases, sweep_of
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, FAINT, GREY
 from pipeline.sweep.case import OperatingPoint

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import PARTS, SURFACE, total
-from pipeline.answers.results import CaseResults, ascending, cases_of
+from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import JudgedCase, VerdictModel
 from pipeline.arguments import in_share
 from pipeline.progress import Progress, Report
