@@ -16,6 +16,7 @@ import threading
 import time
 from pathlib import Path
 
+import dask
 from dask_jobqueue import SLURMCluster
 from distributed import Client, Status
 
@@ -83,7 +84,8 @@ def main(options):
         options.store = Path(options.store).absolute()
     if not options.dry_run and not shutil.which("sbatch"):
         return "on_a_cluster.py: there is no Slurm here, no sbatch; --dry-run prints the job script"
-    with cluster_of(options) as cluster, Client(cluster) as client:
+    settings = {"distributed.scheduler.allowed-failures": 0}  # the run repeats lost points itself
+    with dask.config.set(settings), cluster_of(options) as cluster, Client(cluster) as client:
         if options.dry_run:
             return print(cluster.job_script())
         threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()

@@ -39,7 +39,7 @@ ENVIRONMENT = {
 """Environment of the workers."""
 
 CONFIGURATION = {
-    "distributed.scheduler.allowed-failures": 0,  # the driver repeats its points, one at a time
+    "distributed.scheduler.allowed-failures": 0,  # the driver counts the workers lost by a point
     "distributed.scheduler.worker-ttl": "30s",  # a worker that hangs so long is started again
     "distributed.worker.multiprocessing-method": "forkserver",
     "distributed.nanny.pre-spawn-environ": ENVIRONMENT,

@@ -12,7 +12,8 @@ import sys
 import time
 import uuid
 from collections import Counter, defaultdict, deque
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
@@ -37,9 +38,8 @@ ANYWHERE = ""
 _TIME_AHEAD = 0.4  # computing time of the tasks submitted to a worker [s]
 _MIN_AHEAD, _MAX_AHEAD = 2, 16
 _SPARE_TASKS = 16  # tasks without a worker, for which an adaptive cluster starts workers
-_MAX_DEATHS = 3  # deaths of its workers after which a point has failed
-_MAX_SHARED_DEATHS = 2  # deaths of its workers after which a point is computed without other tasks
-_KILLED_MESSAGE = (
+_MAX_LOSSES = 3  # a point has failed once it was lost so often with its worker
+_LOST_MESSAGE = (
     "{} workers died; the last one was computing only this point: {}; use fewer workers, or reduce "
     "window.pixels"
 )
@@ -47,12 +47,13 @@ _KILLED_MESSAGE = (
 
 @dataclass(slots=True, eq=False)
 class _Job:
+    """A task at Dask, with the worker that it was submitted to."""
+
     task: Task
     worker: str
     process: str | None  # of the worker
-    is_movable: bool = True  # False if Dask must not give it to another worker
-    is_alone: bool = False
-    deaths: int = 0  # of its workers, by this or another task; `worker` is the last one
+    is_movable: bool  # False if Dask must not give it to another worker
+    is_lost: bool = False  # with its worker
 
 
 class TaskQueue:
@@ -99,45 +100,26 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
     `watch` looks after the workers, and `tally` reports progress. Raises a `StoreError` if points
     cannot be written, an `ExecutionError` if the scheduler is lost or no worker can compute.
     """
-    with Writer(store) as writer:
-        _compute(client, watch, writer, queue, tally)
-
-
-def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
-    tasks = _Tasks(client, writer.store)
-    suspect_tasks = deque[Task]()  # tasks of workers that died, of which one may be the cause
-    deaths = Counter[Point]()  # deaths of workers, by the point that they had
+    losses = Counter[Point]()  # how often a point was lost with its worker
+    suspect_tasks = deque[Task]()  # lost so often that each is computed without other tasks
     recent_times = deque([1.0], maxlen=50)  # times of points [s]
-    try:
-        while queue or suspect_tasks or tasks:
-            workers = watch()
-            max_ahead = max(
-                int(_TIME_AHEAD / max(fmean(recent_times), _TIME_AHEAD / _MAX_AHEAD)), _MIN_AHEAD
-            )
-            busy = Counter(job.worker for job in tasks.running.values())
-            available = [worker for worker in workers if busy[worker] <= max_ahead // 2]
-            slots = [
-                worker
-                for count in range(max_ahead)
-                for worker in available
-                if busy[worker] <= count
+    with Writer(store) as writer, closing(_SubmittedTasks(client, store)) as submitted:
+        while queue or suspect_tasks or submitted:
+            workers, processes = watch(), watch.processes
+            assigned = [
+                (worker, queue.take(worker or object()))
+                for worker in _slots(client, workers, submitted.count_by_worker(), recent_times)
+                if queue
             ]
-            adaptive = getattr(client.cluster, "_adaptive", None)
-            if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
-                slots += [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
-            processes = watch.processes
+            if suspect_tasks and not (assigned or submitted):
+                assigned = [(workers[0] if workers else ANYWHERE, suspect_tasks.popleft())]
             jobs = [
-                _Job(task, worker, processes.get(worker), is_movable=task.point not in deaths)
-                for worker in slots
-                if queue and (task := queue.take(worker or object()))
+                _Job(task, worker, processes.get(worker), is_movable=task.point not in losses)
+                for worker, task in assigned
             ]
-            if suspect_tasks and not (jobs or tasks):
-                worker = workers[0] if workers else ANYWHERE
-                task = suspect_tasks.popleft()
-                jobs = [_Job(task, worker, processes.get(worker), is_movable=False, is_alone=True)]
             with watch.reached():
-                tasks.submit(jobs)
-                for job, result in tasks.ended(processes):
+                submitted.add(jobs)
+                for job, result in submitted.ended(processes):
                     point = job.task.point
                     if result is not None:
                         record, program = loaded(result)
@@ -145,26 +127,42 @@ def _compute(client: Client, watch: Watch, writer: Writer, queue: TaskQueue, tal
                         writer.add([record])
                         recent_times.append(record.wall_time if record.data else recent_times[-1])
                         continue
-                    if job.deaths:
-                        deaths[point] += job.deaths
+                    if job.is_lost:
+                        losses[point] += 1
                         watch.look_again()  # or the dead worker would get the next task
-                    if job.is_alone and deaths[point] >= _MAX_DEATHS:
-                        cause = watch.cause_of_death(job.worker)
-                        message = _KILLED_MESSAGE.format(deaths[point], cause)
-                        writer.add([PointRecord(point, None, message)])
-                    elif deaths[point] >= _MAX_SHARED_DEATHS:
+                    if losses[point] < _MAX_LOSSES - 1:
+                        queue.put_back(job.task)
+                    elif losses[point] < _MAX_LOSSES:
                         suspect_tasks.append(job.task)
                     else:
-                        queue.put_back(job.task)
+                        cause = watch.cause_of_death(job.worker)
+                        message = _LOST_MESSAGE.format(_MAX_LOSSES, cause)
+                        writer.add([PointRecord(point, None, message)])
             if written := writer.written():
                 tally.count(written, len(workers))
-    finally:
-        tasks.release()
-    tally.count(writer.flush(), len(workers))
+        tally.count(writer.flush(), len(workers))
 
 
-class _Tasks:
-    """Tasks at Dask whose results have not arrived, by their futures."""
+def _slots(
+    client: Client, workers: Sequence[str], busy: Counter[str], recent_times: Collection[float]
+) -> Iterator[str]:
+    """Yield the worker of each further task, in turns, until all have enough to do.
+
+    `busy` has the number of tasks of each worker.
+    """
+    max_ahead = max(
+        int(_TIME_AHEAD / max(fmean(recent_times), _TIME_AHEAD / _MAX_AHEAD)), _MIN_AHEAD
+    )
+    available = [worker for worker in workers if busy[worker] <= max_ahead // 2]
+    for count in range(max_ahead):
+        yield from (worker for worker in available if busy[worker] <= count)
+    adaptive = getattr(client.cluster, "_adaptive", None)
+    if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
+        yield from [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
+
+
+class _SubmittedTasks:
+    """Tasks at Dask whose results have not arrived."""
 
     def __init__(self, client: Client, store: Store) -> None:
         self._client, self._store = client, store
@@ -173,12 +171,16 @@ class _Tasks:
         # Keys with a random name, as a scheduler may have tasks of other runs.
         self._name, self._numbers = uuid.uuid4().hex[:8], itertools.count()
         self._ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
-        self.running: dict[Future, _Job] = {}
+        self._jobs: dict[Future, _Job] = {}
 
     def __bool__(self) -> bool:
-        return bool(self.running)
+        return bool(self._jobs)
 
-    def submit(self, jobs: list[_Job]) -> None:
+    def count_by_worker(self) -> Counter[str]:
+        """Number of tasks of each worker."""
+        return Counter(job.worker for job in self._jobs.values())
+
+    def add(self, jobs: Iterable[_Job]) -> None:
         """Submit tasks to Dask, grouped by worker, which takes half the time."""
         groups = defaultdict[tuple[str, bool], list[_Job]](list)
         for job in jobs:
@@ -197,7 +199,7 @@ class _Tasks:
                 workers=worker or None,
                 allow_other_workers=bool(worker) and is_movable,
             )
-            self.running.update(zip(futures, group, strict=True))
+            self._jobs.update(zip(futures, group, strict=True))
             self._ended.update(futures)
 
     def _case(self, name: CaseName) -> bytes:
@@ -212,31 +214,32 @@ class _Tasks:
     def ended(self, processes: Mapping[str, str]) -> Iterator[tuple[_Job, bytes | None]]:
         """Wait until a task ends, at most a second; yield the jobs that have ended, with results.
 
-        The result is None if the task is lost. `processes` has the connected workers. A job
-        whose worker is lost or was restarted is taken back: without another worker Dask would never
-        run it, and one that kills its workers would be run four times.
+        The result is None if the task has to be computed again. `processes` has the connected
+        workers. A job whose worker is lost or was restarted is taken back, because Dask never runs
+        a task again whose worker is lost while there is no other one.
         """
         with self._ended.thread_condition:
             self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
         for future, result in self._ended.next_batch(block=False):
-            if (job := self.running.pop(future, None)) is None:
-                continue  # taken back
-            if future.status == "error":
-                if not isinstance(error := result[1], KilledWorker):
-                    raise ExecutionError(f"{CANNOT}: {error}")
-                job.deaths, job.worker = error.allowed_failures + 1, error.last_worker.address
-            future.release()
-            yield job, result if isinstance(result, bytes) else None
-        for future, job in [*self.running.items()]:
-            if job.worker and processes.get(job.worker) != job.process:
-                del self.running[future]
+            if future.status != "error" and (job := self._jobs.pop(future, None)):
                 future.release()
-                job.deaths = 1
-                yield job, None
+                yield job, result if isinstance(result, bytes) else None
+        for future, job in [*self._jobs.items()]:
+            # `as_completed` omits an error of a task that was done before and lost its result.
+            if future.status == "error":
+                if not isinstance(error := future.exception(), KilledWorker):
+                    raise ExecutionError(f"{CANNOT}: {error}")
+                job.worker = error.last_worker.address
+            elif not job.worker or processes.get(job.worker) == job.process:
+                continue
+            del self._jobs[future]
+            future.release()
+            job.is_lost = True
+            yield job, None
 
-    def release(self) -> None:
+    def close(self) -> None:
         """Release all futures, so that a shared scheduler keeps none; do not wait for answers."""
-        for future in self.running:
+        for future in self._jobs:
             future.release()
 
 

@@ -22,6 +22,7 @@ import psutil
 import pytest
 import xarray as xr
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
+from distributed.scheduler import KilledWorker
 from distributed.utils import CancelledError
 
 from pipeline import ExecutionError, run_point, run_sweep, summary, verify_store
@@ -287,7 +288,7 @@ def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
 
     run_sweep(SHORT, tmp_path / "out.zarr", workers=1, progress=look, dashboard=True)
     assert answers[1] == 200
-    assert multiprocessing.active_children() == before
+    assert {*multiprocessing.active_children()} <= {*before}
 
 
 def test_a_cluster_here_talks_to_its_driver_only_with_its_settings(link):
@@ -343,9 +344,30 @@ def test_results_whose_fetch_is_cancelled_are_computed_again(path, tiny_store, m
     assert content(path) == content(tiny_store)
 
 
+def test_a_point_whose_result_and_next_worker_are_lost_is_computed_again(
+    path, tiny_store, monkeypatch
+):
+    """A worker dies before its result is fetched, and another one as it computes that again."""
+
+    with local_cluster(2) as (_, client):
+        gather, first = client._gather, iter([True])
+
+        async def lost_once(futures, **options):
+            if next(first, False):
+                worker = SimpleNamespace(address="tcp://127.0.0.1:1")
+                error = KilledWorker(futures[0].key, worker, 0)
+                futures[0]._state.set_error(error, None)
+                raise error
+            return await gather(futures, **options)
+
+        monkeypatch.setattr(client, "_gather", lost_once)
+        outcome = run_sweep(SWEEP, path, client=client)
+    assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
+    assert content(path) == content(tiny_store)
+
+
 def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
-    monkeypatch.setattr(drive, "_MAX_DEATHS", 1)  # three are tried by points that crash
-    monkeypatch.setattr(drive, "_MAX_SHARED_DEATHS", 1)
+    monkeypatch.setattr(drive, "_MAX_LOSSES", 2)  # three are tried by points that crash
     limit = {"processes": True, "memory_limit": "500 MB"}
     with dask.config.set(CONFIGURATION), local_cluster(1, **limit) as (_, client):
         outcome = run_sweep(HUNGRY, path, client=client)
