@@ -17,8 +17,8 @@ from .scene.faults import SceneFileError as SceneFileError
 from .scene.new import new_scene as new_scene
 from .scene.scene_file import load_scene as load_scene
 from .scene.scene_file import run_point as run_point
-from .store.place import StoreError as StoreError
-from .store.place import StoreMismatchError as StoreMismatchError
+from .store.location import StoreError as StoreError
+from .store.location import StoreMismatchError as StoreMismatchError
 from .store.status import summary as summary
 from .store.status import verify_store as verify_store
 from .surface.statistics import surface_statistics as surface_statistics

@@ -20,7 +20,7 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_model import JudgedCase, VerdictModel
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication

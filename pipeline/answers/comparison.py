@@ -18,7 +18,7 @@ from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import JudgedCase
 from pipeline.constants import DECIDED
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 
 
 def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:

@@ -30,7 +30,7 @@ from pipeline.arguments import in_si
 from pipeline.constants import SHARP_ENDS
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.sweep.sweep import has_sharp_ends
 from tribo import InputError
 

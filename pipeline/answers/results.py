@@ -27,7 +27,7 @@ from pipeline.answers.case_results import (
 from pipeline.answers.scene_wording import value_words
 from pipeline.paths import found_store
 from pipeline.store.dataset import completed, open_store
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.store.schema import (
     AT_TESTS,
     COLUMNS,

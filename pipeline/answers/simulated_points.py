@@ -16,7 +16,7 @@ from pipeline.answers.condition_values import ConditionValues, override_conditio
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import JudgedCase, conditions_of
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.condition_entries import allowable_rise
 from tribo import QUANTILES, InputError, WarningKind

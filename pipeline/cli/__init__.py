@@ -60,7 +60,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
     """Run the `function` of a command, print its result or its error, and return the exit code."""
     # Imported here, as they import NumPy, which --help does not need.
     from pipeline.cli import output
-    from pipeline.store.place import is_lack_of_memory
+    from pipeline.store.location import is_lack_of_memory
     from tribo import TriboError
 
     if options.quiet:

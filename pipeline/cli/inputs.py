@@ -15,7 +15,7 @@ from pipeline.messages import did_you_mean
 from pipeline.operating_points import OperatingPoints
 from pipeline.paths import user_path
 from pipeline.quantities import ROUNDING
-from pipeline.store.place import StoreError
+from pipeline.store.location import StoreError
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.condition_entries import CONDITION_ENTRIES, PATHS

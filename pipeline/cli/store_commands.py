@@ -39,7 +39,7 @@ from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
 from pipeline.messages import pluralized, quoted
 from pipeline.shipped import typed_name
-from pipeline.store.place import REMEDY, StoreError
+from pipeline.store.location import REMEDY, StoreError
 from pipeline.store.resume import mismatches
 from pipeline.store.root import GOAL
 from pipeline.store.schema import PLANE

@@ -52,7 +52,7 @@ from pipeline.figures.tests_figure import draw_tests
 from pipeline.frames import cells_of, without_columns, writable_path, write_text
 from pipeline.messages import quoted, split_notes
 from pipeline.page.input_tables import case_rows, input_rows
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
 from pipeline.sweep.codec import digest

@@ -68,7 +68,8 @@ def why_fixed(sweep: Sweep) -> str:
         if isinstance(sweep.scene.roughness, UserSurface):
             return "one surface of a user's class, not reduced by computing"
         areas = len(sweep.case_table.column("realization") or (0,))
-        return f"{areas} area{'s' * (areas > 1)} of a scan, not reduced by computing"
+        words = "1 area" if areas == 1 else f"{areas} areas"
+        return f"{words} of a scan, not reduced by computing"
     seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None
     return f"{len(seeds)} listed seeds, not reduced by computing" if isinstance(seeds, list) else ""
 
@@ -97,10 +98,10 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
         return suitable[0] if suitable else candidates[-1]
     subject = "the preset of the store" if before else "the preset fine"
     statement = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
-    raise InputError(
-        f"accuracy is {percent(accuracy)}, and {subject} {statement}; set a larger --accuracy"
-        + (", or give another store by -o OUT.zarr" if before else "")
-    )
+    advice = "set a larger --accuracy"
+    if before:
+        advice = "set a larger --accuracy, or give another store by -o OUT.zarr"
+    raise InputError(f"accuracy is {percent(accuracy)}, and {subject} {statement}; {advice}")
 
 
 class GoalRun:
@@ -158,11 +159,11 @@ class GoalRun:
             else range(sweep_seeds[0], sweep_seeds[0] + MOST_REALIZATIONS)
         )
         for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
-            places = search.next_places()
+            indices = search.next_points()
             new_velocities |= {*search.next_velocities()}
-            count = max(count, *(place.realization + 1 for place in places)) if places else count
+            count = max([count, *(index.realization + 1 for index in indices)])
             to_come += search.to_come()
-            for realization, load, velocity in places:
+            for realization, load, velocity in indices:
                 coordinates = float(search.loads[load]), float(search.velocities[velocity])
                 seed = (("realization", seeds[realization]),) if has_seeds else ()
                 points.append((Point(*coordinates, (*case.name, *seed)), realization))
@@ -220,13 +221,13 @@ class Reached(NamedTuple):
         if np.isfinite(self.load):
             counted = {k: x for k, x in self.parts.items() if x and (k != "surface" or not surface)}
             largest = max(counted, key=lambda name: np.nan_to_num(counted[name], nan=np.inf))
-            is_below = self.is_below(accuracy)
+            outcome = "reached" if self.is_below(accuracy) else "not reached"
             parts = ", ".join(f"{name} {percent(part)}" for name, part in counted.items())
             yield (
-                f"{case}accuracy {percent(accuracy)} {'' if is_below else 'not '}reached: at most "
+                f"{case}accuracy {percent(accuracy)} {outcome}: at most "
                 f"± {percent(self.total)}, at {self.load:g} N ({parts})"
             )
-            if not is_below:
+            if not self.is_below(accuracy):
                 yield f"to reach it: {_ADVICE[largest]}"
             if surface and self.surface:
                 yield f"surface up to ± {percent(self.surface)}: {surface}"

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from dask.system import cpu_count
@@ -20,12 +21,14 @@ from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
-from pipeline.store.create import copy_points, enlarged, find_sweep, versions, writing
-from pipeline.store.place import Folder, PathLike, place_of
+from pipeline.store.copies import find_sweep
+from pipeline.store.create import enlarged, versions, writing
+from pipeline.store.location import Folder, PathLike, location_of
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
+from pipeline.store.transfer import copy_points
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.stored import require_stored_classes
 from pipeline.sweep.sweep import Sweep
@@ -119,24 +122,17 @@ def run_sweep(
     >>> outcome.total, outcome.done, outcome.computed, outcome.failed
     (24, 24, 0, ())
     """
+    report, began, began_cpu_time = progress or silent, time.monotonic(), time.process_time()
     if workers is not None:
         workers = in_count("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client)
-    sweep, goal = sweep_of(sweep), None
+    sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
     require_stored_classes(sweep)
-    if accuracy is not None:
-        goal = GoalRun(sweep, find_sweep(out), accuracy, progress or silent)
-        if not (goal.is_fixed or isinstance(place_of(out), Folder)):
-            raise InputError(
-                f"{out} is an object store, whose plane is fixed, and an accuracy may need further "
-                "surface realizations; run it into a folder, or list the seeds: "
-                "sweep.realizations = [1, 2, 3]"
-            )
-        sweep = goal.sweep
-    report, began, began_cpu_time = progress or silent, time.monotonic(), time.process_time()
     old_sweep, source_store = find_sweep(out), None if source is None else opened(source)
+    goal = None if accuracy is None else _goal_of(sweep, old_sweep, out, accuracy, report)
+    sweep = goal.sweep if goal else sweep
     with writing(out, sweep, report, goal.accuracy if goal else None) as store:
         for note in _notes_on_resuming(store, old_sweep) if old_sweep else ():
             report(Progress(note))
@@ -145,45 +141,14 @@ def run_sweep(
         if source_store:
             copied_count = copy_points(store, source_store)
             report(Progress(f"{copied_count} points are copied from {source}"))
-        if goal:
-            store.leave_out_pending()
-        tally, cpu_time = Tally(store, shown_progress(progress)), 0.0
-        # A critical temperature from tests is known only when their points are done.
-        has_tests_first = any(case.critical_from_tests for case in sweep.cases) and bool(
-            store.tests and store.tests.pending()
-        )
-        if goal and not has_tests_first:
-            store = _ask_for_goal(store, goal)
-            tally.follow(store)
-        test_queue, queue = [
-            TaskQueue(_tasks(group)) if group else () for group in (store.tests, store)
-        ]
-        if queue or test_queue:
-            max_workers = min(
-                workers or cpu_count(), cpu_count() if goal else len(queue) + len(test_queue)
-            )
-            with connected(client, max_workers, report, dashboard) as dask_client:
-                watch = Watch(dask_client, patience, report, is_own=client is None)
-                initial_cpu_time = watch.cpu_time() if client else 0.0
-                if store.tests and test_queue:
-                    compute(dask_client, watch, store.tests, test_queue, tally)
-                computed_tests = tally.computed
-                if goal and has_tests_first:
-                    store = _ask_for_goal(store, goal)
-                    tally.follow(store)
-                    queue = TaskQueue(_tasks(store))
-                while queue:
-                    compute(dask_client, watch, store, queue, tally)
-                    store = _ask_for_goal(store, goal) if goal else store
-                    tally.follow(store)
-                    queue = TaskQueue(_tasks(store))  # empty without a goal
-                tally.computed -= computed_tests
-                cpu_time = watch.cpu_time() - initial_cpu_time
+        cluster = _Cluster(client, workers, patience, dashboard, report)
+        tally = Tally(store, shown_progress(progress))
+        store, computed, cpu_time = _compute_pending(store, goal, cluster, tally)
         summary = summary_of(store)
     return Outcome(
         summary.total,
         summary.done,
-        tally.computed,
+        computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
         cpu_time=time.process_time() - began_cpu_time + cpu_time,
@@ -191,11 +156,71 @@ def run_sweep(
     )
 
 
+def _goal_of(
+    sweep: Sweep, old_sweep: Sweep | None, out: PathLike, accuracy: float | str, report: Report
+) -> GoalRun:
+    """Goal of a run; `InputError` if its store could not be enlarged for it."""
+    goal = GoalRun(sweep, old_sweep, accuracy, report)
+    if goal.is_fixed or isinstance(location_of(out), Folder):
+        return goal
+    raise InputError(
+        f"{out} is an object store, whose plane is fixed, and an accuracy may need further surface "
+        "realizations; run it into a folder, or list the seeds: sweep.realizations = [1, 2, 3]"
+    )
+
+
+class _Cluster(NamedTuple):
+    """The cluster of a run: that of a client, or workers to start on this machine."""
+
+    client: Client | None
+    workers: int | None
+    patience: float
+    dashboard: bool
+    report: Report
+
+
+def _compute_pending(
+    store: Store, goal: GoalRun | None, cluster: _Cluster, tally: Tally
+) -> tuple[Store, int, float]:
+    """Compute the pending points of the tests, then those of the plane or of a goal.
+
+    Returns the store, which a goal enlarges, the number of points of the plane that were computed,
+    and the processor time of the workers [s].
+    """
+    if goal:
+        store.leave_out_pending()
+    test_queue = TaskQueue(_tasks(store.tests) if store.tests else ())
+    # A critical temperature from tests is known only when their points are done.
+    needs_tests = any(case.critical_from_tests for case in store.sweep.cases)
+    has_tests_first = needs_tests and bool(test_queue)
+    if goal and not has_tests_first:
+        store = _ask_for_goal(store, goal, tally)
+    queue = TaskQueue(_tasks(store))
+    if not (queue or test_queue):
+        return store, 0, 0.0
+    most_tasks = cpu_count() if goal else len(queue) + len(test_queue)
+    workers = min(cluster.workers or cpu_count(), most_tasks)
+    with connected(cluster.client, workers, cluster.report, cluster.dashboard) as client:
+        watch = Watch(client, cluster.patience, cluster.report, is_own=cluster.client is None)
+        initial_cpu_time = watch.cpu_time() if cluster.client else 0.0
+        if store.tests and test_queue:
+            compute(client, watch, store.tests, test_queue, tally)
+        computed_tests = tally.computed
+        if goal and has_tests_first:
+            store = _ask_for_goal(store, goal, tally)
+            queue = TaskQueue(_tasks(store))
+        while queue:
+            compute(client, watch, store, queue, tally)
+            store = _ask_for_goal(store, goal, tally) if goal else store
+            queue = TaskQueue(_tasks(store))  # empty without a goal
+        return store, tally.computed - computed_tests, watch.cpu_time() - initial_cpu_time
+
+
 def _tasks(store: Store) -> Iterable[Task]:
     return tasks(store.pending(), store.sweep)
 
 
-def _ask_for_goal(store: Store, goal: GoalRun) -> Store:
+def _ask_for_goal(store: Store, goal: GoalRun, tally: Tally) -> Store:
     """Ask for the next points of a goal; the store is enlarged for further realizations."""
     while True:
         sweep = goal.sweep
@@ -205,6 +230,7 @@ def _ask_for_goal(store: Store, goal: GoalRun) -> Store:
             store.leave_out_pending()
         if points or not is_larger:
             store.ask_for(points)
+            tally.follow(store)
             return store
 
 

@@ -43,7 +43,7 @@ _TIME_EXPONENT = 0.5  # of the time of a point over its load
 _MAX_FAILED = 3  # failed points of a load without a done one, after which its others are omitted
 
 
-class Place(NamedTuple):
+class PointIndex(NamedTuple):
     """A point of a scene by its indices."""
 
     realization: int
@@ -128,34 +128,34 @@ class Search:
         parts = [INTERPOLATION, SURFACE] if self.goal.counts_surface else [INTERPOLATION]
         return np.asarray(np.sqrt(np.square(self.errors[parts]).sum(axis=0)))
 
-    def next_places(self) -> list[Place]:
+    def next_points(self) -> list[PointIndex]:
         """Points to compute next; empty if the goal is reached or cannot be reached."""
-        return self._next_points[0]
+        return self._needs[0]
 
     def next_velocities(self) -> list[float]:
-        """Velocities [m/s] to add to the sweep; if there are any, `next_places` is empty."""
-        return self._next_points[1]
+        """Velocities [m/s] to add to the sweep; if there are any, `next_points` is empty."""
+        return self._needs[1]
 
     @cached_property
-    def _next_points(self) -> tuple[list[Place], list[float]]:
+    def _needs(self) -> tuple[list[PointIndex], list[float]]:
         last = len(self.loads) - 1
         has_points, has_several = (self._has_realization.sum(axis=0) > n for n in (0, 1))
         loads: set[int] = set()
         # The other loads may be interpolated from these.
         for added in ({last}, {0, last // 2}, {last // 4, 3 * last // 4}):
             loads |= added
-            if places := self._first_realization_places(loads):
-                return places, []
+            if points := self._first_realization_points(loads):
+                return points, []
         loads |= {*np.flatnonzero(has_several).tolist()}
-        if places := self._first_realization_places({*np.flatnonzero(has_points).tolist()}):
-            return places, []
+        if points := self._first_realization_points({*np.flatnonzero(has_points).tolist()}):
+            return points, []
         while True:
-            if places := self._first_realization_places(loads):
-                return places, []
+            if points := self._first_realization_points(loads):
+                return points, []
             if velocities := self._missing_velocities(loads):
                 return [], velocities
-            if places := self._realization_places(loads):
-                return places, []
+            if points := self._further_realization_points(loads):
+                return points, []
             if self.is_out_of_reach(loads) or not (added := self._missing_loads(loads)):
                 return [], []
             loads |= added
@@ -188,15 +188,15 @@ class Search:
             lines.append((Line(np.log(self.velocities[columns]), log_ratios[columns]), columns))
         return lines
 
-    def _first_realization_places(self, loads: set[int]) -> list[Place]:
+    def _first_realization_points(self, loads: set[int]) -> list[PointIndex]:
         """Next point of the first realization at each load that still needs one."""
-        places, tolerance = [], VELOCITY_SHARE * self.error_budget
+        points, tolerance = [], VELOCITY_SHARE * self.error_budget
         for load in sorted(loads):
             line, columns = self._lines[load]
             guess = 0.0 if line.known.size else self._guess_crossing(load)
             if len(columns) and (step := line.next_velocity(guess, tolerance[load])) is not None:
-                places.append(Place(0, load, int(columns[step])))
-        return places
+                points.append(PointIndex(0, load, int(columns[step])))
+        return points
 
     def _guess_crossing(self, load: int) -> float:
         """ln(velocity) at which to begin at a load, from the crossings at the nearest two loads."""
@@ -258,19 +258,19 @@ class Search:
         errors = [field.bilinear(deviation, *point) for deviation in only]
         return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 
-    def _realization_places(self, loads: set[int]) -> list[Place]:
+    def _further_realization_points(self, loads: set[int]) -> list[PointIndex]:
         """Points of further realizations near the crossings, a part of those planned."""
         if self.is_out_of_reach(loads):
             return []
         planned, counts = self._plan(loads), self._has_realization.sum(axis=0)
-        needed = counts + np.bincount([place.load for place in planned], minlength=len(counts))
+        needed = counts + np.bincount([point.load for point in planned], minlength=len(counts))
         # More realizations give a better plan.
-        limit, places = np.maximum(2 * counts + 2, needed // 4), list[Place]()
-        for place in planned:
-            counts[place.load] += 1
-            if counts[place.load] <= limit[place.load]:
-                places.append(place)
-        return sorted(places)
+        limit, points = np.maximum(2 * counts + 2, needed // 4), list[PointIndex]()
+        for point in planned:
+            counts[point.load] += 1
+            if counts[point.load] <= limit[point.load]:
+                points.append(point)
+        return sorted(points)
 
     def to_come(self) -> int:
         """Estimated number of points of further realizations."""
@@ -281,7 +281,7 @@ class Search:
         """Squares of the errors that surface sampling may have at each load (n_load,)."""
         return np.asarray(np.square(self.error_budget) - np.square(self.errors[INTERPOLATION]))
 
-    def _plan(self, loads: Iterable[int]) -> list[Place]:
+    def _plan(self, loads: Iterable[int]) -> list[PointIndex]:
         """Points of further realizations at `loads`, until all errors are below the goal."""
         crossing = np.array([k for k in sorted(loads) if self._lines[k][0].has_crossing], int)
         counts, tried = self.specimen.realizations[crossing], self._has_realization
@@ -292,16 +292,16 @@ class Search:
             # and a second one shows how much of the interpolation error is its roughness.
             is_few = (counts == 0) | ((counts == 1) & ~(self._squared_budgets[crossing] > 0))
             least, few = min(2, self.goal.realizations), crossing[is_few]
-        places = [
-            self._place(realization, load)
+        points = [
+            self._point_near_crossing(realization, load)
             for load in few.tolist()
             for realization in np.flatnonzero(~tried[:least, load]).tolist()
         ]
         if self.goal.counts_surface and counts.any() and not self.specimen.is_highest:
-            places += self._useful_places(crossing[counts > 0])
-        return places
+            points += self._useful_points(crossing[counts > 0])
+        return points
 
-    def _place(self, realization: int, load: int) -> Place:
+    def _point_near_crossing(self, realization: int, load: int) -> PointIndex:
         """Point of a further realization at one of the two velocities around the crossing.
 
         Both are used in proportion to their nearness to the crossing. So the deviations of the
@@ -310,9 +310,9 @@ class Search:
         line, columns = self._lines[load]
         position = np.interp(line.crossing, line.x[line.known], np.arange(line.known.size))
         index = int(position + realization * _GOLDEN % 1)
-        return Place(realization, load, int(columns[line.known[index]]))
+        return PointIndex(realization, load, int(columns[line.known[index]]))
 
-    def _useful_places(self, rows: Indices) -> Iterator[Place]:
+    def _useful_points(self, rows: Indices) -> Iterator[PointIndex]:
         """Points of further realizations at the loads with indices `rows` (k,), until all suffice.
 
         Each point is the one that lowers the excess of errors over their budgets most per time. Its
@@ -351,4 +351,4 @@ class Search:
             precisions[first[i]] += np.outer(u[i, :, j], u[i, :, j]) / s[i, j]
             known[first[i], j] = True
             counts[j] += 1
-            yield self._place(int(first[i]), int(rows[j]))
+            yield self._point_near_crossing(int(first[i]), int(rows[j]))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import xarray as xr
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.create import copy_points
 from pipeline.store.dataset import store_dataset
 from pipeline.store.store import Store
+from pipeline.store.transfer import copy_points
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tribo import TriboError
@@ -49,6 +50,11 @@ def _step_count(store: Store, point: Point) -> int:
     return choose_stored_steps(store.sweep).select(scene, point.load)[-1].index
 
 
+def _report_steps(report: Report, before: int, total: int, progress: Progress) -> None:
+    """Report the steps of a point, after `before` steps of other points."""
+    report(Progress(done=before + progress.done, total=total))
+
+
 def _simulated(
     store: Store,
     points: Sequence[Point],
@@ -61,14 +67,11 @@ def _simulated(
     stored_steps = choose_stored_steps(store.sweep)
     for point in points:
         case = store.sweep.case(point.case)
-
-        def report_step(progress: Progress, before: int = done) -> None:
-            report(Progress(done=before + progress.done, total=total))
-
+        report_steps = partial(_report_steps, report, done, total)
         try:
             fields = store.fields_of(point.case)
             result = run_point(
-                case.scene, stored_steps, point, None, report_step, case.has_film, fields
+                case.scene, stored_steps, point, None, report_steps, case.has_film, fields
             )
         except TriboError as error:
             if point in needed:

@@ -26,7 +26,7 @@ from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed
 from pipeline.run.run_sweep import run_sweep
 from pipeline.scene.scene_file import SceneLike, sweep_of
-from pipeline.store.place import PathLike
+from pipeline.store.location import PathLike
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -74,14 +74,7 @@ class Watch:
             if worker not in self._workers or now - self._heartbeats[worker][1] > _NOTE_AFTER
         }
         if hung.issuperset(self._workers):
-            reason = f"{', '.join(sorted(hung)) or 'there is none'}"
-            if now - self._last_running > self._patience:
-                waited = duration(self._patience)
-                raise ExecutionError(
-                    f"no Dask worker takes tasks within {waited} ({reason}); {SAFE}"
-                )
-            if now - self._last_running > min(_NOTE_AFTER, self._patience / 2):
-                self.say(f"no Dask worker takes tasks ({reason}); waiting for one")
+            self._wait_for_worker(hung, now - self._last_running)
         else:
             self._last_running = now
             for worker in hung:
@@ -93,6 +86,15 @@ class Watch:
         self._next_look = time.monotonic() + POLL
         return self._workers
 
+    def _wait_for_worker(self, hung: Collection[str], waited: float) -> None:
+        """Report that no worker takes tasks; `ExecutionError` if it `waited` too long [s]."""
+        reason = f"{', '.join(sorted(hung)) or 'there is none'}"
+        if waited > self._patience:
+            limit = duration(self._patience)
+            raise ExecutionError(f"no Dask worker takes tasks within {limit} ({reason}); {SAFE}")
+        if waited > min(_NOTE_AFTER, self._patience / 2):
+            self.say(f"no Dask worker takes tasks ({reason}); waiting for one")
+
     @property
     def processes(self) -> Mapping[str, str]:
         """Folder of each connected worker, by its address; a restarted worker has another one."""
@@ -100,16 +102,19 @@ class Watch:
 
     def _check(self, workers: list[str]) -> None:
         """Require that workers can import this program; otherwise they drop all their tasks."""
-
-        async def ask() -> Any:
-            return await self._client.run(program, workers=workers, on_error="return")
-
         if not self._checked:
             self._check_scheduler()
         answers: dict[str, Any] = {}
-        # After a TimeoutError a worker has died; the next call asks the others.
-        with self.reached(), suppress(TimeoutError):
-            answers = self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT) if workers else {}
+        if workers:
+            # After a TimeoutError a worker has died; the next call asks the others.
+            with self.reached(), suppress(TimeoutError):
+                answers = self._client.sync(
+                    self._client.run,
+                    program,
+                    workers=workers,
+                    on_error="return",
+                    callback_timeout=_ANSWER_TIMEOUT,
+                )
         for worker, answer in answers.items():
             if isinstance(answer, OSError):
                 continue
@@ -120,13 +125,10 @@ class Watch:
 
     def _check_scheduler(self) -> None:
         """Require that the scheduler can import this program: it reads the tasks."""
-
-        async def ask() -> Any:
-            return await self._client.run_on_scheduler(program)
-
         with self.reached():
             try:
-                self._client.sync(ask, callback_timeout=self._patience)
+                ask = self._client.run_on_scheduler
+                self._client.sync(ask, program, callback_timeout=self._patience)
             except (ImportError, AttributeError) as error:
                 if self._client.status != "running":  # the error is that of a closed client
                     raise
@@ -148,16 +150,18 @@ class Watch:
 
     def cpu_time(self) -> float:
         """Processor time of the connected workers [s]; 0 if they do not answer."""
-
-        async def ask() -> Any:
-            return await self._client.run(time.process_time, on_error="ignore")
-
         with suppress(TimeoutError, *_LOST_ERRORS):
-            return float(sum(self._client.sync(ask, callback_timeout=_ANSWER_TIMEOUT).values()))
+            times = self._client.sync(
+                self._client.run,
+                time.process_time,
+                on_error="ignore",
+                callback_timeout=_ANSWER_TIMEOUT,
+            )
+            return float(sum(times.values()))
         return 0.0
 
     def look_again(self) -> None:
-        """Make the next call look, whenever the last one was."""
+        """Make the next call ask the scheduler, whenever the last one did."""
         self._next_look = 0.0
 
     def cause_of_death(self, worker: str) -> str:

@@ -9,19 +9,18 @@ import asyncio
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
-from zarr.abc.store import ByteRequest, Store
+from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
-from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
+from zarr.core.buffer import Buffer, default_buffer_prototype
 from zarr.core.sync import sync
-from zarr.storage import LocalStore, StorePath
+from zarr.storage import StorePath
 
-from pipeline.paths import read_file
-from pipeline.store.files import store_file, wrong_kind
+from pipeline.store.folder_store import FolderStore
+from pipeline.store.location import Location
 from pipeline.store.schema import Variable, attributes_of, path_of
 
 if TYPE_CHECKING:
@@ -29,10 +28,11 @@ if TYPE_CHECKING:
 
 Document = dict[str, Any]
 """Content of a JSON document."""
+Part = tuple[str, Any, Any]
+"""Part of an array: the name of the array, slices of whole chunks, and their values."""
 _MAX_CHECKSUMS = 256  # of a chunk: each takes time, and metadata have a limited size
 
 _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # reading detects a changed byte
-_MAX_DOCUMENT_BYTES = 2**28  # bytes of a JSON document with the data of a sweep
 _MAX_TEXT_BYTES = 2**16  # bytes of a text; messages have up to 2000 characters
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
@@ -76,40 +76,6 @@ def growths_of(document: Document) -> int:
     return [codec["name"] for codec in document["codecs"]].count("crc32c")
 
 
-class FolderStore(LocalStore):
-    """Zarr store of a folder: it reads only regular files, and waits until files are on the disk.
-
-    `max_bytes` has the largest size [bytes] of a chunk of each array, by the path of the array;
-    `touched` has the folders that got files, whose names are on the disk after `Folder.sync`.
-    """
-
-    def __init__(self, root: Path) -> None:
-        super().__init__(root)
-        self.max_bytes: dict[str, int] = {}
-        self.touched: set[Path] = set()
-
-    async def get(
-        self,
-        key: str,
-        prototype: BufferPrototype | None = None,
-        byte_range: ByteRequest | None = None,
-    ) -> Buffer | None:
-        """Content of the file `key`; None if there is none."""
-        make = (prototype or default_buffer_prototype()).buffer.from_bytes
-        max_bytes = self.max_bytes.get(key.rpartition("/")[0], _MAX_DOCUMENT_BYTES)
-        try:
-            return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
-        except FileNotFoundError:
-            return None
-        except (IsADirectoryError, NotADirectoryError) as error:
-            raise wrong_kind(self.root, key) from error
-
-    async def set(self, key: str, value: Buffer) -> None:
-        """Create or replace the file `key`."""
-        make = asyncio.to_thread(store_file, self.root, key, value.to_bytes())
-        self.touched.add(await make)
-
-
 class _BoundedZstd(ZstdCodec):
     """Zarr's Zstd codec, limited to the bytes that a chunk of the array can have."""
 
@@ -150,20 +116,8 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
-class Location(Protocol):
-    """Location of a store, with its Zarr store."""
-
-    @property
-    def zarr(self) -> Store: ...  # noqa: D102
-
-    def sync(self) -> None:
-        """Wait until what was written is kept."""
-
-
-def write_arrays(
-    location: Location, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
-) -> None:
-    """Write parts of arrays; a part is (name of the array, slices of whole chunks, values)."""
+def write_arrays(location: Location, arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
+    """Write parts of arrays."""
     sync(_all(arrays[name].async_array.setitem(where, values) for name, where, values in parts))
     location.sync()
 
@@ -180,15 +134,6 @@ def read_document(location: Location, key: str) -> bytes | None:
     """Content of the document `key`; None if there is none."""
     content = sync(location.zarr.get(key, default_buffer_prototype()))
     return None if content is None else content.to_bytes()
-
-
-def list_keys(store: Store) -> set[str]:
-    """Keys of all documents and chunks of a store."""
-
-    async def keys() -> set[str]:
-        return {key async for key in store.list()}
-
-    return sync(keys())
 
 
 async def _all(tasks: Iterable[Any]) -> None:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.layout import blocks, checksums
+from pipeline.store.layout import block_at, checksums
 from pipeline.store.schema import DATA, DONE, FAILED, FIELDS, PENDING, is_coordinate, path_of
 from pipeline.store.store import Damage, Store
 from tribo.types import Indices
@@ -24,7 +24,7 @@ class Checked(NamedTuple):
     """A batch of points with their values by variable and the fault of each."""
 
     where: Indices  # index along each dimension, shape (n, n_dim)
-    values: dict[str, Any]  # None if a chunk is damaged
+    values: dict[str, Any]  # by variable; None if a chunk is damaged
     faults: list[str]  # empty for sound points
 
 
@@ -36,69 +36,65 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
     names = [name for name in store.arrays if not (name == "status" or is_coordinate(name))]
     fields = [name for name in names if name in FIELDS]
     columns = [name for name in names if name not in FIELDS]
-    max_points = _MAX_FIELD_BYTES // max(
-        1, *(4 * math.prod(store.arrays[name].chunks) for name in fields), 1
-    )
-    everywhere = [*blocks(np.ones(store.flags.shape, bool), store.block_of("message"))]
-    for count, (_, block) in enumerate(everywhere, 1):
+    field_bytes = sum(4 * math.prod(store.arrays[name].chunks) for name in fields)
+    max_points = max(_MAX_FIELD_BYTES // max(field_bytes, 1), 1)
+    sizes = store.block_of("message")
+    chunks = [*np.ndindex(*np.ceil(np.divide(store.flags.shape, sizes)).astype(int))]
+    for count, chunk in enumerate(chunks, 1):
+        block = block_at(chunk, sizes)
         parts = [tuple(itertools.compress(block, store.group.has_dims(name))) for name in columns]
         with ThreadPoolExecutor(_THREADS) as threads:
-            read = dict(zip(columns, threads.map(store.try_read, columns, parts), strict=True))
+            values_of_chunk = [*threads.map(store.try_read, columns, parts)]
         within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
-        for indices in np.split(within, range(max(max_points, 1), len(within), max(max_points, 1))):
-            if not len(indices):
-                continue
-            values = {
-                name: None if v is None else v[tuple(store.group.point_indices(name, indices).T)]
-                for name, v in read.items()
-            }
+        for indices in np.split(within, range(max_points, len(within), max_points)):
+            values = dict[str, Any]()
+            for name, chunk_values in zip(columns, values_of_chunk, strict=True):
+                at = tuple(store.group.point_indices(name, indices).T)
+                values[name] = None if chunk_values is None else chunk_values[at]
             where = indices + [part.start for part in block]
             values |= {name: _read_fields(store, name, where) for name in fields}
             yield Checked(where, values, _faults(store, where, values))
-        progress(Progress(done=count, total=len(everywhere)))
+        progress(Progress(done=count, total=len(chunks)))
 
 
 def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
     """A field of each point; None if it is lost, or the point is not done or has no fields."""
     fields: list[Any] = [None] * len(where)
     rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(where.T)])
-    chunk_indices = store.group.point_indices(name, where)[rows].tolist()
-    chunks = [tuple(slice(i, i + 1) for i in chunk_index) for chunk_index in chunk_indices]
+    chunks = store.group.point_indices(name, where[rows]).tolist()  # a chunk has one point
+    parts = [block_at(chunk, [1] * len(chunk)) for chunk in chunks]
     with ThreadPoolExecutor(_THREADS) as threads:
-        read = threads.map(lambda chunk: store.try_read(name, chunk), chunks)
-        for row, chunk_index, values in zip(rows.tolist(), chunk_indices, read, strict=True):
-            fields[row] = None if values is None else values[(0,) * len(chunk_index)]
+        read_parts = threads.map(store.try_read, [name] * len(parts), parts)
+        for row, part, values in zip(rows.tolist(), parts, read_parts, strict=True):
+            fields[row] = None if values is None else values[(0,) * len(part)]
     return fields
 
 
 def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
     """Fault of each point, from its stored values; empty for sound points."""
     group, done = store.group, store.flags[tuple(where.T)] == DONE
-    has_fields = group.with_fields[tuple(where.T)]
     lost = [name for name, array in values.items() if array is None]
-    of_all = {*lost} - {*DATA, "steps"}  # points that failed have no results
-    right = values["checksum"] if lost else checksums(group, where, values, done)
-
-    def fault(row: int) -> str:
-        if lost:
-            return f"{', '.join(lost)} cannot be read" if done[row] or of_all else ""
-        for name in values if done[row] else ():
-            if name not in DATA or (name in FIELDS and not has_fields[row]):
-                continue
-            if (stored := values[name][row]) is None:
-                return f"{name} cannot be read"
-            end = stored[-1] if group.is_stepped(name) else stored
-            if end.dtype.kind == "f" and np.isnan(end).any():
-                return f"{name} is missing"
-        is_whole = right[row] == values["checksum"][row]
-        return "" if is_whole else "its values are not those that were written"
-
-    return [fault(row) for row in range(len(where))]
+    if lost:
+        fault = f"{', '.join(lost)} cannot be read"
+        is_of_all = bool({*lost} - {*DATA, "steps"})  # points that failed have no results
+        return [fault if is_done or is_of_all else "" for is_done in done]
+    faults, has_fields = [], done & group.with_fields[tuple(where.T)]
+    is_written = checksums(group, where, values, done) == values["checksum"]
+    names = [name for name in values if name in DATA]
+    for row, is_done in enumerate(done):
+        fault = "" if is_written[row] else "its values are not those that were written"
+        for name in reversed(names) if is_done else ():  # the fault of the first one is stated
+            stored = values[name][row]
+            if stored is None:
+                fault = f"{name} cannot be read" if has_fields[row] else fault
+            elif np.isnan(stored[-1] if group.is_stepped(name) else stored).any():
+                fault = f"{name} is missing"
+        faults.append(fault)
+    return faults
 
 
 def find_damage(store: Store, progress: Report = silent) -> Damage:
-    """Read all data to find what is damaged; the store must have been opened with `damage`."""
-    assert store.damage is not None
+    """Read all data to find what is damaged."""
     for checked in checked_points(store, progress):
         for index, fault in zip(checked.where.tolist(), checked.faults, strict=True):
             if fault:

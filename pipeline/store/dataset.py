@@ -11,7 +11,7 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, damaged, place_of
+from pipeline.store.location import PathLike, damaged, location_of
 from pipeline.store.schema import (
     AT_TESTS,
     DATA,
@@ -38,7 +38,7 @@ def open_store(path: PathLike) -> xr.Dataset:
 
     The store may still be in use by a run. Raises a `StoreError` if there is no readable store.
     """
-    location = place_of(path)
+    location = location_of(path)
     return xr.open_dataset(str(location), engine=_Backend, chunks=None)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 PARTIAL = ".irg-partial"
@@ -12,38 +13,39 @@ PARTIAL = ".irg-partial"
 _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
 
 
-def path_below(folder: Path, key: str) -> Path:
-    """Path of the file `key` below a folder; `OSError` if a folder between them is a link."""
-    path = folder / key
-    for above in reversed(path.parents[: key.count("/")]):
-        require_no_link(above)
-    return path
-
-
-def wrong_kind(folder: Path, key: str) -> OSError:
-    """Error that a folder has the name of the file `key`, or a file the name of a folder above."""
-    path = folder / key
-    for above in reversed(path.parents[: key.count("/")]):
-        if not above.is_dir():
-            problem = "it is a file, where a store has a folder: move it to another place"
-            return NotADirectoryError(errno.ENOTDIR, problem, os.fspath(above))
-    problem = "it is a folder, where a store has a file: move it to another place"
-    return IsADirectoryError(errno.EISDIR, problem, os.fspath(path))
-
-
 def store_file(folder: Path, key: str, content: bytes) -> Path:
     """Create or replace the file `key` below a folder; return the folder to sync."""
-    path = path_below(folder, key)
+    path = folder / key
+    for above in _folders_above(folder, key):
+        if above.is_symlink():
+            problem = (
+                "it is a symbolic link, which a store must not contain: replace it by the file "
+                "itself"
+            )
+            raise OSError(errno.ELOOP, problem, os.fspath(above))
     make_folder(path.parent)
     write_file(path, content)
     return path.parent
 
 
+def wrong_kind(folder: Path, key: str) -> OSError:
+    """Error that a folder has the name of the file `key`, or a file the name of a folder above."""
+    for above in _folders_above(folder, key):
+        if not above.is_dir():
+            problem = "it is a file, where a store has a folder: move it to another place"
+            return NotADirectoryError(errno.ENOTDIR, problem, os.fspath(above))
+    problem = "it is a folder, where a store has a file: move it to another place"
+    return IsADirectoryError(errno.EISDIR, problem, os.fspath(folder / key))
+
+
+def _folders_above(folder: Path, key: str) -> Iterator[Path]:
+    return reversed((folder / key).parents[: key.count("/")])
+
+
 def write_file(path: Path, content: bytes) -> None:
     """Write a file under a temporary name, sync it to the disk, and rename it."""
     begun = path.with_name(path.name + PARTIAL)
-    require_no_link(begun)
-    begun.unlink(missing_ok=True)  # left by a kill, or a hard link to another file
+    begun.unlink(missing_ok=True)  # left by a kill, or a link to another file
     try:
         with begun.open("xb") as stream:
             stream.write(content)
@@ -62,7 +64,7 @@ def link_files(source: Path, target: Path, pattern: re.Pattern[str]) -> None:
     changes them, so the two names are independent.
     """
     make_folder(target)
-    for file in source.iterdir():
+    for file in source.iterdir() if source.is_dir() else ():
         if pattern.fullmatch(file.name):
             try:
                 (target / file.name).hardlink_to(file)
@@ -89,12 +91,3 @@ def sync(folder: Path) -> None:
             raise
     finally:
         os.close(descriptor)
-
-
-def require_no_link(path: Path) -> None:
-    """Raise an `OSError` for a link."""
-    if path.is_symlink():
-        problem = (
-            "it is a symbolic link, which a store must not contain: replace it by the file itself"
-        )
-        raise OSError(errno.ELOOP, problem, os.fspath(path))

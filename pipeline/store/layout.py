@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -36,7 +36,7 @@ from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import NO_TEST
 from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
-from tribo import QUANTILES
+from tribo import QUANTILES, Scene
 from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
@@ -77,15 +77,12 @@ class Group:
             for column, values in sweep.case_table.coordinates.items()
         }
         scenes = [case.scene for case in sweep._on_first_surface]
-        if self.prefix:
-            steps_of_points = (
-                stored_steps.select(sweep.case(name).scene, load) for load, _, name in self._points
-            )
-        else:
-            ramps = {ramp_of(scene): scene for scene in scenes}.values()
-            steps_of_points = (
-                stored_steps.select(*labels) for labels in itertools.product(ramps, sweep.loads)
-            )
+        ramps = {ramp_of(scene): scene for scene in scenes}.values()
+        loads_of_scenes: Iterable[tuple[Scene, float]] = itertools.product(ramps, sweep.loads)
+        if self.prefix:  # each test has loads of its own
+            table = sweep.case_table.by_name.items()
+            loads_of_scenes = ((sweep.case(name).scene, float(row["load"])) for name, row in table)
+        steps_of_points = itertools.starmap(stored_steps.select, loads_of_scenes)
         values: dict[str, Any] = {
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
@@ -96,14 +93,6 @@ class Group:
             "y": scenes[0].grid.coordinates(1).tolist(),
         }
         return {name: labels for name, labels in values.items() if name in variables_of(sweep)}
-
-    @cached_property
-    def _points(self) -> list[Point]:
-        """Points of a group of tests: each row of the case table has a load and a velocity."""
-        return [
-            Point(float(row["load"]), float(row["velocity"]), name)
-            for name, row in self.sweep.case_table.by_name.items()
-        ]
 
     @cached_property
     def variables(self) -> dict[str, Variable]:
@@ -151,17 +140,17 @@ class Group:
 
     def values_at(self, name: str, points: Mask) -> Mask:
         """True at the values of a variable that belong to any of some points."""
-        (missing,) = np.nonzero(np.logical_not(self.has_dims(name)))
-        return np.asarray((points & self._with_values(name)).any(axis=tuple(missing.tolist())))
+        points = points & self.with_fields if name in FIELDS else points
+        return np.asarray(points.any(axis=self._shared_axes(name)))
 
     def points_at_values(self, name: str, values: Mask) -> Mask:
         """True at the points that some values of a variable belong to."""
-        (missing,) = np.nonzero(np.logical_not(self.has_dims(name)))
-        return np.expand_dims(values, tuple(missing.tolist())) & self._with_values(name)
+        points = np.broadcast_to(np.expand_dims(values, self._shared_axes(name)), self.shape)
+        return points & self.with_fields if name in FIELDS else points
 
-    def _with_values(self, name: str) -> Mask:
-        """True at points that have values of a variable."""
-        return self.with_fields if name in FIELDS else np.ones(self.shape, bool)
+    def _shared_axes(self, name: str) -> tuple[int, ...]:
+        """Axes of points along which a variable has a single value."""
+        return tuple(axis for axis, has_dim in enumerate(self.has_dims(name)) if not has_dim)
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
@@ -178,22 +167,27 @@ class Group:
 
     @property
     def fields(self) -> dict[str, Any]:
-        """Dimensions of the variables of the group of fields, with the values of coordinates."""
+        """Dimensions of the variables of the group of fields, with the values of coordinates.
+
+        If two stores have equal ones, the chunks of their fields have the same keys.
+        """
         names = filter(is_in_fields, self.variables)
         return {name: (self.variables[name].dims, self.coordinates.get(name)) for name in names}
 
-    def continues_fields_of(self, before: Group) -> bool:
-        """True if the chunks of all fields of a smaller group have the same keys in this one."""
-        return before.fields.items() <= self.fields.items()
-
     def _block(self) -> dict[str, int]:
-        """Number of points in a chunk along each dimension, except of fields."""
+        """Number of points in a chunk along each dimension: all loads, velocities, then rows.
+
+        Chunks of fields are smaller.
+        """
         max_bytes = max(
             8 * math.prod(self.sizes[dim] for dim in variable.dims if not is_of_points(dim))
             for name, variable in self.variables.items()
             if not (name in FIELDS or is_coordinate(name))
         )
-        return chunk_sizes(dict(zip(self.dims, self.shape, strict=True)), max_bytes)
+        max_points, block = min(max(_MAX_BYTES // max_bytes, 1), _MAX_POINTS), dict[str, int]()
+        for dim in sorted(self.dims, key=lambda dim: (dim != "load", dim != "velocity")):
+            block[dim] = max(1, min(self.sizes[dim], max_points // math.prod(block.values())))
+        return block
 
     def paths(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by path in the store."""
@@ -215,8 +209,8 @@ class Group:
         """Points at indices; `where` has an array for each of `dims`, as from `numpy.nonzero`."""
         names, columns = [*PLANE, *self.sweep.case_table.axes], []
         for name in names:
-            numbers = where[self.dims.index(self.variables[name].dims[0])]
-            columns.append([self.axes[name][number] for number in numbers.tolist()])
+            indices = where[self.dims.index(self.variables[name].dims[0])]
+            columns.append([self.axes[name][index] for index in indices.tolist()])
         return [
             Point(load, velocity, tuple(zip(names[2:], labels, strict=True)))
             for load, velocity, *labels in zip(*columns, strict=True)
@@ -236,8 +230,8 @@ class Group:
             number = int(self.sweep.case_table.by_name[point.case][TEST])
             test = "an earlier test" if number == NO_TEST else f"test {number + 1}"
             return f"{point._replace(case=())}, {test}"
-        words = self.sweep.case_table.to_text(point.case)
-        return str(point._replace(case=tuple(words.items())))
+        labels = self.sweep.case_table.to_text(point.case)
+        return str(point._replace(case=tuple(labels.items())))
 
 
 def sizes_of(arrays: Mapping[str, Array]) -> dict[str, int]:
@@ -245,26 +239,9 @@ def sizes_of(arrays: Mapping[str, Array]) -> dict[str, int]:
     return {digest: array.size for digest, array in arrays.items()}
 
 
-def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Number of points in a chunk along each dimension: all loads, then velocities, then rows.
-
-    `sizes` are the lengths of the dimensions, and `bytes_of_a_point` is for the largest variable.
-    """
-    max_points, block = min(max(_MAX_BYTES // bytes_of_a_point, 1), _MAX_POINTS), dict[str, int]()
-    for dim in sorted(sizes, key=lambda dim: (dim != "load", dim != "velocity")):
-        block[dim] = max(1, min(sizes[dim], max_points // math.prod(block.values())))
-    return block
-
-
-def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Yield index and slices of each chunk with a point where `mask` is True.
-
-    `sizes` are the numbers of points in a chunk along each dimension.
-    """
-    for chunk in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
-        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-        if mask[block].any():
-            yield chunk, block
+def block_at(chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
+    """Slices of a chunk by its indices; `sizes` are the numbers of points in each chunk."""
+    return tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
 
 
 def checksums(
@@ -276,21 +253,18 @@ def checksums(
     """
     sums = np.zeros(len(where), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
-    has_fields = group.with_fields[tuple(where.T)]
-    for number, point in enumerate(group.points_at(tuple(where.T))):
-        is_of = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
-        crc = zlib.crc32(is_of.encode())
+    has_fields = done & group.with_fields[tuple(where.T)]
+    for row, point in enumerate(group.points_at(tuple(where.T))):
+        identity = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
+        crc = zlib.crc32(identity.encode())
         for name in names:
-            is_record = name in _OF_POINT
-            if not (is_record or done[number]) or (name in FIELDS and not has_fields[number]):
-                continue
-            stored = values[name][number]
-            if stored is None:
+            has_values = has_fields if name in FIELDS else done
+            if not (has_values[row] or name in _OF_POINT) or (stored := values[name][row]) is None:
                 continue
             if name == "message":
                 stored = str(stored).encode()
             elif group.is_stepped(name):
-                stored = stored[-int(values["steps"][number]) :]
+                stored = stored[-int(values["steps"][row]) :]
             crc = zlib.crc32(stored, crc)
-        sums[number] = crc
+        sums[row] = crc
     return sums

@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from pipeline.paths import open_regular
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.files import make_folder
-from pipeline.store.place import LOCK, Folder, StoreError, StorePlace, io_errors
+from pipeline.store.location import LOCK, Folder, Location, StoreError, io_errors
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
@@ -91,7 +91,7 @@ def _flock(folder: Folder, descriptor: int) -> bool:
     raise StoreError(f"{folder} is in use by {holder}; wait, or write to another store")
 
 
-def holder_of(location: StorePlace) -> str | None:
+def holder_of(location: Location) -> str | None:
     """Process and host that write to a store, in words; None if there is none.
 
     It is also None if it is not known, as on an object store.

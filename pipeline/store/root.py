@@ -24,19 +24,19 @@ from pipeline.store.arrays import (
 )
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import Group, sizes_of
-from pipeline.store.lock import holder_of
-from pipeline.store.place import (
+from pipeline.store.location import (
     NEW,
     OLD,
     ROOT,
     Bucket,
     DamagedError,
     Folder,
+    Location,
     StoreError,
-    StorePlace,
     io_errors,
     read_errors,
 )
+from pipeline.store.lock import holder_of
 from pipeline.store.schema import (
     ABOUT,
     DIM,
@@ -85,19 +85,18 @@ class Root:
         cls,
         sweep: Sweep,
         history: Sequence[str],
-        growths: int = 0,
-        field_growths: int = 0,
+        growths: tuple[int, int] = (0, 0),
         stored: Any = None,
     ) -> Root:
-        """Root of the store of a sweep; `growths` and `field_growths` are those of its groups.
+        """Root of the store of a sweep; `growths` are those of all points and of fields.
 
         `stored` has the sweep's plain data and arrays if they were read from a store.
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former:
             test_sweep = sweep_of_tests(sweep, judges_holds(sweep))
-            tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths)
-        plane = Group(sweep, arrays, growths=growths, field_growths=field_growths)
+            tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths[0])
+        plane = Group(sweep, arrays, "", *growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
     @property
@@ -109,6 +108,16 @@ class Root:
     def groups(self) -> list[Group]:
         """The plane, and the tests if there are any."""
         return [self.plane, *([self.tests] if self.tests else [])]
+
+    @property
+    def layout(self) -> list[Any]:
+        """Points, variables and steps; a store is updated in place if they stay the same."""
+        return [(group.axes, {*group.arrays}) for group in self.groups]
+
+    @property
+    def growths(self) -> tuple[int, int]:
+        """How often a larger store replaced a smaller one, and how often its fields changed."""
+        return self.plane.growths, self.plane.field_growths
 
     @functools.cached_property
     def sweep_digest(self) -> str:
@@ -134,7 +143,7 @@ class Root:
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
-            "growths": [self.plane.growths, self.plane.field_growths],
+            "growths": [*self.growths],
             "inputs": sizes_of(self.plane.inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
@@ -172,7 +181,7 @@ def _digest(facts: Mapping[str, Any]) -> str:
 # Reading
 
 
-def read_root(location: StorePlace) -> Root:
+def read_root(location: Location) -> Root:
     """Read the root of a store; `StoreError` if it is missing, damaged or of another version."""
     if root := find_root(location):
         return root
@@ -188,7 +197,7 @@ def read_root(location: StorePlace) -> Root:
     )
 
 
-def find_root(location: StorePlace) -> Root | None:
+def find_root(location: Location) -> Root | None:
     """Read the root of a store; None if there is nothing, `StoreError` for other content.
 
     Raises a `DamagedError` if both documents with the data of the sweep are lost or damaged.
@@ -210,20 +219,14 @@ def find_root(location: StorePlace) -> Root | None:
         raise fault
     with io_errors(location):
         keys = location.keys()
-    if not keys or _is_begun(location, keys):
+    is_of_program = f"{ABOUT}/checksum/{ROOT}" in keys
+    # On an object store, a creation that was cut short leaves documents without results.
+    is_begun = is_of_program and isinstance(location, Bucket) and not has_results(keys)
+    if is_begun or not keys:
         return None
-    if f"{ABOUT}/checksum/{ROOT}" in keys:
+    if is_of_program:
         raise DamagedError(f"{location}: its {FACTS} is lost; {_LOST}")
     raise StoreError(f"{location} is not a store: {_describe_content(location, keys)}")
-
-
-def _is_begun(location: StorePlace, keys: set[str]) -> bool:
-    """True if `keys` may be left by an interrupted creation on an object store: no results."""
-    try:
-        source = json.loads(read_document(location, ROOT) or b"")["attributes"]["source"]
-    except (ValueError, KeyError, TypeError):
-        return False
-    return isinstance(location, Bucket) and source == _SOURCE and not has_results(keys)
 
 
 def has_results(keys: Iterable[str]) -> bool:
@@ -233,15 +236,7 @@ def has_results(keys: Iterable[str]) -> bool:
     return not all(is_coordinate(name) or name == "status" for name in names)
 
 
-def without_facts(document: Document) -> Document:
-    """The document `ROOT` of a store that is not complete yet: it has no data of the sweep."""
-    members = {
-        path: member for path, member in document[_COPY]["metadata"].items() if path != ABOUT
-    }
-    return document | {_COPY: document[_COPY] | {"metadata": members}}
-
-
-def restored_root(location: StorePlace, sweep: Sweep) -> Root | None:
+def restored_root(location: Location, sweep: Sweep) -> Root | None:
     """Root of a store whose data of the sweep are lost, if it has the arrays of this sweep."""
     try:
         growths, field_growths = (
@@ -250,25 +245,15 @@ def restored_root(location: StorePlace, sweep: Sweep) -> Root | None:
         )
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
-    root = Root.from_sweep(sweep, (), growths, field_growths)
+    root = Root.from_sweep(sweep, (), (growths, field_growths))
     return None if stale_documents(location, root).keys() - {ROOT, FACTS} else root
 
 
-def _parse(location: StorePlace, key: str, content: bytes) -> Root:
+def _parse(location: Location, key: str, content: bytes) -> Root:
     """Root from the document `key`, `FACTS` or `ROOT`.
 
     Raises a `DamagedError` for a damaged document, a `StoreError` for one of another version.
     """
-
-    def is_damaged(why: object) -> DamagedError:
-        return DamagedError(f"{location}: its {key} is damaged ({f'{why}'[:300]}); {_LOST}")
-
-    def of_other_version(why: object) -> StoreError:
-        return StoreError(
-            f"{location} was written by another version of this program ({writer:.200}): "
-            f"{f'{why}'[:300]}; read it with that version, or run the scene into another store"
-        )
-
     try:
         document = json.loads(content)
         facts = (document if key == FACTS else document[_COPY]["metadata"][ABOUT])["attributes"]
@@ -276,27 +261,39 @@ def _parse(location: StorePlace, key: str, content: bytes) -> Root:
         writer = [f"{line}" for line in history if f"{line}".startswith(WRITER)][-1]
         is_intact = version == FORMAT and facts["digest"] == _digest(facts)
     except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
-        raise is_damaged(f"{type(error).__name__} {error}") from error
+        raise _damaged(location, key, f"{type(error).__name__} {error}") from error
     if version != FORMAT:
-        raise of_other_version(f"its format is {version!r:.20}, this version reads {FORMAT}")
+        reason = f"its format is {version!r:.20}, this version reads {FORMAT}"
+        raise _of_other_version(location, writer, reason)
     if not is_intact:
-        raise is_damaged("it is not what was written")
+        raise _damaged(location, key, "it is not what was written")
     try:
         growths, field_growths = facts["growths"]
         arrays = _read_inputs(location, facts["inputs"], growths)
         sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
         sweep.require_few_points()
         stored = facts["sweep"], arrays
-        return Root.from_sweep(sweep, history, growths, field_growths, stored)
+        return Root.from_sweep(sweep, history, (growths, field_growths), stored)
     except StoreError:
         raise
     except ArrayError as error:
-        raise is_damaged(error) from error
+        raise _damaged(location, key, error) from error
     except TriboError as error:  # the digest shows that the facts are as they were written
-        raise of_other_version(error) from error
+        raise _of_other_version(location, writer, error) from error
 
 
-def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> dict[str, Array]:
+def _damaged(location: Location, key: str, reason: object) -> DamagedError:
+    return DamagedError(f"{location}: its {key} is damaged ({f'{reason}'[:300]}); {_LOST}")
+
+
+def _of_other_version(location: Location, writer: str, reason: object) -> StoreError:
+    return StoreError(
+        f"{location} was written by another version of this program ({writer:.200}): "
+        f"{f'{reason}'[:300]}; read it with that version, or run the scene into another store"
+    )
+
+
+def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dict[str, Array]:
     """Arrays from the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
@@ -309,7 +306,7 @@ def _read_inputs(location: StorePlace, sizes: dict[str, int], growths: int) -> d
         return split_arrays(array[:], variable.attributes)
 
 
-def _describe_content(location: StorePlace, keys: set[str]) -> str:
+def _describe_content(location: Location, keys: set[str]) -> str:
     """Say what is at a path that is no store, and what to do."""
     if not keys and str(location).endswith(".toml"):
         return "it is a scene file; run it with irg run, then give the resulting store"
@@ -326,7 +323,7 @@ def _describe_content(location: StorePlace, keys: set[str]) -> str:
     return f"it is {kind}; give the folder written by irg run, or a new one"
 
 
-def stale_documents(location: StorePlace, root: Root) -> dict[str, Document]:
+def stale_documents(location: Location, root: Root) -> dict[str, Document]:
     """Corrected documents, by key, of those that differ from the root's.
 
     Attributes and arrays that users added are kept. On an object store, only the documents of the

@@ -106,7 +106,7 @@ _STATES = {
     "flag_values": [NOT_NEEDED, DONE, FAILED, PENDING],
     "flag_meanings": "not_needed done failed pending",
 }
-_KINDS = {
+_WARNINGS = {
     "flag_masks": [int(kind) for kind in WarningKind],
     "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
 }
@@ -114,7 +114,7 @@ RECORDS = {
     "status": Variable(PLANE, None, "state of the point", "int8", _STATES),
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
     "message": Variable(PLANE, None, "reason for a failure", "str"),
-    "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
+    "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _WARNINGS),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
     "checksum": Variable(PLANE, None, "CRC-32 of case, load, velocity and values", "uint32"),
 }
@@ -177,12 +177,11 @@ def require_free_names(sweep: Sweep) -> None:
     The error is also raised if two columns have the same name. A load or a velocity of each row is
     allowed.
     """
-    names = Counter(column.name for column in sweep.case_table.columns)
-    used = {INPUTS, *VARIABLES} - {*PLANE}
-    for name in (
-        column.name for column in sweep.case_table.columns if column.along and not column.is_seed
-    ):
-        if name in used or names[name] > 1:
+    columns = sweep.case_table.columns
+    counts = Counter(column.name for column in columns)
+    used_names = {INPUTS, *VARIABLES} - {*PLANE}
+    for name in (column.name for column in columns if column.along and not column.is_seed):
+        if name in used_names or counts[name] > 1:
             raise InputError(
                 f"a column of the cases is called {name}, like a variable of the dataset; "
                 f'rename it, for example to "{name} of the row"'
@@ -192,42 +191,40 @@ def require_free_names(sweep: Sweep) -> None:
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """All variables that the store of a sweep has, by name."""
     require_free_names(sweep)
-    first = sweep.case_table.rows[0]
-    kinds = {str: "str", int: "int64", float: "float64"}
+    first_row = sweep.case_table.rows[0]
+    types = {str: "str", int: "int64", float: "float64"}
     table = {
         column.name: Variable(
             (column.along or column.name,),
             column.unit,
             column.meaning,
-            kinds[type(first[column.name])],
+            types[type(first_row[column.name])],
             {"shown_in": column.display_unit} if column.display_unit else {},
         )
         for column in sweep.case_table.columns
     }
-    front = tuple(sweep.case_table.axes)
-    absent = {*ROWS}  # the case table has these columns
-    placed = frozenset(table)
-    if not sweep.fields:
-        absent |= {*_IN_FIELDS}
-    if not sweep.surface_with_fields:
-        absent |= {FIELD_REALIZATION}
-    without_seeds = tuple(dim for dim in front if dim not in dict(sweep.surface_with_fields))
+    of_cases, surface = frozenset(table), dict(sweep.surface_with_fields)
+    columns = sorted(name for name in of_cases if table[name].dims != (name,))
+    absent = {*ROWS, *of_cases}  # the case table has the columns `ROWS`
+    absent |= {*_IN_FIELDS} if not sweep.fields else set()
+    absent |= {FIELD_REALIZATION} if not surface else set()
     for name, variable in VARIABLES.items():
-        if name in absent or name in table:
+        if name in absent:
             continue
-        outer = without_seeds if name in (*PROGRESS, *FIELDS) else front
-        inner = tuple(dim for dim in variable.dims if dim not in placed)
-        table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
-    columns = sorted(name for name in placed if table[name].dims != (name,))
+        is_of_one_surface = name in (*PROGRESS, *FIELDS)
+        outer = [dim for dim in sweep.case_table.axes if not (is_of_one_surface and dim in surface)]
+        inner = [dim for dim in variable.dims if dim not in of_cases]
+        if name in FIELDS and sweep.fields == "steps":
+            inner.insert(-2, "step")
+        dims = variable.dims if name in COORDINATES else (*outer, *inner)
+        table[name] = variable._replace(dims=dims)
     table["status"] = _with_coordinates(table["status"], (*columns, *PROGRESS))
     for name in FIELDS if sweep.fields else ():
-        *point_dims, x, y = table[name].dims
-        steps = ("step",) * (sweep.fields == "steps")
-        field = table[name]._replace(dims=(*point_dims, *steps, x, y))
-        seed = (FIELD_REALIZATION,) * bool(sweep.surface_with_fields)
-        table[name] = _with_coordinates(field, (*columns, *seed))
+        seed = (FIELD_REALIZATION,) if surface else ()
+        table[name] = _with_coordinates(table[name], (*columns, *seed))
         # The group has its own copy of each coordinate, so that it can be opened without the root.
-        table |= {f"{OF_FIELDS}/{name}": table[name] for name in (*point_dims, *steps, *columns)}
+        copied_names = (*table[name].dims[:-2], *columns)
+        table |= {f"{OF_FIELDS}/{copied}": table[copied] for copied in copied_names}
     if TEST_POINT not in sweep.case_table.axes:
         return table
     return {

@@ -9,11 +9,11 @@ import numpy as np
 
 from pipeline.progress import Report, silent
 from pipeline.store.damage import find_damage
+from pipeline.store.location import PathLike, io_errors, location_of
 from pipeline.store.lock import holder_of
-from pipeline.store.place import PathLike, io_errors, place_of
 from pipeline.store.root import read_root, stale_documents
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
-from pipeline.store.store import Damage, Index, Store, opened
+from pipeline.store.store import Index, Store, opened
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.points_of_tests import NO_TEST
@@ -149,21 +149,22 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     >>> verification.done, verification.damaged, verification.is_clean
     (24, (), True)
     """
-    location = place_of(path)
-    store = Store(location, read_root(location), damage=Damage())
-    verification = _verified(store, progress or silent)
+    location = location_of(path)
+    store = Store(location, read_root(location), may_be_damaged=True)
+    verification = verified(store, progress or silent)
     with io_errors(location):
         return replace(
             verification, shared=(*verification.shared, *stale_documents(location, store.root))
         )
 
 
-def _verified(store: Store, progress: Report) -> Verification:
+def verified(store: Store, progress: Report = silent) -> Verification:
+    """Check an open store, which collects its damage."""
     damage = find_damage(store, progress)
-    of_done = sum(bool(store.flags[index] == DONE) for index in damage.points)
+    damaged_count = sum(bool(store.flags[index] == DONE) for index in damage.points)
     return Verification(
-        done=int(np.count_nonzero(store.flags == DONE)) - of_done,
+        done=int(np.count_nonzero(store.flags == DONE)) - damaged_count,
         damaged=_failed_points(store, damage.points),
         shared=tuple(damage.files),
-        tests=_verified(store.tests, silent) if store.tests else None,
+        tests=verified(store.tests) if store.tests else None,
     )

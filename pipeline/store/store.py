@@ -6,6 +6,7 @@ Data are written before the status: all data of a point that is done are on the 
 from __future__ import annotations
 
 import time
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -15,20 +16,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import open_arrays, write_arrays
-from pipeline.store.layout import Group, Slices, checksums
-from pipeline.store.lock import Lock
-from pipeline.store.place import (
+from pipeline.store.arrays import Part, open_arrays, write_arrays
+from pipeline.store.layout import Group, Slices, block_at, checksums
+from pipeline.store.location import (
     Bucket,
     DamagedError,
+    Location,
     PathLike,
     StoreError,
-    StorePlace,
     damaged,
     io_errors,
-    place_of,
+    location_of,
     read_errors,
 )
+from pipeline.store.lock import Lock
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
     DATA,
@@ -46,7 +47,7 @@ from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
 from tribo.types import Indices, Mask
 
-_LONGEST = 2000  # characters of a message, which stays readable
+_MOST_CHARACTERS = 2000  # of a message, which stays readable
 _THREADS = 8  # concurrent requests to an object store
 
 Index = tuple[int, ...]
@@ -60,25 +61,26 @@ class Damage:
     """
 
     points: dict[Index, str] = field(default_factory=dict)
-    files: dict[str, tuple[str, Any, Any]] = field(default_factory=dict)
+    files: dict[str, Part] = field(default_factory=dict)
 
 
 class Store:
     """An open store, or its group of tests; this process may write it if it holds the lock.
 
     `tests` is the group of tests, if there is one. `flags` has the status of each point. `damage`
-    collects damaged points and files; if it is None, damage raises a `DamagedError`.
+    has the damage that was found. If `may_be_damaged` is False, lost statuses raise a
+    `DamagedError`; otherwise all points are pending.
     """
 
     def __init__(
         self,
-        location: StorePlace,
+        location: Location,
         root: Root,
         lock: Lock | None = None,
-        damage: Damage | None = None,
         group: Group | None = None,
+        may_be_damaged: bool = False,
     ) -> None:
-        self.location, self.root, self.lock, self.damage = location, root, lock, damage
+        self.location, self.root, self.lock, self.damage = location, root, lock, Damage()
         self.group = layout = group or root.plane
         self.sweep, self.axes, self.dims = layout.sweep, layout.axes, layout.dims
         self.arrays = open_arrays(location.zarr, layout.arrays, layout.prefix)
@@ -86,22 +88,20 @@ class Store:
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
         self._stamp = location.stamp()
-        self.flags: NDArray[np.int8] = self._read_flags()
+        self.flags: NDArray[np.int8] = self._read_flags(may_be_damaged)
         self.tests: Store | None = None
         if root.tests and group is None:
-            self.tests = Store(location, root, lock, damage and Damage(), root.tests)
+            self.tests = Store(location, root, lock, root.tests, may_be_damaged)
 
-    def _read_flags(self) -> Any:
-        """Read the statuses; if they are lost and `damage` is collected, all points are pending."""
-        shape = self.group.shape
-        flags = self.try_read("status", tuple(slice(0, n) for n in shape))
+    def _read_flags(self, may_be_damaged: bool) -> Any:
+        flags = self.try_read("status", tuple(slice(0, n) for n in self.group.shape))
         if flags is not None and (flags >= 0).all():
             return flags
-        if self.damage is None:
+        if not may_be_damaged:
             raise damaged(self.location, "status")
-        lost = np.full(shape, PENDING, np.int8)
-        self.damage.files[self.key("status", [0] * len(shape))] = "status", ..., lost
-        return lost
+        flags = np.full(self.group.shape, PENDING, np.int8)
+        self.damage.files[self.key("status", [0] * flags.ndim)] = "status", ..., flags
+        return flags
 
     @property
     def groups(self) -> list[Store]:
@@ -164,8 +164,6 @@ class Store:
         try:
             return self.read(name, block)
         except DamagedError:
-            if self.damage is None:
-                raise
             sizes, fill = self.block_of(name), self.arrays[name].fill_value
             chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
             self.damage.files[self.key(name, chunk)] = name, block, fill
@@ -178,34 +176,30 @@ class Store:
         if records := [*records]:
             where = np.array([self.index(record.point) for record in records])
             states = [FAILED if record.data is None else DONE for record in records]
-            self.write(where, self._stacked(records), np.array(states, np.int8))
+            self.write(where, self._columns(records), np.array(states, np.int8))
 
-    def _stacked(self, records: Sequence[PointRecord]) -> dict[str, Any]:
-        """Values of records by variable; a field is None at points without it."""
-        values: dict[str, Any] = {
-            name: np.array([getattr(record, name) for record in records], self.arrays[name].dtype)
+    def _columns(self, records: Sequence[PointRecord]) -> dict[str, list[Any]]:
+        """Values of records by variable; results are None at points without them."""
+        tables = [record.data or {} for record in records]
+        columns: dict[str, list[Any]] = {
+            name: [getattr(record, name) for record in records]
             for name in ("warning_flags", "wall_time")
         }
+        if any(tables):
+            columns["steps"] = [len(table.get("max_rise", ())) for table in tables]
+            columns |= {name: [table.get(name) for table in tables] for name in DATA}
+        typed = {
+            name: [
+                None if value is None else np.array(value, array.dtype, order="C")
+                for value in column
+            ]
+            for name, array in self.arrays.items()
+            if (column := columns.get(name))
+        }
         # File names in a message may be invalid UTF-8.
-        values["message"] = [
-            record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-            for record in records
-        ]
-        tables = [record.data or {} for record in records]
-        if not any(tables):
-            return values
-        steps = np.array([len(data.get("max_rise", ())) for data in tables], np.int32)
-        for name in DATA.keys() & self.arrays.keys():
-            if name in FIELDS:
-                values[name] = [data.get(name) for data in tables]
-                continue
-            array, step_shape = self.arrays[name], (steps.max(),) * self.group.is_stepped(name)
-            shape = len(tables), *step_shape, *array.shape[len(self.dims) + len(step_shape) :]
-            values[name] = stacked = np.full(shape, array.fill_value, array.dtype)
-            for row, table in enumerate(tables):
-                if table:
-                    stacked[(row, slice(-steps[row], None)) if step_shape else row] = table[name]
-        return values | {"steps": steps}
+        messages = [record.message[:_MOST_CHARACTERS] for record in records]
+        encoded = [message.encode(errors="backslashreplace") for message in messages]
+        return typed | {"message": [message.decode() for message in encoded]}
 
     def write(
         self,
@@ -216,58 +210,51 @@ class Store:
     ) -> None:
         """Write the values of points by variable, then their statuses once the values are on disk.
 
-        `where` has the index of each point, shape (n, n_dim). A field is None at points without
-        it. The files of the variables `stored` have these values already.
+        `where` has the index of each point, shape (n, n_dim). Values at steps are those of the last
+        ones. A result is None at points without it. The files of the variables `stored` have these
+        values already.
         """
-        values = {**values, "checksum": checksums(self.group, where, values, states == DONE)}
-        has_fields, has_results = self.group.with_fields[tuple(where.T)], states == DONE
-        chunks, before = [], np.isin(self.flags, (DONE, FAILED))
+        is_done = states == DONE
+        values = {**values, "checksum": checksums(self.group, where, values, is_done)}
+        has_fields, chunks = self.group.with_fields[tuple(where.T)], list[tuple[Any, ...]]()
         for name in values.keys() - {*stored}:
-            point_values, written = values[name], self.group.values_at(name, before)
-            at, rows = self.group.point_indices(name, where), dict[Index, list[int]]()
+            rows_by_chunk = defaultdict[Index, list[int]](list)
+            at, column = self.group.point_indices(name, where), values[name]
             for row, chunk in enumerate((at // self.block_of(name)).tolist()):
                 # A point that failed must not replace times that it shares with others.
-                is_empty = name in DATA and not has_results[row]
-                is_empty |= name in FIELDS and (not has_fields[row] or point_values[row] is None)
-                if not is_empty:
-                    rows.setdefault(tuple(chunk), []).append(row)
+                has_value = name not in DATA or is_done[row]
+                if name in FIELDS:
+                    has_value &= has_fields[row] and column[row] is not None
+                if has_value:
+                    rows_by_chunk[tuple(chunk)].append(row)
             chunks += [
-                (name, chunk, rows_of_chunk, at, point_values, written)
-                for chunk, rows_of_chunk in rows.items()
+                (name, chunk, at[rows], [column[row] for row in rows])
+                for chunk, rows in rows_by_chunk.items()
             ]
         with ThreadPoolExecutor(_THREADS) as threads:
-            self.put([*threads.map(lambda part: self._changed(*part), chunks)])
+            self.put([*threads.map(lambda chunk: self._changed(*chunk), chunks)])
         flags = self.flags.copy()
         flags[tuple(where.T)] = states
         self.set_flags(flags)
 
-    def _changed(
-        self, name: str, chunk: Index, rows: Sequence[int], at: Indices, values: Any, written: Mask
-    ) -> tuple[str, Slices, Any]:
-        """Part for `write_arrays`: a chunk of a variable with new values of the points `rows`.
-
-        `written` is True at values of the variable that have been written before.
-        """
-        array, sizes = self.arrays[name], self.block_of(name)
-        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-        if name not in FIELDS and written[block].any():
-            chunk_values = self.read(name, block)
+    def _changed(self, name: str, chunk: Index, at: Indices, new_values: Sequence[Any]) -> Part:
+        """Part for `write_arrays`: a chunk of a variable with new values at the indices `at`."""
+        array, block = self.arrays[name], block_at(chunk, self.block_of(name))
+        was_written = self.group.values_at(name, np.isin(self.flags, (DONE, FAILED)))[block]
+        if name not in FIELDS and was_written.any():
+            values = self.read(name, block)
         else:  # the chunk has no results yet, and may be damaged
-            ends = [min(part.stop, n) for part, n in zip(block, array.shape, strict=False)]
-            shape = [end - part.start for end, part in zip(ends, block, strict=True)]
-            chunk_values = np.full(
-                (*shape, *array.shape[len(block) :]), array.fill_value, array.dtype
-            )
-        within = tuple((at[rows] - [part.start for part in block]).T)
-        new_values = np.array([values[row] for row in rows], array.dtype)
-        if self.group.is_stepped(name):
-            # Steps beyond the chunk have no values.
-            n = min(new_values.shape[1], chunk_values.shape[len(block)])
-            chunk_values[within] = array.fill_value
-            chunk_values[(*within, slice(-n, None))] = new_values[:, -n:]
-        else:
-            chunk_values[within] = new_values
-        return name, block, chunk_values
+            shape = was_written.shape + array.shape[len(block) :]
+            values = np.full(shape, array.fill_value, array.dtype)
+        for index, value in zip(at - [part.start for part in block], new_values, strict=True):
+            if self.group.is_stepped(name):
+                steps = values[tuple(index)]
+                count = min(len(value), len(steps))  # steps beyond the chunk have no values
+                steps[:] = array.fill_value
+                steps[-count:] = value[-count:]
+            else:
+                values[tuple(index)] = value
+        return name, block, values
 
     # Statuses
 
@@ -303,7 +290,7 @@ class Store:
             self.put([("status", ..., flags)])
         self.flags = flags
 
-    def put(self, parts: Iterable[tuple[str, Any, Any]]) -> None:
+    def put(self, parts: Iterable[Part]) -> None:
         """Write parts of arrays; raise a `StoreError` if the lock is lost before or after."""
         self._require_lock()
         with io_errors(self.location, "written"):
@@ -321,7 +308,7 @@ class Store:
 
 def opened(path: PathLike) -> Store:
     """Open a store to read it."""
-    return Store(location := place_of(path), read_root(location))
+    return Store(location := location_of(path), read_root(location))
 
 
 _PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits; a kill loses the results of this time

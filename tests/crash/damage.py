@@ -20,8 +20,8 @@ from unittest import mock
 import pipeline
 from pipeline.cli import main as irg
 from pipeline.store import damage, status
-from pipeline.store.place import ROOT
-from tests.crash.drive import GIVEN_UP
+from pipeline.store.location import ROOT
+from tests.crash.driver import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, indexed_points, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
 from tests.helpers.entries import changed

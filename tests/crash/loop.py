@@ -21,12 +21,12 @@ import numpy as np
 
 import pipeline
 from pipeline import verify_store
-from pipeline.store.create import find_sweep
+from pipeline.store.copies import find_sweep
 from pipeline.store.dataset import open_store
 from pipeline.store.files import PARTIAL
 from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.sweep.sweep import Point
-from tests.crash.drive import drive
+from tests.crash.driver import drive
 from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES
 
 PATIENCE = 300.0
@@ -92,7 +92,7 @@ def started(log, *arguments, mistake=None):
     """Start a driver as a command, in a process group of its own."""
     wrong = ["--mistake", mistake] if mistake else []
     return subprocess.Popen(
-        [sys.executable, "-m", "tests.crash.drive", log, *wrong, *map(str, arguments)],
+        [sys.executable, "-m", "tests.crash.driver", log, *wrong, *map(str, arguments)],
         cwd=Path(__file__).parents[2],
         stdout=subprocess.DEVNULL,
         stderr=Path(log).with_suffix(".err").open("a"),

@@ -20,12 +20,12 @@ import zarr
 
 from pipeline import verify_store
 from pipeline.store.files import PARTIAL
-from pipeline.store.place import NEW, OLD
+from pipeline.store.location import NEW, OLD
 from pipeline.store.schema import DONE, FIELDS, PROGRESS, path_of
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
-from tests.crash.drive import GIVEN_UP
+from tests.crash.driver import GIVEN_UP
 from tests.crash.loop import Forked, acknowledged, code_of, faults_of_files
 from tests.crash.sweeps import Expected
 from tests.helpers import tiny

@@ -55,7 +55,7 @@ class Told:
         """Points to compute next; empty at the end."""
         while more := self.now.next_velocities():
             self._grow(more)
-        return self.now.next_places()
+        return self.now.next_points()
 
     def _grow(self, more):
         """Insert velocities without results."""

@@ -11,9 +11,9 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import xarray as xr
 
-from pipeline.store import files, place, root
+from pipeline.store import files, location, root
 from pipeline.store.create import writing
-from pipeline.store.place import LOCK
+from pipeline.store.location import LOCK
 from pipeline.store.schema import DONE
 from pipeline.store.store import opened
 from pipeline.sweep.plan import PointRecord, points
@@ -142,7 +142,7 @@ def forge(store, change):
 
     `change` is called with the sweep and the facts.
     """
-    first, copy = store / root.FACTS, store / place.ROOT
+    first, copy = store / root.FACTS, store / location.ROOT
     document, with_copy = (json.loads(file.read_bytes()) for file in (first, copy))
     facts = document["attributes"]
     change(facts["sweep"], facts)

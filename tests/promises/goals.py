@@ -27,7 +27,7 @@ from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, total
 from pipeline.answers.specimen import JackknifeQuality
 from pipeline.run.goal import why_fixed
-from pipeline.run.search import MOST_REALIZATIONS, Goal, Place
+from pipeline.run.search import MOST_REALIZATIONS, Goal, PointIndex
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
@@ -120,7 +120,7 @@ class Planes:
         """A search that has all points of the first realization."""
         search = Told(self.loads, self.velocities, self.conditions, 0.0, _FIRST)
         indices = np.ndindex(len(self.loads), len(self.velocities))
-        self.tell(search, [Place(0, *index) for index in indices])
+        self.tell(search, [PointIndex(0, *index) for index in indices])
         return search
 
     def true_y(self, load, velocity):

@@ -69,7 +69,7 @@ REFUSALS = {
 ELSEWHERE = {
     "cluster.processes ExecutionError": "test_cluster.py",
     "drive.ended ExecutionError": "test_cluster.py",
-    "watch.__call__ ExecutionError": "test_cluster.py",
+    "watch._wait_for_worker ExecutionError": "test_cluster.py",
     "watch._check ExecutionError": "test_cluster.py",
     "watch._check_scheduler ExecutionError": "test_cluster.py",
     "watch.require_program ExecutionError": "test_cluster.py",

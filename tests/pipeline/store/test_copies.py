@@ -10,8 +10,8 @@ import pipeline
 import tribo
 from pipeline import StoreError, summary, verify_store
 from pipeline.store import arrays, create
-from pipeline.store.create import find_sweep
-from pipeline.store.place import NEW, OLD, ROOT
+from pipeline.store.copies import find_sweep
+from pipeline.store.location import NEW, OLD, ROOT
 from pipeline.store.root import FACTS
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
@@ -144,6 +144,16 @@ def test_a_store_that_has_lost_both_is_restored_by_the_scene_of_its_points(path,
         assert contents(path) == lost
     assert pipeline.run_sweep(sweep, path, workers=1).computed == 0
     assert contents(path) == before
+
+
+@pytest.mark.parametrize("name", ["x", "pressure", "field_realization"])
+def test_a_store_without_the_folder_of_an_array_of_fields_is_extended_by_realizations(path, name):
+    axes = {"loads": (150.0, 600.0), "velocities": (0.5,)}
+    commit_all(path, tiny.full(**axes, case_table=surfaces((3,))))
+    shutil.rmtree(path / "fields" / name)
+    commit_all(path, tiny.full(**axes, case_table=surfaces((3, 4))))
+    assert verify_store(path).is_clean
+    assert summary(path).done == 4
 
 
 @pytest.mark.parametrize("harm", [Path.unlink, lambda file: file.write_text("{}")])

@@ -11,7 +11,7 @@ import tribo
 from pipeline import boundary, open_sweep, summary, verify_store
 from pipeline.store import lock
 from pipeline.store.create import writing
-from pipeline.store.place import ROOT, place_of
+from pipeline.store.location import ROOT, location_of
 from pipeline.store.root import FACTS
 from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
@@ -102,7 +102,7 @@ def exchange(path):
 
 def unfinished():
     """Read a store whose root is not written yet while it is locked."""
-    with lock.locked(place_of("a.zarr")):
+    with lock.locked(location_of("a.zarr")):
         return summary("a.zarr")
 
 
@@ -141,7 +141,7 @@ OLD = b'{"attributes": {"format": 3, "history": ["computed by irg-transition 0.1
 
 REFUSALS = {
     # paths
-    "top": (lambda: place_of("/"), "/ cannot be a store; choose a folder below it"),
+    "top": (lambda: location_of("/"), "/ cannot be a store; choose a folder below it"),
     "nothing": (lambda: summary("a.zarr"), "no store at "),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "memory": (lambda: commit("memory://b.zarr", SWEEP, ()), "memory://b.zarr can only be read"),
@@ -159,7 +159,7 @@ REFUSALS = {
     "digest": (changed(flip_root), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "its numbers are others"),
-    "file": (lambda: place_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
+    "file": (lambda: location_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
     "many points": (changed(forged(lambda sweep, _: sweep.update(
         loads=[*range(1, 5000)], velocities=[*range(1, 5000)]))), "2.499e+07 points are too many"),
     "many inputs": (changed(forged(lambda _, facts: facts.update(inputs={"a": 10**9}))),
@@ -188,12 +188,12 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "files.require_no_link OSError": "rows of links, which tell it as a StoreError",
-    "place.keys StoreError": "test_create.py, with a web server",
-    "create._opened StoreMismatchError": "test_create.py, in several lines",
-    "create._opened _no_room": "test_s3.py: on an object store",
+    "files.store_file OSError": "rows of links, which tell it as a StoreError",
+    "location.keys StoreError": "test_create.py, with a web server",
+    "create._require_same_scene StoreMismatchError": "test_create.py, in several lines",
+    "create._open _not_extensible": "test_s3.py: on an object store",
     "resume._union InputError": "test_create.py, as a StoreMismatchError",
-    "create._moved_in _no_room": "a done point without a place, which no sweep makes",
+    "create._replace _not_extensible": "a done point without a place, which no sweep makes",
     "lock.locked StoreError": "a run that ended between opening the lock and taking it",
     "store._require_lock StoreError": "test_writing.py",
     "store.read StoreError": "test_writing.py: enlarged since it was opened",

@@ -10,12 +10,13 @@ import xarray as xr
 from aiobotocore.endpoint import AioEndpoint
 
 from pipeline import StoreError, StoreMismatchError, open_sweep, run_sweep, summary, verify_store
-from pipeline.store.create import copy_points, writing
-from pipeline.store.place import Bucket
+from pipeline.store.create import writing
+from pipeline.store.location import Bucket
 from pipeline.store.schema import FIELDS
+from pipeline.store.transfer import copy_points
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
-from tests.crash.drive import computing
+from tests.crash.driver import computing
 from tests.helpers import tiny
 from tests.helpers.reported import Heard
 from tests.helpers.s3 import served

@@ -11,13 +11,14 @@ import pytest
 import pipeline
 import tribo
 from pipeline import StoreError
-from pipeline.store.create import copy_points, writing
+from pipeline.store.create import writing
 from pipeline.store.schema import DATA, RECORDS, path_of
 from pipeline.store.store import opened
+from pipeline.store.transfer import copy_points
 from pipeline.sweep.case_table import surfaces
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
-from tests.crash.drive import computing
+from tests.crash.driver import computing
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point

@@ -1,6 +1,6 @@
 """A driver that notes the points reported as done, and that can be made to err.
 
-python -m tests.crash.drive LOG run SCENE -o OUT.zarr       # as the command irg
+python -m tests.crash.driver LOG run SCENE -o OUT.zarr       # as the command irg
 """
 
 import argparse
@@ -16,9 +16,9 @@ from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
 from pipeline.run import run_sweep as running
 from pipeline.run.drive import Tally
-from pipeline.store import create
-from pipeline.store import place as files
+from pipeline.store import copies, files
 from pipeline.store import store as write
+from pipeline.store.status import Verification
 from pipeline.store.store import Store, Writer
 from tests.crash.sweeps import record_of
 
@@ -97,7 +97,7 @@ def _unsynced():
 
 
 def _unread():
-    return mock.patch.object(create, "_count_sound_points", return_value=(0, True))
+    return mock.patch.object(copies, "verified", return_value=Verification(0, (), ()))
 
 
 MISTAKES = {

@@ -34,7 +34,7 @@ from tribo import TriboError
 if TYPE_CHECKING:
     from zarr.abc.store import Store
 
-    from pipeline.store.arrays import FolderStore
+    from pipeline.store.folder_store import FolderStore
 
 PathLike = str | os.PathLike[str]
 ROOT = "zarr.json"
@@ -90,7 +90,7 @@ class Folder:
     @cached_property
     def zarr(self) -> FolderStore:
         """Zarr store of the folder."""
-        from pipeline.store.arrays import FolderStore
+        from pipeline.store.folder_store import FolderStore
 
         return FolderStore(self.path)
 
@@ -106,10 +106,12 @@ class Folder:
         return None
 
     def keys(self) -> set[str]:
-        """Names of all files below the folder; links to folders are not followed."""
-        start = len(str(self.path)) + 1
-        paths = (f"{folder}/{name}" for folder, _, names in os.walk(self.path) for name in names)
-        return {path[start:].replace(os.sep, "/") for path in paths}
+        """Names of all files and links below the folder; links are not followed."""
+        start, keys = len(str(self.path)) + 1, set[str]()
+        for folder, folders, files in os.walk(self.path):
+            links = [name for name in folders if Path(folder, name).is_symlink()]
+            keys |= {f"{folder}/{name}"[start:] for name in (*files, *links)}
+        return keys
 
     def sync(self) -> None:
         """Wait until the names of the files that were written are on the disk."""
@@ -151,18 +153,23 @@ class Bucket:
 
     def keys(self) -> set[str]:
         """Names of all objects of the store."""
-        from pipeline.store.arrays import list_keys, read_document
+        from zarr.core.sync import sync as run
 
-        if not (names := list_keys(self.zarr)) and read_document(self, ROOT):  # most web servers
-            problem = f"the files in {self} cannot be listed; copy the store to a local folder"
-            raise StoreError(problem)
+        async def list_names() -> set[str]:
+            return {name async for name in self.zarr.list()}
+
+        names = run(list_names())
+        if not names and run(self.zarr.exists(ROOT)):  # most web servers
+            raise StoreError(
+                f"the files in {self} cannot be listed; copy the store to a local folder"
+            )
         return names
 
     def sync(self) -> None:
         """Nothing to do: objects are stored once they are sent."""
 
 
-StorePlace = Folder | Bucket
+Location = Folder | Bucket
 """Location of the files of a store."""
 
 
@@ -172,7 +179,7 @@ _SUFFIXES_OF_FILES = {
 }  # fmt: skip
 
 
-def place_of(path: PathLike | None) -> StorePlace:
+def location_of(path: PathLike | None) -> Location:
     """`Folder` or `Bucket` of a store from its path or address.
 
     An address ``file://PATH`` is a folder. None is the memory of this process, where the answer to
@@ -198,7 +205,7 @@ def place_of(path: PathLike | None) -> StorePlace:
 
 
 @contextmanager
-def io_errors(location: StorePlace, verb: str = "read") -> Iterator[None]:
+def io_errors(location: Location, verb: str = "read") -> Iterator[None]:
     """Context manager: turn an error of disk or network into a `StoreError`.
 
     Its message says that the file or `location` cannot be read, or "written" if that is `verb`.
@@ -218,7 +225,7 @@ def io_errors(location: StorePlace, verb: str = "read") -> Iterator[None]:
 
 
 @contextmanager
-def read_errors(location: StorePlace, name: str) -> Iterator[None]:
+def read_errors(location: Location, name: str) -> Iterator[None]:
     """Context manager: turn errors of reading the variable `name` from a store into store errors.
 
     Bad data raise a `DamagedError`, errors of disk or network a `StoreError`.
@@ -232,7 +239,7 @@ def read_errors(location: StorePlace, name: str) -> Iterator[None]:
             raise damaged(location, name) from error
 
 
-def damaged(location: StorePlace, name: str, problem: str = "cannot be read") -> DamagedError:
+def damaged(location: Location, name: str, problem: str = "cannot be read") -> DamagedError:
     """Error that the data `name` of a store are damaged."""
     return DamagedError(f"{location}: {name} {problem}; irg verify names what is damaged; {REMEDY}")
 
