@@ -1,9 +1,6 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
-	--benchmark-columns=min,rounds -s
-
 .PHONY: help diagram gallery scenes reference notebooks docs test lowest slow promises mutants fuzz crash cluster many measured bench release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -96,8 +93,15 @@ measured: .venv/test ## name the figures of workflows/MEASURED.md that are older
 	$(BIN)/python -m tests.measured --older
 	$(BIN)/python -m tests.sources.constants
 
-bench: .venv/test     ## measure speed, as ratios within one run
-	$(MEASURE) tests/benchmarks
+.venv-peers/ready: pyproject.toml tests/benchmarks/peers.txt
+	test -x .venv-peers/bin/python || $(PYTHON) -m venv .venv-peers
+	.venv-peers/bin/python -m pip install --quiet --editable .
+	grep -v '^#' tests/benchmarks/peers.txt | while read -r peer; do \
+	    .venv-peers/bin/python -m pip install --quiet $$peer || echo "not installed: $$peer"; done
+	touch $@
+
+bench: .venv-peers/ready  ## measure speed beside other solvers, which it installs, as ratios within one run
+	OMP_NUM_THREADS=1 .venv-peers/bin/python -m tests.benchmarks.speed
 
 INDEX = http://127.0.0.1:18795
 release:              ## sdist and wheel in results/dist, uploaded to an index here, and tried from there
@@ -122,4 +126,4 @@ release:              ## sdist and wheel in results/dist, uploaded to an index h
 	rm -rf .venv-release .venv-tried
 
 clean:                ## remove what was made, results included
-	rm -rf .venv .venv-lowest .venv-release .venv-tried results
+	rm -rf .venv .venv-lowest .venv-peers .venv-release .venv-tried results
