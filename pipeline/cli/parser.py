@@ -1,4 +1,4 @@
-"""The commands of ``irg`` and their options."""
+"""The commands of ``irg``, each with its options."""
 
 from __future__ import annotations
 
@@ -8,20 +8,33 @@ import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import partial
 from importlib import import_module, metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline.cli import values
+from pipeline.cli.options import (
+    TABLE,
+    add_bulk_temperature,
+    add_conditions,
+    add_flag,
+    add_judgement,
+    add_operating_point,
+    add_points,
+    add_quantity,
+    add_realization,
+    add_scene,
+    add_store,
+    add_value,
+    add_workers,
+)
 from pipeline.messages import did_you_mean
 from pipeline.paths import user_path
 
 AddCommand = Callable[[str, str, str, str], argparse.ArgumentParser]
 """Function that adds a command: its name, its function, its purpose and an example."""
 _LOAD_AND_VELOCITY = '--load "500 N" --velocity "2 m/s"'
-_TABLE = "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.writable("table")
 _BEGIN = """Begin with:
   irg new scene.toml
   irg check scene.toml
@@ -62,17 +75,6 @@ class _StoreOnce(argparse.Action):
             parser.error(f"{name} is given twice; give it once")
         self.is_set = True
         setattr(namespace, self.dest, value)
-
-
-class _StoreEntry(argparse.Action):
-    """Action of an option KEY=VALUE that may be repeated: collect the values by key."""
-
-    def __call__(self, parser: Any, namespace: Any, entry: Any, name: str | None = None) -> None:
-        key, value = entry
-        entries = getattr(namespace, self.dest)
-        if key in entries:
-            parser.error(f"{key} is given twice; give it once")
-        setattr(namespace, self.dest, {**entries, key: value})
 
 
 class _Version(argparse.Action):
@@ -135,8 +137,8 @@ def whole_parser() -> argparse.ArgumentParser:
             name, help=purpose, description=description, epilog=example, formatter_class=raw
         )
         command.set_defaults(command=name, function=function, parser=command)
-        _flag(command, "--json", "print one JSON document")
-        _flag(command, "-q --quiet", "suppress progress and notes; show errors only")
+        add_flag(command, "--json", "print one JSON document")
+        add_flag(command, "-q --quiet", "suppress progress and notes; show errors only")
         return command
 
     _add_commands_on_scenes(add)
@@ -145,7 +147,7 @@ def whole_parser() -> argparse.ArgumentParser:
         "help", "pipeline.cli.begin:help_", "print a page of the documentation, or list all pages",
         "first-hour",
     )  # fmt: skip
-    _value(command, "topic TOPIC", "name of a page or of a command", nargs="?")
+    add_value(command, "topic TOPIC", "name of a page or of a command", nargs="?")
     for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
         if find_spec(package) and find_spec(f"{package}.commands"):
             import_module(f"{package}.commands").add_paper(add)
@@ -159,79 +161,79 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
         "scene.toml --from twin_disc",
     )  # fmt: skip
     exclusive = command.add_mutually_exclusive_group()
-    _value(exclusive, "file FILE.toml", "file to write", user_path, nargs="?")
-    _flag(exclusive, "--list", "list the shipped scenes")
-    _value(command, "--from NAME", "shipped scene to begin with; see --list", dest="template")
+    add_value(exclusive, "file FILE.toml", "file to write", user_path, nargs="?")
+    add_flag(exclusive, "--list", "list the shipped scenes")
+    add_value(command, "--from NAME", "shipped scene to begin with; see --list", dest="template")
 
     command = add(
         "run", "pipeline.cli.sweep_commands:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%",
     )  # fmt: skip
-    _scene(command)
+    add_scene(command)
     words = "path of the store; default: results/<scene>.zarr"
-    _value(command, "-o --output OUT.zarr", words, values.store)
+    add_value(command, "-o --output OUT.zarr", words, values.store)
     exclusive = command.add_mutually_exclusive_group()
-    _workers(exclusive)
-    _value(exclusive, "--scheduler ADDRESS", "address of a running Dask scheduler")
-    _value(
+    add_workers(exclusive)
+    add_value(exclusive, "--scheduler ADDRESS", "address of a running Dask scheduler")
+    add_value(
         exclusive, "--scheduler-file FILE", "file written by a running Dask scheduler", user_path
     )
     words = "copy matching points from another store"
-    _value(command, "--from OLD.zarr", words, values.store, dest="source")
+    add_value(command, "--from OLD.zarr", words, values.store, dest="source")
     words = "print the address of Dask's dashboard, which every user of this machine can open"
-    _flag(command, "--dashboard", words)
-    _flag(command, "--retry-failed", "simulate points again that failed in an earlier run")
-    _flag(command, "-n --dry-run", "print what irg check prints, and compute nothing")
+    add_flag(command, "--dashboard", words)
+    add_flag(command, "--retry-failed", "simulate points again that failed in an earlier run")
+    add_flag(command, "-n --dry-run", "print what irg check prints, and compute nothing")
     words = (
         "compute until the whole numerical error of the boundary is below this, such as 2%%: it "
         "chooses preset, points and surface realizations"
     )
-    _value(command, "--accuracy BOUND", words, values.share)
+    add_value(command, "--accuracy BOUND", words, values.share)
 
     command = add(
         "check", "pipeline.cli.check:check",
         "describe a scene and estimate the cost of its sweep", "scene.toml",
     )  # fmt: skip
-    _scene(command)
-    _workers(command)
-    _value(command, *_TABLE)
+    add_scene(command)
+    add_workers(command)
+    add_value(command, *TABLE)
 
     command = add(
         "point", "pipeline.cli.point_commands:point",
         "simulate one point (and the tests of the scene)", f"scene.toml {_LOAD_AND_VELOCITY}",
     )  # fmt: skip
-    _scene(command)
-    _operating_point(command, required=True)
-    _flag(command, "--without-tests", "ignore the tests of the scene")
-    _realization(command)
-    _conditions(command)
-    _value(command, *_TABLE)
+    add_scene(command)
+    add_operating_point(command, required=True)
+    add_flag(command, "--without-tests", "ignore the tests of the scene")
+    add_realization(command)
+    add_conditions(command)
+    add_value(command, *TABLE)
 
     command = add(
         "trade", "pipeline.cli.sweep_commands:trade", "measure computing time against accuracy",
         "scene.toml -o trade.png",
     )  # fmt: skip
-    _scene(command)
+    add_scene(command)
     words = "new store for the points; default: results/<scene>-trade.zarr"
-    _value(command, "--store OUT.zarr", words, values.store, dest="store_path")
-    _workers(command)
+    add_value(command, "--store OUT.zarr", words, values.store, dest="store_path")
+    add_workers(command)
     words = "file of a figure; or of the table, .csv, .md or .json"
-    _value(command, "-o --output FILE.png", words, values.writable("figure", "table"))
+    add_value(command, "-o --output FILE.png", words, values.writable("figure", "table"))
 
     command = add(
         "infer", "pipeline.cli.point_commands:infer",
         "find the critical temperature from tests, or the wear rate from a contact width",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
     )  # fmt: skip
-    _scene(command)
+    add_scene(command)
     words = "contact width measured at --load and --velocity; prints the specific wear rate instead"
-    _quantity(command, "--contact-width W", words, "348 um")
+    add_quantity(command, "--contact-width W", words, "348 um")
     words = "sliding time before the width was measured, ramp included; default: from the scene"
-    _quantity(command, "--duration T", words, "8 s")
-    _bulk_temperature(command)
-    _value(command, *_TABLE)
-    _operating_point(command)
-    _realization(command)
+    add_quantity(command, "--duration T", words, "8 s")
+    add_bulk_temperature(command)
+    add_value(command, *TABLE)
+    add_operating_point(command)
+    add_realization(command)
 
     command = add(
         "surface", "pipeline.cli.figure_commands:surface",
@@ -239,18 +241,18 @@ def _add_commands_on_scenes(add: AddCommand) -> None:
         'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png',
     )  # fmt: skip
     words = "map of heights: .npy, a matrix in text, or the file of an instrument"
-    _value(command, "scan SCAN", words, user_path, nargs="?")
+    add_value(command, "scan SCAN", words, user_path, nargs="?")
     words = 'unit of the heights, such as "um", if the file states none or a wrong one'
-    _value(command, "--height-unit UNIT", words)
+    add_value(command, "--height-unit UNIT", words)
     words = 'sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"'
-    _value(command, "--pixel-size DX[,DY]", words, values.sides)
+    add_value(command, "--pixel-size DX[,DY]", words, values.sides)
     words = "share of missing heights up to which they are filled; default: 10%%"
-    _value(command, "--missing SHARE", words, values.share, default=0.1)
+    add_value(command, "--missing SHARE", words, values.share, default=0.1)
     words = "Ra of a profile or data sheet, with --rsm, without a file"
-    _quantity(command, "--ra RA", words, "0.2 um")
-    _quantity(command, "--rsm RSM", "RSm of a profile or data sheet", "60 um")
+    add_quantity(command, "--ra RA", words, "0.2 um")
+    add_quantity(command, "--rsm RSM", "RSm of a profile or data sheet", "60 um")
     words = "figure of the scan and of the random surface"
-    _value(command, "-o --output FILE.png", words, values.writable("figure"))
+    add_value(command, "-o --output FILE.png", words, values.writable("figure"))
 
 
 def _add_commands_on_stores(add: AddCommand) -> None:
@@ -258,29 +260,29 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         "status", "pipeline.cli.store_commands:status",
         "count done, failed and pending points of a store", "results/scene.zarr",
     )  # fmt: skip
-    _store(command)
+    add_store(command)
 
     command = add(
         "verify", "pipeline.cli.store_commands:verify",
         "read a whole store and list damaged points", "results/scene.zarr",
     )  # fmt: skip
-    _store(command)
+    add_store(command)
 
     command = add(
         "boundary", "pipeline.cli.store_commands:boundary",
         "print the boundary between mild and severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
     )  # fmt: skip
-    _store(command)
+    add_store(command)
     words = (
         "rows of the table: critical velocity at each load, critical load at each velocity, or "
         "tests compared with the computation; default: load"
     )
     rows = "load", "velocity", "test"
     command.add_argument("--by", default="load", choices=rows, help=words)
-    _flag(command, "--all", "print all rows and notes")
-    _value(command, *_TABLE)
-    _judgement(command)
+    add_flag(command, "--all", "print all rows and notes")
+    add_value(command, *TABLE)
+    add_judgement(command)
 
     command = add(
         "margin", "pipeline.cli.store_commands:margin",
@@ -288,142 +290,44 @@ def _add_commands_on_stores(add: AddCommand) -> None:
         "cases of the sweep",
         f"results/scene.zarr {_LOAD_AND_VELOCITY}",
     )  # fmt: skip
-    _store(command)
-    _operating_point(command)
-    _points(command)
-    _flag(command, "--all", "print all rows and notes")
-    _value(command, *_TABLE)
-    _judgement(command)
+    add_store(command)
+    add_operating_point(command)
+    add_points(command)
+    add_flag(command, "--all", "print all rows and notes")
+    add_value(command, *TABLE)
+    add_judgement(command)
 
     command = add(
         "plot", "pipeline.cli.figure_commands:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
     )  # fmt: skip
-    _store(command)
+    add_store(command)
     words = "default: diagram, or rows if each has its own load and velocity"
     kinds = "diagram", "rows", "ramp", "fields", "tests"
     command.add_argument("--kind", choices=kinds, help=words)
-    _value(command, "-o --output FILE.png", "figure file; default: next to the store", user_path)
+    add_value(command, "-o --output FILE.png", "figure file; default: next to the store", user_path)
     words = "width of the figure; text shrinks less than the figure does"
-    _quantity(command, "--width W", words, "8.5 cm")
-    _value(command, "--title TITLE", "title of the figure; default: that of the scene")
-    _flag(command, "--plain", "omit title and caption")
-    _value(command, "--dpi DPI", "resolution in dots per inch; default: 150", values.count)
-    _flag(command, "--log", "draw the diagram on logarithmic axes")
+    add_quantity(command, "--width W", words, "8.5 cm")
+    add_value(command, "--title TITLE", "title of the figure; default: that of the scene")
+    add_flag(command, "--plain", "omit title and caption")
+    add_value(command, "--dpi DPI", "resolution in dots per inch; default: 150", values.count)
+    add_flag(command, "--log", "draw the diagram on logarithmic axes")
     words = "step of fields, counted back from the end of a point: 0, -1, ..."
-    _value(command, "--step N", words, int)
-    _judgement(command)
-    _operating_point(command, action="append", default=[])
-    _realization(command)
+    add_value(command, "--step N", words, int)
+    add_judgement(command)
+    add_operating_point(command, action="append", default=[])
+    add_realization(command)
 
     command = add(
         "report", "pipeline.cli.figure_commands:report",
         "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
         f"results/scene.zarr {_LOAD_AND_VELOCITY} -o report.html",
     )  # fmt: skip
-    _store(command)
-    _operating_point(command)
-    _points(command)
+    add_store(command)
+    add_operating_point(command)
+    add_points(command)
     words = "file of the report; default: next to the store"
-    _value(command, "-o --output FILE.html", words, user_path)
-    _value(command, "--title TITLE", "title of the report; default: that of the scene")
-    _value(command, "--author NAME", "name of the author")
-    _judgement(command)
-
-
-# Functions that add an option, and options that several commands have
-
-
-def _value(command: Any, words: str, use: str, read: Any = None, **more: Any) -> None:
-    """Add an option with a value; `words` are its names, and then the value's name."""
-    *names, metavar = words.split()
-    command.add_argument(*names, metavar=metavar, type=read, help=use, **more)
-
-
-def _several(command: Any, words: str, use: str, read: Any) -> None:
-    """Add an option that may be repeated, with its values in a list."""
-    _value(command, words, f"{use}; can be repeated", read, action="append", default=[])
-
-
-def _entries(command: Any, words: str, use: str, read: Any) -> None:
-    """Add an option KEY=VALUE that may be repeated, with its values in a dictionary."""
-    _value(command, words, f"{use}; can be repeated", read, action=_StoreEntry, default={})
-
-
-def _quantity(command: Any, words: str, use: str, like: str, **more: Any) -> None:
-    """Add an option for a quantity above 0 with a unit."""
-    _value(command, words, f'{use}, like "{like}"', values.quantity(like), **more)
-
-
-def _flag(command: Any, names: str, use: str) -> None:
-    command.add_argument(*names.split(), action="store_true", help=use)
-
-
-def _scene(command: Any) -> None:
-    _value(command, "scene SCENE.toml", "scene file, or name of a shipped scene", user_path)
-    words = (
-        "numerical preset, replacing the table [fidelity] of the scene: standard, fine or reference"
-    )
-    _value(command, "--preset NAME", words)
-    words = (
-        "change a numerical setting, such as increments=50, or a scene entry, such as "
-        "wear.pattern=local or without=motion"
-    )
-    _entries(command, "--set KEY=VALUE", words, values.setting)
-
-
-def _workers(command: Any) -> None:
-    words = "number of processes; default: one for each core"
-    _value(command, "-j --workers N", words, values.count)
-
-
-def _store(command: Any) -> None:
-    _value(command, "store OUT.zarr", "results store, or name of its scene", values.stored)
-
-
-def _operating_point(command: Any, **more: Any) -> None:
-    _quantity(command, "--load F", "normal load on the whole pin", "750 N", **more)
-    _quantity(command, "--velocity V", "sliding velocity", "1.25 m/s", **more)
-
-
-def _points(command: Any) -> None:
-    words = (
-        'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
-        ".csv, .txt or .xlsx; columns of words are passed on as labels"
-    )
-    _value(command, "--points POINTS.csv", words, user_path)
-    command.add_argument("--decimal", choices=(".", ","), help="decimal mark of --points")
-    _several(command, "--ignore HEADING", "column of --points to leave out", str)
-
-
-def _realization(command: Any) -> None:
-    words = "seed of the random surface, or area of the scan, instead of the own one"
-    _value(command, "--realization SEED", words, partial(values.count, minimum=0))
-
-
-def _bulk_temperature(command: Any) -> None:
-    words = 'temperature of the bodies far from the contact, like "25 degC"'
-    _several(command, "--bulk-temperature T", words, str)
-
-
-def _conditions(command: argparse.ArgumentParser) -> None:
-    group = command.add_argument_group("conditions that replace those of the scene")
-    _several(group, "--friction MU", "coefficient of friction, at least 0", values.number)
-    _bulk_temperature(group)
-    words = 'temperature above which the lubricant fails, like "145 degC"'
-    _several(group, "--critical-temperature T", words, str)
-    words = (
-        "critical area fraction: wear is severe if more of the contact is above the critical "
-        "temperature, such as 10%%; 0 for the highest temperature"
-    )
-    _several(group, "--critical-area-fraction F", words, str)
-
-
-def _judgement(command: argparse.ArgumentParser) -> None:
-    words = (
-        'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
-        'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'
-    )
-    _entries(command, "--at KEY=VALUE", words, partial(values.pair, like='"pin.radius=2 mm"'))
-    _conditions(command)
-    _flag(command, "--without-tests", "ignore the tests of the scene")
+    add_value(command, "-o --output FILE.html", words, user_path)
+    add_value(command, "--title TITLE", "title of the report; default: that of the scene")
+    add_value(command, "--author NAME", "name of the author")
+    add_judgement(command)
