@@ -28,7 +28,7 @@ from tribo.thermal import rise_exceeded
 STEPS, STEP_TOLERANCE = 384, 0.05
 MAX_MEAN, MAX_ISOTROPIC_MEAN = 0.01, 0.003
 """Largest mean errors of the rise, of a lay and of surfaces without one."""
-POINTS = (150.0, 3.0), (200.0, 3.0), (600.0, 1.5)
+POINTS = (150.0, 3.0), (200.0, 3.0), (600.0, 1.5), (750.0, 1.25)
 """Loads [N] and velocities [m/s]."""
 _WINDOW = {"window.pixels": [288, 240], "window.pixel_size": ["1.632 um", "1.9 um"]}
 _LENGTHS = {
