@@ -6,11 +6,13 @@ which keeps the unit of a value or refuses the value.
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Decimal
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -20,8 +22,74 @@ from tribo import InputError
 
 _WITHOUT_UNIT = {"", "1", "-", "–", "dimensionless"}
 """Units of numbers, as attributes of arrays state them."""
+P = ParamSpec("P")
+T = TypeVar("T")
 _KINDS = "biufOU"  # of NumPy's types: truth values, numbers, objects and text
 _MOST_LEVELS = 10
+
+
+def _is_path(value: Any) -> bool:
+    return isinstance(value, str | os.PathLike)
+
+
+def _is_scene(value: Any) -> bool:
+    return _is_path(value) or hasattr(value, "case_table")
+
+
+def _is_dataset(value: Any) -> bool:
+    return _is_path(value) or type(value).__name__ == "Dataset" or hasattr(value, "drawn_by")
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_flag(value: Any) -> bool:
+    return isinstance(value, bool | np.bool_)
+
+
+def _is_mapping(value: Any) -> bool:
+    return isinstance(value, Mapping)
+
+
+def _is_case(value: Any) -> bool:
+    return isinstance(value, tuple) and all(
+        isinstance(label, tuple) and len(label) == 2 for label in value
+    )
+
+
+_PATH = _is_path, "text or a Path"
+_SCENE = _is_scene, "a Sweep, or the path of a scene"
+_DATASET = _is_dataset, "a Dataset of pipeline.open_sweep, or the path of a store"
+_TEXT = _is_text, "text"
+_FLAG = _is_flag, "True or False"
+_ALLOWED: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "path": _PATH, "out": _PATH, "source": _PATH, "sweep": _SCENE, "scene": _SCENE, "ds": _DATASET,
+    "progress": (callable, "a function of a Progress"), "title": _TEXT, "author": _TEXT,
+    "command": _TEXT, "like": _TEXT, "kind": _TEXT, "plain": _FLAG, "retry_failed": _FLAG,
+    "dashboard": _FLAG, "preset": _TEXT, "changes": (_is_mapping, "a mapping of values by name"),
+    "overrides": (_is_mapping, "a mapping of values by key path"),
+    "name": (_is_case, "a tuple of pairs (dimension, label)"),
+}  # fmt: skip
+"""What arguments of public functions must be, by their names; None, too, if it is the default."""
+
+
+def typed_arguments(function: Callable[P, T]) -> Callable[P, T]:
+    """Decorator: refuse an argument of a wrong type by its name, before the function begins."""
+    parameters = inspect.signature(function).parameters
+    names = [*parameters]
+
+    @functools.wraps(function)
+    def checked(*arguments: P.args, **named: P.kwargs) -> T:
+        for name, value in {**dict(zip(names, arguments, strict=False)), **named}.items():
+            is_allowed, allowed = _ALLOWED.get(name, (None, ""))
+            is_default = value is None and name in parameters and parameters[name].default is None
+            if is_allowed and not (is_default or is_allowed(value)):
+                written = " ".join(repr(value).split())
+                raise InputError(f"{name} is {written:.80}; give {allowed}")
+        return function(*arguments, **named)
+
+    return checked
 
 
 def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:

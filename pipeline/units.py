@@ -147,6 +147,9 @@ def to_si(text: str, like: str) -> float:
         ...
     pipeline.units.UnitError: "7 kg" cannot be converted to N; its weight is 68.65 N
     """
+    for name, quantity in {"text": text, "like": like}.items():
+        if not isinstance(quantity, str):
+            raise UnitError(f"{name} is {f'{quantity!r}':.80}; give a number with a unit as text")
     value = float(exact_si(text, like))
     if math.isinf(value):
         raise UnitError(f"{_quoted(text)} is too large")

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tribo.errors import InputError
+from tribo.errors import InputError, require_instance, require_positive
 from tribo.simulation import Scene, advance, measures, start
 from tribo.wear import Wear, WearPattern
 
@@ -71,6 +71,8 @@ def specific_wear_rate(
     >>> f"{rate.lowest:.1e} to {rate.highest:.1e} m²/N"
     '1.6e-17 to 3.8e-17 m²/N'
     """
+    require_instance(Scene, scene=scene)
+    require_positive(contact_width=contact_width, normal_load=normal_load, velocity=velocity)
     grid = scene.grid
     if scene.velocities_at(velocity).pin:
         raise InputError(

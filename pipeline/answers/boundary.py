@@ -20,12 +20,14 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_model import JudgedCase, VerdictModel
+from pipeline.arguments import typed_arguments
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Find the critical velocity at each load, and the critical load at each velocity.

@@ -26,7 +26,7 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, Flag, JudgedCase, VerdictModel
-from pipeline.arguments import in_si
+from pipeline.arguments import in_si, typed_arguments
 from pipeline.constants import SHARP_ENDS
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
@@ -37,6 +37,7 @@ from tribo import InputError
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def margin(
     ds: xr.Dataset | PathLike,

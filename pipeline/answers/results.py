@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import json
-import os
 from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import replace
@@ -25,6 +24,7 @@ from pipeline.answers.case_results import (
     require_unit,
 )
 from pipeline.answers.scene_wording import value_words
+from pipeline.arguments import typed_arguments
 from pipeline.paths import found_store
 from pipeline.store.dataset import completed, open_store
 from pipeline.store.location import PathLike
@@ -51,6 +51,7 @@ from pipeline.units import to_si
 from tribo import InputError
 
 
+@typed_arguments
 def open_sweep(path: PathLike) -> xr.Dataset:
     """Open a stored sweep.
 
@@ -85,14 +86,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Dataset of the store at a path; a dataset is returned unchanged."""
-    if isinstance(source, xr.Dataset):
-        return source
-    if isinstance(source, str | os.PathLike):
-        return open_sweep(source)
-    raise InputError(
-        "expected a dataset from pipeline.open_sweep or the path of a store, not a "
-        f"{type(source).__name__}"
-    )
+    return source if isinstance(source, xr.Dataset) else open_sweep(source)
 
 
 def ascending(ds: xr.Dataset) -> xr.Dataset:
@@ -102,6 +96,7 @@ def ascending(ds: xr.Dataset) -> xr.Dataset:
     return ds.sortby(falling) if falling else ds  # with an empty list it would copy `ds`
 
 
+@typed_arguments
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Select the end of each point: the step at the point's nominal load.
 

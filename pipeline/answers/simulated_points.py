@@ -16,6 +16,7 @@ from pipeline.answers.condition_values import ConditionValues, override_conditio
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import JudgedCase, conditions_of
+from pipeline.arguments import typed_arguments
 from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.condition_entries import allowable_rise
@@ -31,6 +32,7 @@ _MEANINGS = {
 }
 
 
+@typed_arguments
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """State of each simulated point of a sweep's first case, on each surface realization.
 
@@ -75,6 +77,7 @@ class WarnedPoints:
             yield f"warning: at {self.example}"
 
 
+@typed_arguments
 def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
     """Count the points of a sweep that carry a warning, such as too few elements in contact.
 
@@ -99,6 +102,7 @@ def points_with_warnings(ds: xr.Dataset | PathLike) -> WarnedPoints:
     return WarnedPoints(count, {k.label: counts[k] for k in WarningKind if counts[k]}, example)
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Temperatures of the contact at each step of each point.

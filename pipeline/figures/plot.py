@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from pipeline.answers.condition_values import NAMES, ConditionValues
 from pipeline.answers.results import dataset_of, sweep_of
-from pipeline.arguments import in_si
+from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields_figure import fields
@@ -47,6 +47,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
 """Function that draws each kind of figure of a sweep."""
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def plot(
     ds: Any,

@@ -24,6 +24,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.frames import write_bytes
 from tribo import InputError
+from tribo.errors import require_number
 
 BLACK, GREY = "#1A1A1A", "#777777"
 BLUE, VERMILION, GREEN, SKY = (
@@ -85,6 +86,8 @@ def fitted(
     """
     if width is not None and not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
+    if dpi is not None:
+        require_number(dpi=dpi)
     if dpi is not None and not _COARSEST <= dpi <= _FINEST:
         raise InputError(f"dpi is {dpi:g}; it must be from {_COARSEST} to {_FINEST}")
     if plain and title is not None:

@@ -45,6 +45,7 @@ from pipeline.answers.point_lines import headline, margin_facts, to_decide
 from pipeline.answers.readable import attribute_texts, code_text, row_labels, verdict_text
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.arguments import typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import deciding_row, draw_rows
@@ -122,6 +123,7 @@ class Answer(NamedTuple):
     sections: list[Section]
 
 
+@typed_arguments
 def report(
     ds: xr.Dataset | PathLike,
     load: float | str | None = None,

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from pipeline.arguments import in_count
+from pipeline.arguments import in_count, typed_arguments
 from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
 from pipeline.sweep.plan import points as points_of
@@ -47,6 +47,7 @@ class Estimate:
     disk_bytes: float  #: Size of the store on disk [B].
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     """Estimate the cost of a whole sweep, by timing a few of its steps on this machine.

@@ -14,7 +14,7 @@ import numpy as np
 from dask.system import cpu_count
 from distributed import Client
 
-from pipeline.arguments import in_count
+from pipeline.arguments import in_count, typed_arguments
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
@@ -50,6 +50,7 @@ class Outcome:
     tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def run_sweep(
     sweep: Sweep | PathLike,

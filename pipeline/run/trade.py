@@ -20,6 +20,7 @@ from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import curve_errors, exponents, total
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.specimen import realizations_share
+from pipeline.arguments import typed_arguments
 from pipeline.constants import RISE_SHARE
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
@@ -78,6 +79,7 @@ class Trade:
         return "\n".join([head, "", *lines_of(self.table), "", note])
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def trade(
     scene: SceneLike,

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 
+from pipeline.arguments import typed_arguments
 from pipeline.messages import did_you_mean
 from pipeline.paths import reason_of, user_path
 from pipeline.scene.entries import Entries, entry_at
@@ -15,6 +16,7 @@ from pipeline.shipped import shipped_scenes
 from tribo import InputError
 
 
+@typed_arguments
 def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     """Write a scene to start from: a short scene, or a shipped one.
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 import tribo
-from pipeline.arguments import in_si, plain_value
+from pipeline.arguments import in_count, in_si, plain_value, typed_arguments
 from pipeline.limits import MOST_LEVELS
 from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
@@ -40,6 +40,7 @@ SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def load_scene(
     path: str | PathLike[str],
@@ -73,8 +74,6 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    if not isinstance(overrides, Mapping | None):
-        raise tribo.InputError(f"overrides is of type {type(overrides).__name__}; give a mapping")
     path, faults, preset = scene_path(path), Faults(), plain_value("preset", preset)
     replaced = _path_overrides(overrides or {}, preset, path, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
@@ -219,6 +218,7 @@ def _is_set(path: str, entries: Entries) -> bool:
     return any(f"{path}.".startswith(f"{e}.") or e.startswith(f"{path}.") for e in listed)
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def run_point(
     sweep: SceneLike,
@@ -260,7 +260,8 @@ def run_point(
     (False, '163 °C')
     """
     load_and_velocity = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    case = () if realization is None else (("realization", realization),)
+    seed = None if realization is None else in_count("realization", realization, minimum=0)
+    case = () if seed is None else (("realization", seed),)
     sweep = sweep_of(sweep)
     scene, stored_steps = sweep.case(case).scene, choose_stored_steps(sweep)
     return plan.run_point(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pipeline.arguments import typed_arguments
 from pipeline.progress import Report, silent
 from pipeline.store.damage import find_damage
 from pipeline.store.location import PathLike, io_errors, location_of
@@ -69,6 +70,7 @@ class Verification:
         return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
 
 
+@typed_arguments
 def summary(path: PathLike) -> Summary:
     """Count the points of a store by state, and those with warnings, without reading results.
 
@@ -127,6 +129,7 @@ def _failed_points(store: Store, faults: Mapping[Index, str]) -> tuple[FailedPoi
     )
 
 
+@typed_arguments
 def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
     """Check a whole store for damage; nothing is written.
 

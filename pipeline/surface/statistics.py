@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pipeline.arguments import in_si, plain_value
+from pipeline.arguments import in_share, in_si, plain_value, typed_arguments
 from pipeline.messages import quoted
 from pipeline.quantities import display, display_sides
 from pipeline.surface.fit import SelfAffineFit, fit_self_affine
@@ -169,6 +169,7 @@ def _rows(rough: ArealRoughness) -> Iterator[tuple[str, str]]:
     yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
 
 
+@typed_arguments
 @np.errstate(under="ignore")
 def surface_statistics(
     path: str | Path,
@@ -236,12 +237,15 @@ def surface_statistics(
         sides = x, y
     if unit is not None:
         require_positive(height_unit=unit)
+    share = in_share("missing", missing)
+    if not 0 <= share < 1:
+        raise InputError(f"missing is {missing!r}; give a share from 0 to 1, such as 0.1")
     scan = read_scan(path, unit, sides)
     try:
-        statistics = _statistics(str(path), scan, missing)
+        statistics = _statistics(str(path), scan, share)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, missing))
+    return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, share))
 
 
 def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:

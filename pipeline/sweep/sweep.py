@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
+from pipeline.arguments import typed_arguments
 from pipeline.limits import MOST_POINTS
 from pipeline.sweep.case import LARGEST, Case, SpecimenTest
 from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, in_order, surfaces
@@ -176,6 +177,7 @@ class Sweep:
     def _by_name(self) -> dict[CaseName, Case]:
         return {case.name: case for case in self.cases}
 
+    @typed_arguments
     def case(self, name: CaseName = ()) -> Case:
         """The case of a name, by default the scene itself; `InputError` if there is none."""
         if not name:
@@ -253,6 +255,8 @@ class Sweep:
         InputError
             If the scene has a fault with this value, or the sweep is that of a store.
         """
+        if not isinstance(path, str):
+            raise InputError(f"path is {f'{path!r}':.80}; give the path of an entry as text")
         if self.source is None:
             raise InputError(
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
@@ -298,6 +302,7 @@ class Sweep:
         sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
         return replace(sweep, text=text, replaced=replaced)
 
+    @typed_arguments
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
         """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
         return self._map_cases(lambda case: case.with_fidelity(fidelity, preset))
@@ -321,6 +326,7 @@ class Sweep:
         )
         return replace(self, cases=cases, case_table=table)
 
+    @typed_arguments
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced by `changes`, values by name.
 

@@ -251,7 +251,10 @@ TEXTS = {
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
     "circle": (toml(b'extends = "scene.toml"\n'), "refers back to itself"),
-    "overrides": (lambda: load_scene("first_try", overrides="a=1"), "overrides is of type str"),
+    "overrides": (
+        lambda: load_scene("first_try", overrides="a=1"),
+        "overrides is 'a=1'; give a",
+    ),
     "chain": (chain, "21 scenes extend one another; at most 20 may"),
     "dotted": (
         toml(b".".join([b"a"] * 500) + b" = 1\n"),

@@ -96,6 +96,7 @@ REFUSALS = {
     "hold": (lambda: tiny.sweep(loading=RECORD).base.with_hold(2.0),
              "hold is 2 s, but load records"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion cannot be changed in"),
+    "no path": (lambda: tiny.sweep().changed(3, 0.1), "path is 3; give the path of an entry"),
     "plane": (lambda: replace(tiny.sweep(), loads=(2.0, 1.0)), "loads are (2.0, 1.0); give"),
     "take": (lambda: tiny.sweep()._select_case((("pin", 1),)), "the sweep has no pin 1"),
     "columns": (lambda: CaseTable((Column("a"),), ({"b": 1},)), "other columns than its table"),
