@@ -66,12 +66,6 @@ With it the bound holds at 96 % of velocities between those of `fine` on 24 scen
 20 further scenes.
 Found by `python -m tests.promises.errors`.
 """
-ALONE_IN_LOCAL_WEAR = 1, 2.0
-"""Degrees of freedom of the spread estimated from one realization, and its factor, for local wear.
-
-For other wear they are 7 and 1. With local wear the strips of one contact differ less than
-realizations do, by factors of 0.9 to 12. Judged by `python -m tests.promises.realizations`.
-"""
 CORRELATION_LENGTHS = 1e-3, 0.1, 0.2, 0.4, 0.7, 1.4, 2.7, 5.0, 10.0
 """Lengths in ln(load) over which the correlation of realizations may fall to 1/e, equally likely.
 

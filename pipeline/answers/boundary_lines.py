@@ -84,14 +84,22 @@ def ruling_lines(answer: xr.Dataset) -> Iterator[str]:
         yield f"at {' to '.join(ends)} N, {text}"
 
 
+_TOO_FEW_GROOVES = (
+    "numerical error unknown at {} of {} critical velocities: one surface realization has too few "
+    "independent grooves; simulate several (sweep.realizations)"
+)
+
+
 def error_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines on the numerical error of a boundary and on the model error."""
     errors, surface = (answer[name].values for name in ("velocity_error", "velocity_error_surface"))
-    if not np.isfinite(errors).any():
-        if answer["critical_velocity"].notnull().any():
+    is_critical = answer["critical_velocity"].notnull().values
+    lacks_grooves = is_critical & np.isnan(surface)
+    if not is_critical.any():
+        yield "numerical error: not stated, as no critical velocity lies within the sweep"
+    elif not np.isfinite(errors).any():
+        if not lacks_grooves.any():
             yield "numerical error of the critical velocity: unknown"
-        else:
-            yield "numerical error: not stated, as no critical velocity lies within the sweep"
     elif np.nanmax(surface):
         yield (
             f"numerical error (95 %): ± {_percents(errors)} of the critical velocity, of which "
@@ -99,6 +107,8 @@ def error_lines(answer: xr.Dataset) -> Iterator[str]:
         )
     else:
         yield f"numerical error (95 %): ± {_percents(errors)} of the critical velocity"
+    if lacks_grooves.any():
+        yield _TOO_FEW_GROOVES.format(lacks_grooves.sum(), is_critical.sum())
     yield model_error_line(answer)
 
 

@@ -19,7 +19,6 @@ from pipeline.store.schema import (
     NOT_NEEDED,
     PENDING,
     PLANE,
-    SAMPLING,
     VARIABLES,
 )
 from pipeline.sweep.case_table import CaseName, Label
@@ -182,11 +181,16 @@ class CaseResults:
                 raise InputError(NOT_SIMULATED.format(reason))
 
     def sampling(self, conditions: Conditions) -> Array:
-        """Standard deviation of ln(rise) between surface realizations, estimated at each point."""
-        parts = self._parts(("rise_quantile", *SAMPLING))
+        """Standard deviation of ln(rise) between surface realizations, by each point; or NaN."""
+        parts = self._parts(("rise_quantile", "rise_realization_std"))
         shares = self.ds["area_fraction_below"].values
         deviations = [relative_sampling(columns, conditions, shares) for columns in parts]
         return np.where(self.done, np.concatenate(deviations), np.nan)
+
+    @property
+    def sampling_freedom(self) -> Array:
+        """Degrees of freedom of `sampling` at each point; infinite where the point is not done."""
+        return np.where(self.done, self.array("rise_realization_freedom"), np.inf)
 
     def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
         """Yield arrays by name for `_BATCH_SIZE` realizations at a time, to bound memory."""

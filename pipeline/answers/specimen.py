@@ -22,31 +22,14 @@ from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.field import TWINS, Field
-from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION_LENGTHS
+from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.condition_entries import Conditions
-from tribo import Scene
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask
 
 _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
 _LEAST_MISFIT = 1e-9  # of equal realizations, in place of 0, in squares of the deviation
-
-
-class JackknifeQuality(NamedTuple):
-    """How well the jackknife of a single realization estimates the deviation of realizations."""
-
-    degrees: int = GROUPS - 1  # of freedom
-    factor: float = 1.0  # deviation of realizations over the jackknife estimate of one of them
-
-    @classmethod
-    def of(cls, scene: Scene) -> JackknifeQuality:
-        """Quality of the jackknife of a realization of a scene."""
-        is_local = scene.wear is not None and scene.wear.pattern == "local"
-        return JackknifeQuality(*ALONE_IN_LOCAL_WEAR) if is_local else SWEPT
-
-
-SWEPT = JackknifeQuality()
-"""Quality of the jackknife unless wear is local."""
+_ALONE = GROUPS - 1.0  # degrees of freedom of the estimate from one realization, at most
 
 
 class RealizationMean(NamedTuple):
@@ -85,7 +68,8 @@ class Specimen(NamedTuple):
     flags: Indices  # sums of `WarningKind` codes (n_load, n_velocity)
     durations: Array  # times of loading [s]
     is_highest: bool  # True if the highest temperature governs, that of the hottest realization
-    jackknife: JackknifeQuality
+    # Degrees of freedom of the deviation that one realization states (n_load,); 0 if unknown.
+    freedom: Array
 
     @property
     def realizations(self) -> Indices:
@@ -104,6 +88,7 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     usable = case.usable_realizations
     y = case.log_rises(conditions)[usable]
     sampling = _rms_over_realizations(case.sampling(conditions)[usable])
+    freedom = case.sampling_freedom[usable].min(axis=(0, 2), initial=_ALONE)
     kinds = np.bitwise_or.reduce(case.warning_flags[usable], 0)
     durations = case.durations[usable].max(axis=0)
     axes = [case.loads, case.velocities]
@@ -114,20 +99,22 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
             y, sampling = _group_means(y, starts, axis + 1), _group_means(sampling, starts, axis)
             kinds = np.bitwise_or.reduceat(kinds, starts, axis)
             durations = np.maximum.reduceat(durations, starts, axis)
+            freedom = np.minimum.reduceat(freedom, starts) if axis == 0 else freedom
     loads, velocities = axes
     is_highest = conditions.critical_area_fraction == 0
-    jackknife = JackknifeQuality.of(case.sweep.scene)
-    return merged(loads, velocities, y, sampling, kinds, durations, is_highest, jackknife)
+    return merged(loads, velocities, y, sampling, kinds, durations, is_highest, freedom)
 
 
 def merged(
     loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
-    is_highest: bool = False, jackknife: JackknifeQuality = SWEPT,
+    is_highest: bool = False, freedom: Array | float = _ALONE,
 ) -> Specimen:  # fmt: skip
     """Specimen from ln(rise) `y` of realizations (m, n_load, n_velocity), NaN without a result.
 
-    It has the highest rise if `is_highest`, otherwise the mean.
+    It has the highest rise if `is_highest`, otherwise the mean. `freedom` (n_load,) are the degrees
+    of freedom of `sampling`.
     """
+    freedom = np.broadcast_to(freedom, loads.shape)
     level, filled = y[0], [np.zeros_like(y[0])]
     for log_rises in y[1:]:
         filled.append(_fill_differences(log_rises - y[0], loads))
@@ -137,12 +124,12 @@ def merged(
     is_single = _is_single_between_several(has_point)
     is_counted = has_point & ~is_single
     differences = np.where(is_counted[..., None], np.array(filled), np.nan)
-    mean = mean_of_realizations(loads, differences, sampling, jackknife, is_highest)
+    mean = mean_of_realizations(loads, differences, sampling, freedom, is_highest)
     offset = _interpolate_loads(loads, mean.offset, np.asarray(is_counted.any(axis=0)))
     plane = np.where(is_single[:, None], np.nan, level + offset)
     field = Field(loads, velocities, plane)
     mean = mean._replace(offset=offset)
-    return Specimen(field, differences, mean, flags, durations, is_highest, jackknife)
+    return Specimen(field, differences, mean, flags, durations, is_highest, freedom)
 
 
 def _rms_over_realizations(sampling: Array) -> Array:
@@ -197,7 +184,7 @@ def _group_means(values: Array, starts: Indices, axis: int = 0) -> Array:
 
 
 def mean_of_realizations(
-    loads: Array, differences: Array, sampling: Array, jackknife: JackknifeQuality, is_highest: bool
+    loads: Array, differences: Array, sampling: Array, freedom: Array, is_highest: bool
 ) -> RealizationMean:
     """Mean of realizations; the highest of them if the highest temperature governs.
 
@@ -208,9 +195,9 @@ def mean_of_realizations(
     differences : ndarray, shape (m, n_load, n_velocity)
         ln(rise) of each realization minus that of the first one; NaN at loads without a point.
     sampling : ndarray, shape (n_load, n_velocity)
-        Jackknife estimate of the deviation of realizations; NaN if unknown.
-    jackknife : JackknifeQuality
-        How well one realization estimates it.
+        Deviation of realizations that one of them states; NaN if unknown.
+    freedom : ndarray, shape (n_load,)
+        Degrees of freedom of this statement; 0 if the deviation is unknown.
     is_highest : bool
         True if the highest temperature governs.
 
@@ -222,7 +209,8 @@ def mean_of_realizations(
     >>> lifts = np.array([[0.0, 0.0], [0.02, 0.02], [-0.05, np.nan], [-0.07, np.nan]])[..., None]
     >>> sampling = np.full((2, 1), 0.04)
     >>> loads = np.array([100.0, 200.0])
-    >>> mean_of_realizations(loads, lifts, sampling, SWEPT, False).offset.ravel().round(4).tolist()
+    >>> mean = mean_of_realizations(loads, lifts, sampling, np.array([7.0, 7.0]), False)
+    >>> mean.offset.ravel().round(4).tolist()
     [-0.025, -0.008]
     """
     has_point = np.isfinite(differences)
@@ -230,8 +218,8 @@ def mean_of_realizations(
     known = np.where(has_point, differences, 0.0)
     offset = known.sum(axis=0) / np.maximum(count, 1)
     squares = np.square(np.where(has_point, differences - offset, 0.0)).sum(axis=0)
-    jackknife_deviation = _scaled_jackknife_deviation(squares, count, sampling, jackknife)
-    deviation, student_t = _deviation(count, squares, jackknife_deviation, jackknife)
+    scaled_sampling = _scale_to_spread(squares, count, sampling, freedom[:, None])
+    deviation, student_t = _deviation(count, squares, scaled_sampling, freedom[:, None])
     if is_highest:
         offset, alike = (
             np.where(has_point, differences, -np.inf).max(axis=0),
@@ -296,44 +284,38 @@ def precision_of(correlation: Array, known: Mask) -> Array:
     return precision
 
 
-def _scaled_jackknife_deviation(
-    squares: Array, count: Indices, sampling: Array, jackknife: JackknifeQuality
-) -> Array:
-    """Jackknife deviation, scaled by the ratio of the observed spread to it.
+def _scale_to_spread(squares: Array, count: Indices, sampling: Array, freedom: Array) -> Array:
+    """Deviation that one realization states, scaled by the ratio of the observed spread to it.
 
     All loads share this ratio, because their realizations are the same surfaces.
     """
-    variance = np.square(jackknife.factor * sampling)
-    freedom = np.where(variance > 0, np.maximum(count - 1, 0), 0)
+    variance = np.square(sampling)
+    observed = np.where(variance > 0, np.maximum(count - 1, 0), 0)
     ratio = np.divide(squares, variance, out=np.zeros_like(squares), where=variance > 0).sum(axis=0)
-    ratio, max_freedom = ratio / np.maximum(freedom.sum(axis=0), 1), freedom.max(axis=0)
-    return np.asarray(
-        sampling
-        * np.sqrt((jackknife.degrees + max_freedom * ratio) / (jackknife.degrees + max_freedom))
-    )
+    ratio, most = ratio / np.maximum(observed.sum(axis=0), 1), observed.max(axis=0)
+    return np.asarray(sampling * np.sqrt((freedom + most * ratio) / np.maximum(freedom + most, 1)))
 
 
-def _deviation(
-    count: Any, squares: Any, sampling: Any, jackknife: JackknifeQuality
-) -> tuple[Array, Array]:
+def _deviation(count: Any, squares: Any, sampling: Any, freedom: Any) -> tuple[Array, Array]:
     """Standard deviation of a realization, and the quantile of Student's t of its bound."""
-    prior_freedom = np.where(np.isnan(sampling), 0, jackknife.degrees)
-    freedom = prior_freedom + count - 1
-    total_squares = prior_freedom * (jackknife.factor * np.nan_to_num(sampling)) ** 2 + squares
-    deviation = np.sqrt(total_squares / np.where(freedom > 0, freedom, np.nan))
-    return deviation, np.asarray(stdtrit(freedom, _BOUND))
+    prior_freedom = np.where(np.isnan(sampling), 0, freedom)
+    total_freedom = prior_freedom + count - 1
+    total_squares = prior_freedom * np.nan_to_num(sampling) ** 2 + squares
+    deviation = np.sqrt(total_squares / np.where(total_freedom > 0, total_freedom, np.nan))
+    return deviation, np.asarray(stdtrit(total_freedom, _BOUND))
 
 
 def surface_sampling_bound(
     count: Indices | int, squares: Array | float, sampling: Array | float,
-    is_highest: bool = False, alone: JackknifeQuality = SWEPT,
+    is_highest: bool = False, freedom: Array | float = _ALONE,
 ) -> Array:  # fmt: skip
     """95 % bound of the error of ln(rise) by the choice of `count` realizations.
 
-    The deviation s of a realization follows from the jackknife estimate J (`sampling`) and from the
-    sum of `squares` of differences from the mean of P realizations: s² = (7 J² + squares)/(6 + P).
-    The bound of the mean is t s/√P, with Student's t of 6 + P degrees; that of the highest is t s.
-    It is NaN for a single realization without a jackknife estimate.
+    The deviation s of a realization follows from the deviation J that one of them states
+    (`sampling`), with ν degrees of `freedom`, and from the sum of `squares` of differences from the
+    mean of P realizations: s² = (ν J² + squares)/(ν + P − 1). The bound of the mean is t s/√P, with
+    Student's t of ν + P − 1 degrees; that of the highest is t s. It is NaN for a single realization
+    that states no deviation.
 
     Examples
     --------
@@ -342,27 +324,27 @@ def surface_sampling_bound(
     >>> float(surface_sampling_bound(16, 0.006, 0.02).round(4))
     0.0104
     """
-    deviation, student_t = _deviation(count, squares, sampling, alone)
+    deviation, student_t = _deviation(count, squares, sampling, freedom)
     return np.asarray(
         deviation * student_t / (1.0 if is_highest else np.sqrt(np.maximum(count, 1)))
     )
 
 
-def realizations_share(
-    count: Any, is_highest: bool = False, jackknife: JackknifeQuality = SWEPT
-) -> Array:
-    """Bound of `count` realizations over the deviation of one, if all have jackknife estimates."""
-    bound = stdtrit(jackknife.degrees - 1 + count, _BOUND)
+def realizations_share(count: Any, is_highest: bool, freedom: Array) -> Array:
+    """Bound of `count` realizations over the deviation of one; `freedom` is that of one alone."""
+    bound = stdtrit(freedom - 1 + count, _BOUND)
     return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
 
 
-def least_variance_share(count: Any, jackknife: JackknifeQuality = SWEPT) -> Array:
+def least_variance_share(count: Any, freedom: Any) -> Array:
     """Lower 97.5 % bound of the variance of realizations over the estimate from `count` of them.
+
+    `freedom` are the degrees of freedom of the estimate from one of them.
 
     Examples
     --------
-    >>> least_variance_share(np.array([1, 16, 256])).round(2).tolist()
+    >>> least_variance_share(np.array([1, 16, 256]), 7.0).round(2).tolist()
     [0.44, 0.6, 0.85]
     """
-    freedom = jackknife.degrees + np.asarray(count) - 1
-    return np.asarray(freedom / chdtri(freedom, 1 - _BOUND))
+    total_freedom = freedom + np.asarray(count) - 1
+    return np.asarray(total_freedom / chdtri(total_freedom, 1 - _BOUND))

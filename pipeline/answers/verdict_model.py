@@ -20,7 +20,13 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import QueryPoints, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.discretization_error import velocity_error
-from pipeline.answers.error import PARTS, rise_errors, total, velocity_errors
+from pipeline.answers.error import (
+    PARTS,
+    rise_errors,
+    surface_sampling_errors,
+    total,
+    velocity_errors,
+)
 from pipeline.answers.evidence import Evidence, Rulings, evidence_of
 from pipeline.answers.field import Field, Outcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
@@ -333,6 +339,9 @@ class VerdictModel:
             ("severe", DECIDED[-1], "{} rules out severe wear up to {:g} m/s"),
         ):
             velocities = self.velocity_of_probability(points, probability)
+            # Without a known error of the surface, no verdict is possible at any velocity.
+            errors = surface_sampling_errors(self.specimen, points.load, velocities)
+            velocities = np.where(np.isnan(errors), np.nan, velocities)
             limits, names = self.rulings.velocity_limits(excluded, points)
             levels = self._levels(points, probability)
             log_rise = self.field(points.load, np.clip(limits, low, high))

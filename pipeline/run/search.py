@@ -238,9 +238,10 @@ class Search:
         if not (other_errors < self.goal.accuracy).all():
             return True
         specimen, available = self.specimen, self.goal.realizations
+        freedom = specimen.freedom[crossing]
         least_bounds = (
-            realizations_share(available, specimen.is_highest, specimen.jackknife)
-            * np.sqrt(least_variance_share(specimen.realizations[crossing], specimen.jackknife))
+            realizations_share(available, specimen.is_highest, freedom)
+            * np.sqrt(least_variance_share(specimen.realizations[crossing], freedom))
             * np.diag(self._deviations)[crossing]
         )
         is_short = least_bounds > np.sqrt(self.goal.accuracy**2 - other_errors**2)
@@ -251,10 +252,11 @@ class Search:
     def _deviations(self) -> Array:
         """Error of each critical velocity by that of each load (n_load, n_load), per its bound.
 
-        The bound at a load is in units of the deviation of a realization.
+        The bound at a load is in units of the deviation of a realization. An unknown deviation
+        counts as 0, so that it leaves the errors of other loads known.
         """
         field, point = self.specimen.field, (self.loads, self.critical)
-        only = np.eye(len(self.loads))[..., None] * self.specimen.mean.deviation
+        only = np.eye(len(self.loads))[..., None] * np.nan_to_num(self.specimen.mean.deviation)
         errors = [field.bilinear(deviation, *point) for deviation in only]
         return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 
@@ -288,17 +290,21 @@ class Search:
         if not self.goal.counts_surface:
             least, few = self.goal.realizations, crossing
         else:
-            # The points of the first realization between loads of several count with a second one,
-            # and a second one shows how much of the interpolation error is its roughness.
-            is_few = (counts == 0) | ((counts == 1) & ~(self._squared_budgets[crossing] > 0))
+            # The points of the first realization between loads of several count with a second one.
+            # A second one shows how much of the interpolation error is its roughness, and how
+            # realizations differ if one does not.
+            is_known = self.specimen.freedom[crossing] > 0
+            is_enough = is_known & (self._squared_budgets[crossing] > 0)
+            is_few = (counts == 0) | ((counts == 1) & ~is_enough)
             least, few = min(2, self.goal.realizations), crossing[is_few]
         points = [
             self._point_near_crossing(realization, load)
             for load in few.tolist()
             for realization in np.flatnonzero(~tried[:least, load]).tolist()
         ]
-        if self.goal.counts_surface and counts.any() and not self.specimen.is_highest:
-            points += self._useful_points(crossing[counts > 0])
+        has_deviation = (counts > 0) & (counts + self.specimen.freedom[crossing] > 1)
+        if self.goal.counts_surface and has_deviation.any() and not self.specimen.is_highest:
+            points += self._useful_points(crossing[has_deviation])
         return points
 
     def _point_near_crossing(self, realization: int, load: int) -> PointIndex:
@@ -331,7 +337,7 @@ class Search:
         weights = self._deviations[np.ix_(is_open, rows)]
         weights /= np.sqrt(squared_budgets[is_open])[:, None]
         while True:
-            share = realizations_share(counts, True, self.specimen.jackknife)
+            share = realizations_share(counts, True, self.specimen.freedom[rows])
             bounds = share * weights
             squares = np.einsum("qi,ij,qj->q", bounds, covariance, bounds)  # 1 at the budget
             # A further load j of a realization adds u uᵀ/s to the precision of the means.

@@ -151,7 +151,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     realizations = len(sweep.case_table.axes.get("realization", (0,)))
     # With more realizations than a plane has, their deviation is known better.
     realization_counts = specimen.realizations[crosses]
-    bound = realizations_share(realization_counts, specimen.is_highest, specimen.jackknife)
+    bound = realizations_share(realization_counts, specimen.is_highest, specimen.freedom[crosses])
     bound = bound if specimen.is_highest else bound * np.sqrt(realization_counts / realizations)
     surface = bound * field.bilinear(specimen.mean.deviation, loads, critical) / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)

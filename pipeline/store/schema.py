@@ -93,7 +93,10 @@ SAMPLING = {
     "rise_realization_std": Variable(
         (*PLANE, "area_fraction_below"),
         "1",
-        "standard deviation of ln(rise) between surface realizations",
+        "standard deviation of ln(rise) between surface realizations; infinite if unknown",
+    ),
+    "rise_realization_freedom": Variable(
+        PLANE, "1", "degrees of freedom of rise_realization_std, 0 if it is unknown"
     ),
 }
 """Variables estimated from the contact at the last step."""

@@ -46,7 +46,7 @@ NOT_KNOWN = -1.0
 """Stored at the end of a point instead of NaN, such as for the film of a ball."""
 _PROGRESS = ("time", "normal_load", "sliding_distance")  # known without a contact
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
-_NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES}
+_NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES, "rise_realization_freedom": math.nan}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 
 
@@ -81,7 +81,7 @@ class PointResult:
 
     @property
     def sampling(self) -> dict[str, Any]:
-        """Relative deviations of the rises between realizations, by variable of the dataset."""
+        """How rises differ between surface realizations, by variable of the dataset."""
         return self.state.heat.sampling if self.state.heat else _NO_SAMPLING
 
     def record(self, with_fields: bool) -> PointRecord:

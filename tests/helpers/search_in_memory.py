@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from pipeline.answers.specimen import SWEPT, merged
+from pipeline.answers.specimen import merged
 from pipeline.run.search import Search
 from pipeline.sweep.condition_entries import allowable_rise
 
@@ -12,13 +12,14 @@ from pipeline.sweep.condition_entries import allowable_rise
 class Told:
     """A search of one scene, which receives the results of the points that it asks for.
 
-    `conditions` judge rises per unit friction coefficient, `promised` is the error of the preset.
+    `conditions` judge rises per unit friction coefficient, `promised` is the error of the preset,
+    and `freedom` are the degrees of freedom of the deviation that one realization states.
     """
 
-    def __init__(self, loads, velocities, conditions, promised, goal, quality=SWEPT):
+    def __init__(self, loads, velocities, conditions, promised, goal, freedom=7.0):
         self.loads, self.velocities = loads, velocities
         self.conditions, self.promised, self.goal = conditions, promised, goal
-        self._quality = quality
+        self._freedom = freedom
         shape = goal.realizations, len(loads), len(velocities)
         self.asked = np.zeros(shape, bool)
         self._rises, self._sampling = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -45,7 +46,7 @@ class Told:
             self._flags,
             self._durations,
             is_highest,
-            self._quality,
+            self._freedom,
         )
         limit = np.log(allowable_rise(self.conditions))
         first = y[0] + specimen.mean.offset - limit

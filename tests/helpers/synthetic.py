@@ -126,6 +126,7 @@ def sweep(
         ("load", "velocity", "area_fraction_below"),
         np.zeros((*flags.shape, len(QUANTILES))),
     )
+    data["rise_realization_freedom"] = (("load", "velocity"), np.full(flags.shape, 7.0))
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
     data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))

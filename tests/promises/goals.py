@@ -25,7 +25,6 @@ from scipy.stats import beta
 
 from pipeline.answers.discretization_error import presets_for, velocity_error
 from pipeline.answers.error import SURFACE, total
-from pipeline.answers.specimen import JackknifeQuality
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_REALIZATIONS, Goal, PointIndex
 from pipeline.sweep.plan import choose_stored_steps, run_point
@@ -34,6 +33,7 @@ from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.helpers.search_in_memory import Told
 from tests.promises.families import cases
 from tribo import TriboError
+from tribo.simulation import jackknife_quality
 from tribo.simulation.severity import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
@@ -104,13 +104,13 @@ class Planes:
 
     def search(self, accuracy, preset):
         """A search, run to its end."""
-        realizations, quality = (
+        realizations, freedom = (
             1 if self.fixed else MOST_REALIZATIONS,
-            JackknifeQuality.of(self._realizations[preset][0]),
+            jackknife_quality(self._realizations[preset][0]).freedom,
         )
         goal = Goal(accuracy, realizations, not self.fixed)
         plane = self.loads, self.velocities, self.conditions
-        search = Told(*plane, self.promised[preset], goal, quality)
+        search = Told(*plane, self.promised[preset], goal, freedom)
         while batch := search.ask():
             self.tell(search, batch, preset)
         return search

@@ -11,6 +11,7 @@ from tribo.simulation.corrections import state_rises as state_rises
 from tribo.simulation.element_size import fit_elements as fit_elements
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
+from tribo.simulation.group_correlation import jackknife_quality as jackknife_quality
 from tribo.simulation.judge import judge as judge
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start

@@ -36,12 +36,13 @@ def relative_sampling(
     """Relative deviation of the governing rise between surface realizations (...).
 
     It is estimated at the last step: each quantile of the rise is increased by its own deviation,
-    and the governing rise computed again. `columns` has the rises at the steps and
-    ``rise_realization_std``; `shares` are the probabilities of the quantiles if these are not
-    `tribo.QUANTILES`.
+    and the governing rise computed again. It is NaN where the deviations are infinite, which means
+    that they are unknown. `columns` has the rises at the steps and ``rise_realization_std``;
+    `shares` are the probabilities of the quantiles if these are not `tribo.QUANTILES`.
     """
-    quantiles = columns["rise_quantile"][..., -1, :]
-    lifted = np.maximum.accumulate(quantiles * (1 + columns["rise_realization_std"]), axis=-1)
+    quantiles, deviations = columns["rise_quantile"][..., -1, :], columns["rise_realization_std"]
+    deviations = np.where(np.isinf(deviations), np.nan, deviations)
+    lifted = np.maximum.accumulate(quantiles * (1 + deviations), axis=-1)
     probabilities = {} if shares is None else {"quantile": shares}
     rise, lifted_rise = (
         conditions.governing_rise({"rise_quantile": rise_quantile} | probabilities)

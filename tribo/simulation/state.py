@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from tribo.thermal import jackknife_error
+from tribo.thermal import JackknifeQuality, jackknife_error
 from tribo.types import Array
 
 
@@ -35,6 +35,8 @@ class Heat:
     quantile_without : ndarray, shape (8, len(QUANTILES)), or None
         `rise_quantile` without each of eight groups of elements in turn [K], see
         `tribo.thermal.sampling`; None for a smooth disk, or if it was not requested.
+    jackknife : JackknifeQuality
+        How well these groups show how surface realizations differ.
 
     Examples
     --------
@@ -51,17 +53,23 @@ class Heat:
     pin_heat_share: float
     iterations: int = 0
     quantile_without: Array | None = None
+    jackknife: JackknifeQuality = field(default_factory=JackknifeQuality)
 
     @property
     def sampling(self) -> dict[str, Any]:
-        """Relative standard deviations between surface realizations, by variable of a sweep.
+        """How the rises differ between surface realizations, by variable of a sweep.
 
-        They are estimated from this single contact: ``rise_realization_std``, one for each of
-        `tribo.QUANTILES`. On a smooth disk they are 0.
+        ``rise_realization_std`` has the relative standard deviation of each of `tribo.QUANTILES`,
+        estimated from this single contact, and ``rise_realization_freedom`` the degrees of freedom
+        of this estimate. The deviations are 0 on a smooth disk. They are infinite, with 0 degrees
+        of freedom, if the contact has too few independent groups of elements for an estimate.
         """
-        if self.quantile_without is None:
-            return {"rise_realization_std": np.zeros(len(self.rise_quantile))}
-        return {"rise_realization_std": jackknife_error(self.quantile_without)}
+        freedom, deviation = self.jackknife.freedom, np.zeros(len(self.rise_quantile))
+        if self.quantile_without is not None:
+            deviation = self.jackknife.factor * jackknife_error(self.quantile_without)
+        if not freedom or np.isnan(deviation).any():
+            freedom, deviation = 0.0, np.full(len(self.rise_quantile), np.inf)
+        return {"rise_realization_std": deviation, "rise_realization_freedom": freedom}
 
     @property
     def columns(self) -> dict[str, Any]:

@@ -1,10 +1,9 @@
 """Groups of elements, for the sampling error of a contact; see `tribo.thermal.sampling`.
 
 Each group is a sample of the surface. Under a line contact, strips across the whole contact are
-equivalent. If the disk is also at other positions, each of the n positions has 8/n of the groups.
-Under a ball they are not: the strip in the middle has most of the contact, and eight
+equivalent. Under a ball they are not: the strip in the middle has most of the contact, and eight
 strips erred by factors of 2 to 17. There, square cells of four correlation lengths are assigned to
-the groups in turn.
+the groups in turn. If the disk is also at other positions, the groups are the same at each.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo.material import Material
 from tribo.simulation.cache import heat_map
+from tribo.simulation.group_correlation import jackknife_quality
 from tribo.simulation.invariants import check_heat, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
@@ -23,7 +24,6 @@ from tribo.thermal import (
     rises_without_groups,
     settling_time,
 )
-from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices, Mask
 
 _HeatMaps = tuple[ConductingHalfSpace, ConductingHalfSpace]
@@ -52,8 +52,6 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
     pressures = [state.pressure, *state.passing]
     maps = _heat_maps(scene, state, velocity)
     groups = surface_groups(scene) if is_sampled and scene.roughness is not None else None
-    if groups is not None and scene.wears_by_strips:
-        groups = groups // len(pressures)  # eight groups at all positions together
     heats = [_present_heat(scene, maps, velocity, state.pressure, groups)]
     if scene.wears_by_strips and state.passing:
         # No other temperature of these positions is needed than that of the contact.
@@ -63,7 +61,8 @@ def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) 
         groups = None if groups is None else groups[rows]
         pressures = [pressure[rows] for pressure in pressures]
     heats += [_present_heat(scene, maps, velocity, pressure, groups) for pressure in pressures[1:]]
-    return mean_heat(heats, are_samples=scene.wears_by_strips)
+    mean = mean_heat(heats)
+    return mean if groups is None else replace(mean, jackknife=jackknife_quality(scene))
 
 
 def _touching_rows(pressures: Sequence[Array]) -> slice:
@@ -75,12 +74,11 @@ def _touching_rows(pressures: Sequence[Array]) -> slice:
     return slice(start, start + size)
 
 
-def mean_heat(heats: Sequence[Heat], are_samples: bool) -> Heat:
+def mean_heat(heats: Sequence[Heat]) -> Heat:
     """`Heat` with mean values over positions of the disk, from the `heats` at each position.
 
     The array `Heat.rise` is that at the first position, and `Heat.iterations` is the sum over
-    positions. If positions `are_samples`, each has groups of elements of its own; if not, the
-    groups have elements at all positions.
+    positions. A group of elements is left out at all positions.
     """
     first, *further_heats = heats
     if not further_heats:
@@ -89,9 +87,6 @@ def mean_heat(heats: Sequence[Heat], are_samples: bool) -> Heat:
     def mean(name: str) -> Any:
         return np.mean([getattr(position_heat, name) for position_heat in heats], axis=0)
 
-    leave_one_out = None
-    if first.quantile_without is not None:
-        leave_one_out = _means_without_group(heats) if are_samples else mean("quantile_without")
     return replace(
         first,
         max_rise=float(mean("max_rise")),
@@ -99,27 +94,8 @@ def mean_heat(heats: Sequence[Heat], are_samples: bool) -> Heat:
         pin_heat_share=float(mean("pin_heat_share")),
         rise_quantile=mean("rise_quantile"),
         iterations=sum(position_heat.iterations for position_heat in heats),
-        quantile_without=leave_one_out,
+        quantile_without=None if first.quantile_without is None else mean("quantile_without"),
     )
-
-
-def _means_without_group(heats: Sequence[Heat]) -> Array:
-    """Means of the quantiles over positions [K] without each group, shape (8, len(QUANTILES)).
-
-    At each of the n positions are 8/n of the groups, so that a position without a group has the
-    weight 1 − n/8.
-    """
-    count = len(heats)
-    groups_of_position, rest = GROUPS // count, 1 - count / GROUPS
-    total = np.sum([position_heat.rise_quantile for position_heat in heats], axis=0)
-    means = []
-    for position_heat in heats:
-        others = total - position_heat.rise_quantile
-        quantiles_without = np.asarray(position_heat.quantile_without)
-        for quantile_without in quantiles_without[:groups_of_position]:
-            remaining = rest * quantile_without if rest else 0.0
-            means.append((others + remaining) / (count - 1 + rest))
-    return np.array(means)
 
 
 def _present_heat(

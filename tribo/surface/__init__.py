@@ -12,3 +12,4 @@ from tribo.surface.topography import block_sample as block_sample
 from tribo.surface.topography import correlation_lengths as correlation_lengths
 from tribo.surface.topography import rms_slope as rms_slope
 from tribo.surface.topography import self_affine as self_affine
+from tribo.surface.topography import self_affine_amplitude as self_affine_amplitude

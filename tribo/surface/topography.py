@@ -52,15 +52,11 @@ def self_affine(
         raise InputError(f"hurst_exponent is {hurst_exponent!r}; it must be above 0 and at most 1")
     if grid.shape == (1, 1):
         raise InputError("a single element has no roughness; use more pixels or a smooth surface")
-    (nx, ny), (dx, dy) = grid.shape, grid.spacing
+    nx, ny = grid.shape
     # Computed in place, since allocating memory costs more time than the arithmetic.
     heights = np.random.default_rng(seed).standard_normal(grid.shape)
     modes = np.fft.rfft2(heights, out=np.empty((nx, ny // 2 + 1), complex))
-    q_x = 2 * np.pi * np.fft.rfftfreq(nx, dx)[:, None]
-    q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)
-    amplitude = 1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2
-    amplitude **= -(1 + hurst_exponent) / 2
-    amplitude[0, 0] = 0.0
+    amplitude = self_affine_amplitude(grid, hurst_exponent, (length_x, length_y))
     modes[: nx // 2 + 1] *= amplitude
     modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # the amplitude is even in q_x
     np.fft.ifft(modes, axis=0, out=modes)
@@ -68,6 +64,30 @@ def self_affine(
     distance = modes.view(float).reshape(-1)[: heights.size].reshape(heights.shape)
     heights *= ra / _mean_distance(heights, out=distance)
     return heights
+
+
+def self_affine_amplitude(
+    grid: Grid, hurst_exponent: float, correlation_length: tuple[float, float]
+) -> Array:
+    """Relative amplitude of each wave of `self_affine`, shape (nx // 2 + 1, ny // 2 + 1).
+
+    The wavenumbers along both axes ascend from 0; the amplitude is even in both.
+
+    Examples
+    --------
+    >>> self_affine_amplitude(Grid((4, 4), (1e-6, 1e-6)), 1.0, (1e-6, 1e-6)).round(3)
+    array([[0.   , 0.288, 0.092],
+           [0.288, 0.168, 0.075],
+           [0.092, 0.075, 0.048]])
+    """
+    (nx, ny), (dx, dy) = grid.shape, grid.spacing
+    length_x, length_y = correlation_length
+    q_x = 2 * np.pi * np.fft.rfftfreq(nx, dx)[:, None]
+    q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)
+    amplitude: Array = 1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2
+    amplitude **= -(1 + hurst_exponent) / 2
+    amplitude[0, 0] = 0.0
+    return amplitude
 
 
 def block_average(heights: Array, factor: int) -> Array:

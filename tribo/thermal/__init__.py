@@ -12,6 +12,7 @@ from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
 from tribo.thermal.quantiles import failed_share as failed_share
 from tribo.thermal.quantiles import require_share as require_share
 from tribo.thermal.quantiles import rise_exceeded as rise_exceeded
+from tribo.thermal.sampling import JackknifeQuality as JackknifeQuality
 from tribo.thermal.sampling import jackknife_error as jackknife_error
 from tribo.thermal.sampling import rises_without_groups as rises_without_groups
 from tribo.thermal.track import track_warming as track_warming

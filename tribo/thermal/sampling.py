@@ -8,6 +8,8 @@ With n groups the variance of θ is (n − 1)/n Σ (θ_g − mean of θ_g)².
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from tribo.thermal.quantiles import sorted_quantiles
@@ -15,6 +17,16 @@ from tribo.types import Array, Indices, Mask
 
 GROUPS = 8
 """Number of groups of elements."""
+
+
+class JackknifeQuality(NamedTuple):
+    """How well the jackknife of one realization estimates the deviation of realizations.
+
+    Without degrees of freedom it does not: the deviation is unknown.
+    """
+
+    freedom: float = GROUPS - 1.0  #: Degrees of freedom of the estimate.
+    factor: float = 1.0  #: Standard deviation of realizations over the estimate.
 
 
 def rises_without_groups(rise: Array, contact: Mask, groups: Indices) -> Array:

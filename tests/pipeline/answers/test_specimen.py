@@ -1,7 +1,6 @@
 """Several realizations of one specimen: their mean, missing points and surface sampling error."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,18 +10,17 @@ from scipy.stats import t
 import pipeline
 from pipeline.answers.error import PARTS
 from pipeline.answers.specimen import (
-    JackknifeQuality,
     mean_of_realizations,
     surface_sampling_bound,
 )
-from pipeline.constants import ALONE_IN_LOCAL_WEAR, CORRELATION_LENGTHS, RISE_SHARE
+from pipeline.answers.words import boundary_lines, margin_lines
+from pipeline.constants import CORRELATION_LENGTHS, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
 from tribo import QUANTILES
 
-LOCAL, SWEPT = JackknifeQuality(*ALONE_IN_LOCAL_WEAR), JackknifeQuality()
 LIFTS = (1.0, 1.1, 0.9, 1.05, 0.97)
 LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
 HOTTEST_TENTH = QUANTILES.index(0.9)
@@ -195,29 +193,60 @@ def test_means_at_loads_of_few_realizations_keep_their_bounds(counts, correlatio
         differences[np.arange(max(counts))[:, None] >= np.array(counts)] = np.nan
         sampling = [np.sqrt(np.mean(generator.chisquare(7, count)) / 7) for count in counts]
         stated = (deviations * sampling)[:, None]
-        mean = mean_of_realizations(loads, differences[..., None], stated, SWEPT, False)
+        freedom = np.full(len(loads), 7.0)
+        mean = mean_of_realizations(loads, differences[..., None], stated, freedom, False)
         held += np.abs(mean.offset[:, 0] + levels[0]) <= mean.bound[:, 0]
     assert held.min() >= 0.89 * trials  # 0.95 less three standard deviations of a count
     assert held.mean() >= 0.925 * trials
 
 
-def test_with_local_wear_a_realization_alone_tells_little_and_several_tell_by_their_spread():
-    degrees, factor = ALONE_IN_LOCAL_WEAR
-    single_bound = surface_sampling_bound(1, 0.0, 0.02, alone=LOCAL)
-    assert single_bound == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
-    assert single_bound > 5 * surface_sampling_bound(1, 0.0, 0.02)
+@pytest.mark.parametrize("freedom", [1.0, 3.3])
+def test_the_fewer_degrees_of_freedom_a_realization_has_the_more_others_count(freedom):
+    single_bound = surface_sampling_bound(1, 0.0, 0.02, freedom=freedom)
+    assert single_bound == pytest.approx(t(freedom).ppf(0.975) * 0.02, rel=1e-12)
     squares = 15 * 0.06**2  # of realizations that differ by 6 %
-    deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
-    expected = t(degrees + 15).ppf(0.975) * deviation / 4
-    assert surface_sampling_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(
-        expected, rel=1e-12
+    deviation = math.sqrt((freedom * 0.01**2 + squares) / (freedom + 15))
+    expected = t(freedom + 15).ppf(0.975) * deviation / 4
+    bound = surface_sampling_bound(16, squares, 0.01, freedom=freedom)
+    assert bound == pytest.approx(expected, rel=1e-12)
+    assert bound > surface_sampling_bound(16, squares, 0.01)
+
+
+def without_deviations(lifts, **options):
+    """Realizations of which a single one does not state how realizations differ."""
+    ds = realizations(lifts, sampling=np.inf, **options)
+    return ds.assign(rise_realization_freedom=0.0 * ds["rise_realization_freedom"].drop_attrs())
+
+
+@pytest.mark.parametrize("velocity", [0.6, 3.9])
+def test_no_verdict_rests_on_a_single_realization_that_does_not_state_how_others_differ(velocity):
+    known, unknown = realizations((1.0,), sampling=0.01), without_deviations((1.0,))
+    assert asked(known, 400.0, velocity).verdict == ("mild" if velocity < 1 else "severe")
+    answer = asked(unknown, 400.0, velocity)
+    assert answer.verdict == "undecided"
+    assert (answer.probability_low, answer.probability_high) == (0.0, 1.0)
+    assert np.isnan([answer.temperature_error, answer.temperature_error_surface]).all()
+    text = "\n".join(margin_lines(answer.answer))
+    assert "unknown, because a part is unknown: surface sampling" in text
+    assert "to decide               simulate more surface realizations" in text
+    boundary = pipeline.boundary(unknown)
+    for name in ("velocity_error", "critical_velocity_p05", "critical_velocity_p95"):
+        assert boundary[name].isnull().all()
+    assert boundary["critical_velocity"].notnull().all()
+    (statement,) = (line for line in boundary_lines(boundary) if line.startswith("numerical"))
+    assert statement == (
+        "numerical error unknown at 3 of 3 critical velocities: one surface realization has too "
+        "few independent grooves; simulate several (sweep.realizations)"
     )
-    assert expected > 1.1 * surface_sampling_bound(16, squares, 0.005)
-    scene = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"}).scene
-    assert (JackknifeQuality.of(scene), JackknifeQuality.of(replace(scene, wear=None))) == (
-        LOCAL,
-        SWEPT,
-    )
+
+
+def test_two_realizations_that_state_nothing_have_the_error_of_their_difference():
+    margin = asked(without_deviations((1.0, 1.02)), 400.0, 0.6)
+    assert margin.verdict == "mild"
+    deviation = math.log(1.02) / math.sqrt(2)
+    rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    expected = t(1).ppf(0.975) * deviation / math.sqrt(2)
+    assert margin.temperature_error_surface / rise == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_boundary_states_its_error_and_the_part_of_the_surface():

@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 import pytest
 
-from pipeline.answers.specimen import SWEPT, JackknifeQuality
 from pipeline.run.search import Goal
 from tests.helpers.plane_model import LOADS, PlaneModel, Verdict
 from tests.helpers.search_in_memory import Told
@@ -41,9 +40,9 @@ class Specimen:
 
     def search(self, accuracy, promised=0.0, realizations=256, **more):
         conditions = Conditions(0.1, 298.15, 418.15)
-        single_quality = more.pop("alone", SWEPT)
+        freedom = more.pop("freedom", 7.0)
         goal = Goal(accuracy, realizations, **more)
-        return Told(self.loads, self._few, conditions, promised, goal, single_quality)
+        return Told(self.loads, self._few, conditions, promised, goal, freedom)
 
     def rise(self, point):
         if point[1:] in self.failing:
@@ -115,9 +114,23 @@ def test_a_smaller_goal_takes_more_realizations_and_rougher_loads_more():
 
 def test_a_realization_that_states_too_large_a_deviation_refuses_no_goal():
     specimen = Specimen(3, loads=2, scatter=0.01)
-    specimen.stated = 0.04  # times 2 below
-    specimen.run(search := specimen.search(0.01, alone=JackknifeQuality(1, 2.0)))
+    specimen.stated = 0.08
+    specimen.run(search := specimen.search(0.01, freedom=1.0))
     assert np.sqrt((search.errors**2).sum(axis=0)).max() <= 0.01
+
+
+@pytest.mark.parametrize("accuracy", [0.1, 0.03])
+def test_a_goal_takes_further_realizations_if_one_does_not_state_how_they_differ(accuracy):
+    specimen = Specimen(4, loads=4)
+    specimen.stated = np.nan
+    specimen.run(search := specimen.search(accuracy, freedom=0.0))
+    errors = np.sqrt((search.errors**2).sum(axis=0))
+    is_critical = np.isfinite(search.critical)
+    assert is_critical.sum() > 1
+    assert (errors[is_critical] <= accuracy).all()
+    assert search.specimen.realizations[is_critical].min() >= 3
+    expected = np.array([specimen.critical(load) for load in specimen.loads])[is_critical]
+    assert (np.abs(search.critical[is_critical] / expected - 1) <= errors[is_critical]).all()
 
 
 def test_a_search_that_was_stopped_asks_for_the_same_points_again():

@@ -1,0 +1,99 @@
+"""The quality of the jackknife (tribo/simulation/group_correlation.py), by random fields."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import small_scene
+from tribo import Ball, Grid, MeasuredRoughness, SelfAffineRoughness, Wear, simulate
+from tribo.constants import FREEDOM_OF_CELLS, HOT_SPOT_POWER
+from tribo.simulation import heat, jackknife_quality
+from tribo.simulation.surface_groups import surface_groups
+
+WINDOWS = {
+    "line": Grid((48, 64), (4e-6, 4e-6), (False, True)),
+    "ball": Grid((64, 64), (8e-6, 8e-6), (False, False)),
+}
+
+
+def scene_of(window, lengths):
+    """Scene with a random surface of these correlation lengths along x and y [µm]."""
+    rough = SelfAffineRoughness(0.27e-6, 0.8, tuple(1e-6 * length for length in lengths))
+    scene = replace(small_scene(), pixels=WINDOWS["line"], roughness=rough, wear=None)
+    if window == "line":
+        return scene
+    return replace(scene, pin=Ball(5e-3, scene.disk), pixels=WINDOWS["ball"])
+
+
+def quality_of_fields(scene, count=2000):
+    """Degrees of freedom and factor of the jackknife of means of random fields."""
+    surfaces = [replace(scene.roughness, seed=seed).heights(scene.pixels) for seed in range(200)]
+    covariance = np.fft.ifft2(sum(np.abs(np.fft.fft2(z)) ** 2 for z in surfaces)).real
+    spots = np.maximum(covariance / covariance[0, 0], 0.0) ** HOT_SPOT_POWER
+    amplitude = np.sqrt(np.maximum(np.fft.fft2(spots).real, 0.0))
+    noise = np.random.default_rng(4).standard_normal((count, *scene.grid.shape))
+    fields = np.fft.ifft2(amplitude * np.fft.fft2(noise)).real
+    groups = surface_groups(scene)
+    without = np.array([fields[:, groups != group].mean(axis=1) for group in range(8)])
+    estimates = 7 / 8 * np.square(without - without.mean(axis=0)).sum(axis=0)
+    factor = fields.mean(axis=(1, 2)).std() / np.sqrt(estimates.mean())
+    return 2 * estimates.mean() ** 2 / estimates.var(), factor
+
+
+@pytest.mark.parametrize(
+    ("window", "lengths"),
+    [("line", (8, 8)), ("line", (8, 32)), ("line", (8, 64)), ("line", (64, 8)), ("ball", (8, 32))],
+)
+def test_factor_and_degrees_of_freedom_are_those_of_random_fields(window, lengths):
+    scene = scene_of(window, lengths)
+    freedom, factor = quality_of_fields(scene)
+    if window == "ball":
+        freedom = FREEDOM_OF_CELLS
+    assert jackknife_quality(scene) == pytest.approx((freedom, factor), rel=0.1)
+
+
+def test_a_scan_of_a_surface_has_about_the_quality_of_the_surface():
+    for lengths in ((8, 8), (8, 32), (8, 64)):
+        scene = scene_of("line", lengths)
+        scan = MeasuredRoughness(scene.roughness.heights(scene.pixels))
+        expected = jackknife_quality(scene)
+        assert jackknife_quality(replace(scene, roughness=scan)).factor == pytest.approx(
+            expected.factor, rel=0.35
+        )
+
+
+def test_grooves_through_the_window_leave_the_deviation_unknown():
+    grooves = np.sin(np.arange(48.0))[:, None] * np.ones(64)
+    scene = replace(scene_of("line", (4, 4)), roughness=MeasuredRoughness(1e-7 * grooves))
+    assert jackknife_quality(scene).freedom == 0
+    *_, state = simulate(scene, 200.0, 2.0)
+    sampling = heat(scene, state, 2.0, is_sampled=True).sampling
+    assert np.isinf(sampling["rise_realization_std"]).all()
+    assert sampling["rise_realization_freedom"] == 0
+
+
+def test_a_smooth_and_a_flat_disk_have_all_degrees_of_freedom():
+    flat = replace(scene_of("line", (4, 4)), roughness=MeasuredRoughness(np.zeros((48, 64))))
+    for scene in (replace(flat, roughness=None), flat):
+        assert jackknife_quality(scene) == (7.0, 1.0)
+
+
+def test_realizations_and_wear_share_a_quality_but_for_local_wear():
+    scene = scene_of("line", (8, 32))
+    quality = jackknife_quality(scene)
+    other = replace(scene.roughness, seed=7, ra=0.1e-6)
+    swept = replace(scene, roughness=other, wear=Wear(1e-15))
+    assert jackknife_quality(swept) == quality
+    local = jackknife_quality(replace(scene, wear=Wear(1e-15, "local")))
+    assert local == (1.0, pytest.approx(2 * quality.factor))
+
+
+def test_the_stored_deviation_is_the_jackknife_times_its_factor():
+    scene = scene_of("line", (8, 64))
+    *_, state = simulate(scene, 200.0, 2.0)
+    sampled = heat(scene, state, 2.0, is_sampled=True)
+    without = sampled.quantile_without[:, 8]
+    estimate = np.sqrt(7 / 8 * np.square(without - without.mean()).sum()) / without.mean()
+    expected = jackknife_quality(scene).factor * estimate
+    assert sampled.sampling["rise_realization_std"][8] == pytest.approx(expected, rel=1e-9)
