@@ -75,11 +75,33 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name, f
 
 
 @pytest.mark.slow
-def test_two_halves_of_eight_realizations_are_as_near_as_they_state():
-    small = {"sweep.loads": ["400 N", "750 N"], "fidelity.preset": "standard"}
-    for _, apart, ratio in realizations.rows_of("line", count=8, **small):
-        assert apart <= 1
-        assert realizations.MIN_RATIO <= ratio <= realizations.MAX_RATIO
+def test_sets_of_realizations_agree_with_the_others_within_what_they_state():
+    name = "line, across 30 µm"
+    rows, held, ratios = realizations.judge_scene(name, 8, **{"sweep.loads": ["200 N", "500 N"]})
+    assert {size: sets.shape for size, sets in held.items()} == {
+        "1": (8, 2),
+        "2": (4, 2),
+        "4": (2, 2),
+    }
+    assert len(rows) == 2
+    assert held["1"].mean() >= 0.75
+    assert held["2"].mean() >= 0.75
+    assert (ratios > 0.6).all()
+    assert (ratios < realizations.MAX_STATED).all()
+
+
+def test_bounds_that_fail_on_more_realizations_or_scenes_than_by_chance_are_wrong():
+    right = [(0.95, 20)] * 17
+    for further, is_right in (
+        ([(0.95, 20)] * 3, True),
+        ([(1.0, 20)] * 3, True),
+        ([(0.8, 20), (1.0, 20), (1.0, 20)], True),  # one scene fails by chance
+        ([(0.8, 20)] * 3, False),
+        ([(0.55, 20)] * 2, False),
+    ):
+        assert realizations.are_right(right + further) == is_right
+    assert not realizations.are_right([(0.88, 20)] * 20)
+    assert realizations.are_right([(0.93, 20)] * 20)
 
 
 def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_chance():

@@ -8,12 +8,13 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
+from pipeline.answers.boundary_lines import boundary_lines
 from pipeline.answers.error import PARTS
+from pipeline.answers.point_lines import margin_lines
 from pipeline.answers.specimen import (
     mean_of_realizations,
     surface_sampling_bound,
 )
-from pipeline.answers.words import boundary_lines, margin_lines
 from pipeline.constants import CORRELATION_LENGTHS, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
