@@ -16,7 +16,7 @@ FULL_TOLERANCE_ELEMENTS = 2000  # touching elements from which on the fidelity's
 TIGHTEST_TOLERANCE = 1e-3  # smallest tolerance of a contact, for few elements
 CONTACT_OVER_HEAT = 24.0  # tolerance of a contact over that of its heat partition
 # Tolerances at a stored step before a point's end, over those at its end. With 2.0, rises exceeded
-# on up to half of the contact change by at most 0.8 % on eleven scenes, and areas by 1.0 %.
+# on up to half of the contact change by at most 0.8 % on nine scenes, and areas by 1.0 %.
 STEP_TOLERANCE_FACTOR = 2.0
 TIGHTEST_HEAT = 1e-12  # smallest tolerance of the heat partition
 # Factor on the size of elements if the rise is a mean over positions. With 2.0 rises under balls
