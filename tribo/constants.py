@@ -15,9 +15,6 @@ FULL_SHARE = 2.0  # area by Eq. (1) over the nominal area, from which on summits
 FULL_TOLERANCE_ELEMENTS = 2000  # touching elements from which on the fidelity's tolerance applies
 TIGHTEST_TOLERANCE = 1e-3  # smallest tolerance of a contact, for few elements
 CONTACT_OVER_HEAT = 24.0  # tolerance of a contact over that of its heat partition
-# Tolerances at a stored step before a point's end, over those at its end. With 2.0, rises exceeded
-# on up to half of the contact change by at most 0.8 % on nine scenes, and areas by 1.0 %.
-STEP_TOLERANCE_FACTOR = 2.0
 TIGHTEST_HEAT = 1e-12  # smallest tolerance of the heat partition
 # Factor on the size of elements if the rise is a mean over positions. With 2.0 rises under balls
 # were up to 2.9 % too high; with 1.4 they err by 0.7 %, as with 1.0.

@@ -30,7 +30,6 @@ from tribo.simulation import (
     contact_key,
     contacts,
     fit_elements,
-    for_earlier_steps,
     heat,
     mechanics,
     point_warnings,
@@ -243,7 +242,7 @@ def _increment_values(
 ) -> Moment:
     """Values to record of a contact after an increment, by variable."""
     try:
-        values = record(_heated(for_earlier_steps(scene), velocity, contact))
+        values = record(_heated(scene, velocity, contact))
     except TriboError:  # without a temperature, which the end of a point does not need
         values = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
     if contact.is_requested or not contact.pressure.any():

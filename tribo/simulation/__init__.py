@@ -32,7 +32,6 @@ from tribo.simulation.point_warnings import warnings as warnings
 from tribo.simulation.ramp_cache import RampCache as RampCache
 from tribo.simulation.ramp_cache import Recorder as Recorder
 from tribo.simulation.scene import Scene as Scene
-from tribo.simulation.scene import for_earlier_steps as for_earlier_steps
 from tribo.simulation.stage_window import widen_window as widen_window
 from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State

@@ -17,6 +17,7 @@ import itertools
 from collections.abc import Callable, Container, Generator, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from tribo.simulation.loading_step import advance, start
 from tribo.simulation.parts_of_steps import step_parts
 from tribo.simulation.passing import solve_positions
 from tribo.simulation.ramp_cache import RampCache, Recorder
-from tribo.simulation.scene import Scene, for_earlier_steps
+from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 
 
@@ -111,12 +112,14 @@ def contacts(
     on_finest = range(MOST_STEPS + 1) if recorder and not has_stages else requested
     advance_step = partial(_advance_shared, levels, velocity, on_finest)
     key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
-    if has_stages:
+    if has_stages or (recorder and load_steps[-1].on_trunk):
+        memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
         last = yield from _reach_shared_end(
             ramp_cache, key, start(scene), load_steps, advance_step, recorder
         )
-        yield last
-        return
+        if last.is_requested or not last.pressure.any():
+            yield last if has_stages else _with_positions(levels[-1], last, memo)
+            return
     shared_steps = list(
         itertools.takewhile(
             lambda load_step: (
@@ -135,16 +138,8 @@ def contacts(
         yield from (replace(end, course=course) for end in memo["ends"])
         return
     final_states = list[State]()
-    # Such an end is also a step of higher loads, and guesses its positions without a displacement.
-    is_stored_step = recorder is not None and load_steps[-1].on_trunk
     for end in _final_states(
-        levels,
-        state,
-        load_steps[len(shared_steps) :],
-        normal_load,
-        velocity,
-        requested,
-        is_stored_step,
+        levels, state, load_steps[len(shared_steps) :], normal_load, velocity, requested
     ):
         if end.is_requested:
             final_states.append(end)
@@ -161,9 +156,10 @@ def _reach_shared_end(
     advance: Callable[[State, LoadStep], State],
     recorder: Recorder | None,
 ) -> Generator[State, None, State]:
-    """Yield the states that are new to `ramp_cache`; return the last state, that of a stage.
+    """Yield the states that are new to `ramp_cache`; return the last state.
 
-    Later stages continue from it.
+    Higher loads continue from the last state, which is that of a stage, or of a ramp at the end of
+    a step.
     """
     yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, recorder)
     last_step = ramp_cache.reach(key, begin, load_steps, advance, recorder)
@@ -173,6 +169,16 @@ def _reach_shared_end(
         except StopIteration as end:
             last: State = end.value[0]
             return replace(last, course=end.value[1])
+
+
+def _with_positions(scene: Scene, last: State, memo: dict[Hashable, Any]) -> State:
+    """The shared state `last` as the end of a point, with contacts at all positions of the disk."""
+    if not (last.is_requested and scene.wears_by_strips):
+        return last
+    if "end" not in memo:  # not solved for a scene that differs only in thermal constants
+        memo["end"] = solve_positions(scene, last)
+    end: State = memo["end"]
+    return replace(end, course=last.course)
 
 
 def _advance_shared(
@@ -188,7 +194,7 @@ def _advance_shared(
         return after
     try:
         finest = _solve_requested(
-            levels, begin, after, load_step, velocity, load_step.bounds_hold, before
+            levels, begin, after, load_step, velocity, is_judged=load_step.bounds_hold
         )
     except TriboError:
         if load_step.bounds_hold:
@@ -196,8 +202,8 @@ def _advance_shared(
         return after  # the ramp continues, since the ends of points do not need this contact
     if finest.history is None:
         return finest
-    # The ramp continues from the history, and the next stored step from the displacement.
-    return replace(finest, previous_pressure=after.previous_pressure)
+    # The ramp continues from the history. Arrays for a next step would take half of the memory.
+    return replace(finest, previous_pressure=after.previous_pressure, displacement=None)
 
 
 def _final_states(
@@ -207,10 +213,9 @@ def _final_states(
     normal_load: float,
     velocity: float,
     requested: Container[int],
-    is_stored_step: bool,
 ) -> Iterator[State]:
     """Yield the states after `state` at the last load steps of a point, shared by no other."""
-    is_worn, reached, last_requested = velocity != 0, None, None
+    is_worn, reached = velocity != 0, None
     for load_step in load_steps:
         if load_step.holding and reached and not is_worn:
             is_requested = load_step is load_steps[-1] or load_step.index in requested
@@ -221,16 +226,8 @@ def _final_states(
         if load_step is load_steps[-1] or is_reached or load_step.index in requested:
             is_judged = load_step is load_steps[-1] or load_step.normal_load >= normal_load
             requested_state = _solve_requested(
-                levels,
-                before,
-                state,
-                load_step,
-                velocity,
-                is_judged,
-                last_requested,
-                is_stored_step,
+                levels, before, state, load_step, velocity, is_judged
             )
-            last_requested = requested_state
             reached = requested_state if is_reached else reached
             yield requested_state
         else:
@@ -270,26 +267,15 @@ def _solve_requested(
     load_step: LoadStep,
     velocity: float,
     is_judged: bool,
-    last_requested: State | None = None,
-    without_displacement: bool = False,
 ) -> State:
     """Repeat a step on the finest grid, so that the state at its end can get a temperature.
 
-    A step that no verdict uses (not `is_judged`) has a looser tolerance, and its contact is guessed
-    from the state `last_requested` of an earlier step. Under a pin that wears by strips of the
-    disk, its temperature is that at one position. With `without_displacement` contacts at further
-    positions are guessed from the pressure.
+    Under a pin that wears by strips of the disk, only the temperature of a step that verdicts use
+    (`is_judged`) is a mean over positions.
     """
     if not after.pressure.any():
         return after
-    if is_judged:
-        last_requested = None  # the ends of points do not depend on which steps are stored
-    elif levels[-1].sweeps_over or levels[-1].wears_by_strips:
-        # Where a step wears the pin on the finest grid, too, areas would change by up to 3 %.
-        levels = (*levels[:-1], for_earlier_steps(levels[-1]))
-    finest = refine_step(levels, before, after, load_step, velocity, last_requested)
-    if without_displacement:
-        finest = replace(finest, displacement=None)
+    finest = refine_step(levels, before, after, load_step, velocity)
     if is_judged or not levels[-1].wears_by_strips:
         finest = solve_positions(levels[-1], finest)
     return replace(finest, is_requested=True)

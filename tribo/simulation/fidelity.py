@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Literal, Self
+from dataclasses import dataclass
+from typing import Literal
 
-from tribo.constants import (
-    CONTACT_OVER_HEAT,
-    HOLD_STEPS,
-    STEP_TOLERANCE_FACTOR,
-    TIGHTEST_HEAT,
-)
+from tribo.constants import CONTACT_OVER_HEAT, HOLD_STEPS, TIGHTEST_HEAT
 from tribo.errors import InputError, require_integer, require_number
 
 
@@ -105,11 +100,6 @@ class Fidelity:
     def heat_tolerance(self) -> float:
         """Relative residual of the heat partition at which its solver stops."""
         return max(self.contact_tolerance / CONTACT_OVER_HEAT, TIGHTEST_HEAT)
-
-    def for_earlier_steps(self) -> Self:
-        """Copy with the tolerance of stored steps before a point's end, which no verdict uses."""
-        tolerance = min(STEP_TOLERANCE_FACTOR * self.contact_tolerance, 1.0)
-        return replace(self, contact_tolerance=tolerance)
 
 
 PRESETS: dict[str, Fidelity] = {

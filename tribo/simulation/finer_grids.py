@@ -1,4 +1,4 @@
-"""A step of a point on the scene's grid, after earlier steps on a coarse grid."""
+"""The last step of a point on the scene's grid, after earlier steps on a coarse grid."""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.contact.correction import correct_guess
-from tribo.contact.problem import Problem
 from tribo.loading import LoadStep
-from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, guess_pressure, solve_pass
@@ -21,12 +18,7 @@ from tribo.wear import Stage
 
 
 def refine_step(
-    levels: tuple[Scene, ...],
-    before: State,
-    after: State,
-    load_step: LoadStep,
-    velocity: float,
-    last_requested: State | None = None,
+    levels: tuple[Scene, ...], before: State, after: State, load_step: LoadStep, velocity: float
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
@@ -34,15 +26,14 @@ def refine_step(
     Each grid starts from the result on the grid before, so that it solves the contact only once.
 
     If the wear is a mean over positions of the disk, `after` keeps its wear, and only its contact
-    is solved on the finest grid. That contact is guessed from `last_requested`, the state of an
-    earlier step, if that was computed on the finest grid.
+    is solved on the finest grid.
     """
     finest = levels[-1]
     if finest.sweeps_over and len(levels) > 1:
-        return _solve_on_finest(finest, after, last_requested)
+        return _solve_on_finest(finest, after)
     state = end_implicitly(levels[0], before, after, load_step, velocity)
     if finest.wears_by_strips:
-        return replace(_solve_on_finest(finest, state, last_requested), history=after)
+        return replace(_solve_on_finest(finest, state), history=after)
     wear_depth = _rewind(levels[0], before, state, load_step, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
@@ -70,15 +61,13 @@ def _rewind(
     return after.wear_depth - wear.depth(after.pressure, stage.distance)
 
 
-def _solve_on_finest(scene: Scene, after: State, earlier: State | None) -> State:
+def _solve_on_finest(scene: Scene, after: State) -> State:
     """The state `after`, from a coarser grid, with its contact solved on the grid of `scene`."""
     # The step is not repeated. Its wear is a mean over many positions of the disk, which the coarse
     # grid resolves, while each position would be one more contact to solve on the fine grid.
     wear_depth = _interpolate(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
-    if earlier and earlier.is_requested and earlier.displacement is not None:
-        guess = _guess_from(scene, earlier, earlier.displacement, after.normal_load, wear_depth)
-    elif scene.wears_by_strips:
+    if scene.wears_by_strips:
         (guess,) = guess_pressure(scene, after, [separation_at(scene, None) + wear_depth])
     else:
         guess = _prolong(after.pressure, scene.grid.shape)
@@ -95,19 +84,6 @@ def _solve_on_finest(scene: Scene, after: State, earlier: State | None) -> State
     )
 
 
-def _guess_from(
-    scene: Scene, earlier: State, displacement: Array, normal_load: float, wear_depth: Array
-) -> Array:
-    """Guess the pressure [Pa] at a load [N] and a wear depth [m] from that of an earlier state.
-
-    `displacement` is the elastic displacement of that state [m].
-    """
-    shape = separation_at(scene, None) + wear_depth
-    total = normal_load / (scene.grid.element_area * scene.pin.windows(scene.grid))
-    problem = Problem.from_solid(elastic_bodies(scene).solid, shape, total, scene.hardness)
-    return correct_guess(problem, shape, earlier.pressure, displacement)
-
-
 def _prolong(field: Array, shape: tuple[int, int]) -> Array:
     """Copy a field to a finer grid of `shape`; elements get the value of the coarse element."""
     for axis, n in enumerate(shape):
@@ -117,13 +93,7 @@ def _prolong(field: Array, shape: tuple[int, int]) -> Array:
 
 def _interpolate(wear_depth: Array, shape: tuple[int, int]) -> Array:
     """Interpolate wear depths linearly to a finer grid of `shape`; the mean stays equal."""
-    if (wear_depth == wear_depth[:, :1]).all():  # as under strips, where it does not depend on y
-        return np.repeat(_interpolate_rows(wear_depth[:, :1].T, shape[0]).T, shape[1], axis=1)
-    along_y = _interpolate_rows(wear_depth, shape[1])
-    return np.ascontiguousarray(_interpolate_rows(along_y.T, shape[0]).T)
-
-
-def _interpolate_rows(field: Array, n: int) -> Array:
-    """Interpolate each row of a field linearly to `n` elements."""
-    fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, field.shape[1]))
-    return np.array([np.interp(fine, coarse, row) for row in field])
+    for n in shape[::-1]:  # along the last axis, then transposed
+        fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
+        wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T
+    return np.ascontiguousarray(wear_depth)

@@ -339,12 +339,6 @@ class Scene:
         yield self
 
 
-@functools.lru_cache(maxsize=4)  # called in each step
-def for_earlier_steps(scene: Scene) -> Scene:
-    """Copy of a scene with the tolerance of stored steps before a point's end."""
-    return replace(scene, fidelity=scene.fidelity.for_earlier_steps())
-
-
 @functools.lru_cache(maxsize=64)  # called a dozen times in each step
 def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
     """Grid of elements of ``block × block`` pixels; one along y if nothing depends on y."""
