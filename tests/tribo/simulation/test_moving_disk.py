@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL
+from tests.promises.front import BOUND_UNDER_STRIPS
 from tests.promises.moving_disk import (
     FAMILIES,
     decisive,
@@ -70,8 +71,9 @@ def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_pin_of_each_family_is_as_hot_as_under_a_moving_disk(family):
+    """Strips change each point at random: the bound of the rise is 0.65 of that of velocity."""
     (point,) = family_points(family, 1)
-    assert abs(errors(*point, steps=192).mean()) < 0.012
+    assert abs(errors(*point, steps=192).mean()) < 0.65 * BOUND_UNDER_STRIPS
 
 
 def test_a_pin_that_wears_against_a_window_at_rest_is_too_cold_there():
