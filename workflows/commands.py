@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeline.cli import values
-from pipeline.cli.parser import AddCommand
+from pipeline.cli.options import AddCommand
 from pipeline.paths import user_path
 
 
