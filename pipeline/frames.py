@@ -26,6 +26,8 @@ TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
 """Suffixes of the files that a table, or a figure, may be written to."""
 _HEAD = re.compile(r"(.+) \[(.+)\]")
+_MARKUP, _ESCAPED = re.compile(r"[\\|<]"), r"\\\g<0>"  # of Markdown
+_LONG, _CUT = re.compile(r"(\S{99})\S\S+"), r"\1…"  # words of more than 100 letters
 _COLUMNS = 100  # most letters in a line of a table
 _LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
 _FEWEST_LETTERS = 20  # least width of a broken last column
@@ -66,9 +68,10 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
     """Lines of text with aligned columns, headings first.
 
     To keep lines to 100 letters, headings and cells of the last column are broken between words. If
-    this is not enough, all cells are broken, and columns move closer.
+    this is not enough, all cells are broken, and columns move closer. A word of more than 100
+    letters is cut.
     """
-    texts = cells_of(frame, "-")
+    texts = [[_LONG.sub(_CUT, text) for text in row] for row in cells_of(frame, "-")]
     for head_letters, letters, gap in _LAYOUTS:
         heads = [_broken(str(head), head_letters) for head in frame]
         rows = [[_broken(text, letters) for text in row] for row in texts]
@@ -147,7 +150,7 @@ def _finite(value: Any) -> Any:
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
     """Yield the lines of the frame as a Markdown table."""
     for number, row in enumerate([[*map(str, frame)], *cells_of(frame, "")]):
-        yield f"| {' | '.join(cell.replace('|', '/') for cell in row)} |"
+        yield f"| {' | '.join(_MARKUP.sub(_ESCAPED, cell) for cell in row)} |"
         if number == 0:
             yield "|---" * len(row) + "|"
 

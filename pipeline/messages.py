@@ -13,6 +13,13 @@ _MAX_FAULTS = 18  # that a message lists
 _MAX_NAMED = 6  # names that a message lists
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
+_UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def is_unprintable(text: str) -> bool:
+    """True if a text has line breaks, controls, or marks that reverse the text that follows."""
+    return bool(_UNPRINTABLE.search(text))
+
 
 def quoted(value: object) -> str:
     """Write a value on one line, roughly as in the scene file."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import atexit
+import functools
 import gc
 import io
 import os
@@ -71,7 +72,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         interrupted = f"interrupted{saved}: run the same command again to continue"
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_: output.print_note(f"note: {message}")
+            note = functools.cache(lambda text: output.print_note(f"note: {text}"))  # once each
+            warnings.showwarning = lambda message, *_: note(str(message))
             result = function(options)
             output.show(options, result)
             if sys.stdout is not None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.limits import MOST_SCENES, MOST_VARIED
-from pipeline.messages import quoted
+from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import Built, Files, build, realizations_of
 from pipeline.scene.declared_tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
@@ -190,6 +190,10 @@ def _cases_over(over: dict[str, Any]) -> Cases:
 
 
 def _cases_along(rows: list[CaseRow]) -> Cases:
+    texts = (text for row in rows for pair in row.items() for text in pair)
+    if unprintable := [text for text in texts if isinstance(text, str) and is_unprintable(text)]:
+        problem = f"{quoted(unprintable[0])} has a line break or a control character; leave it out"
+        raise InputError(f"sweep.along: {problem}")
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
     parsed = {head: _row_labels(head, [row[head] for row in rows]) for head in heads}
     columns = {
@@ -252,8 +256,9 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
         if SEED in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
             case = case.on_surface(changes[SEED])
         cases.append(case)
-    if len({*map(digest, known.values())}) == 1 < len(known):
-        words = " and ".join(scene.tables.sweep.over or ())
+    over = scene.tables.sweep.over
+    if over and len({*map(digest, known.values())}) == 1 < len(known):
+        words = " and ".join(over)
         raise InputError(f"{key}: {words} changes nothing here; leave it out")
     return cases
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
-from pipeline.messages import did_you_mean, quoted
+from pipeline.messages import did_you_mean, is_unprintable, quoted
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
 from pipeline.sweep.condition_entries import OIL_WORKS
@@ -71,8 +71,8 @@ class Text(Kind):
         require(value, str, "is not text")
         if not value:
             raise InvalidValueError("the text is empty")
-        if "\0" in value:  # which no name of a file may have
-            raise InvalidValueError(f"{quoted(value)} has a null character")
+        if is_unprintable(value):
+            raise InvalidValueError(f"{quoted(value)} has a line break or a control character")
         return str(value)
 
 

@@ -190,7 +190,7 @@ ENTRIES = {
     "step": (entry("sweep.velocities.step", "0.7 m/s"), 'steps of "0.7 m/s"; the number of'),
     "both": (entry("sweep.velocities", {"step": "1 m/s", "count": 4}), "either step or count"),
     "falling": (entry("sweep.velocities.to", "0.1 m/s"), "is descending"),
-    "null": (entry("title", "a\0"), "has a null character"),
+    "null": (entry("title", "a\0"), "has a line break or a control character"),
     "no title": (entry("title", ""), "the text is empty"),
     "materials": (entry("materials", 3), "is not a table that holds tables"),
     "pin": (entry("pin", 3), "3 is not a table; expected a table with"),
@@ -232,6 +232,8 @@ ENTRIES = {
                     "sweep.loads: the table is empty; fill it or remove it"),
     "row lacks": (entry("sweep.along", [{"load": "1 N"}]), "sweep.along[0].velocity: missing"),
     "row column": (along("load [N],pin.radius [mm]\n300,3\n"), "no column velocity in"),
+    "row name": (along("number,load [N],velocity [m/s]\n\x1b[31mA,300,3\n"),
+                 '[31mA" has a line break or a control character; leave it out'),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(10_001))), "has 10001 rows; at most 10000 are read"),
 }  # fmt: skip
