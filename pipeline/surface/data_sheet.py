@@ -13,9 +13,11 @@ from tribo import Grid, InputError
 from tribo.surface import self_affine
 from tribo.types import Array
 
-_HURST, _SURFACES = 0.8, 4  # of random surfaces
-_WINDOW = 512  # pixels of a side of these surfaces
-_SECTIONS, _HEIGHT = 5, 0.1  # sections of a profile; least height of its elements, over Rz
+_HURST = 0.8  # Hurst exponent of the random surfaces
+_SURFACES = 4  # number of random surfaces
+_PIXELS = 512  # along a side of these surfaces
+_SECTIONS = 5  # sections of a profile, for Rz
+_MIN_HEIGHT_RATIO = 0.1  # least height of profile elements, over Rz
 
 
 def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]]:
@@ -37,7 +39,7 @@ def correlation_length(ra: float, rsm: float, pixel: float) -> float:
 
     Raises an `InputError` if profiles in such pixels cannot have this RSm.
     """
-    grid = Grid((_WINDOW, _WINDOW), (pixel, pixel))
+    grid = Grid((_PIXELS, _PIXELS), (pixel, pixel))
 
     def excess(length: float) -> float:
         spacings = list[float]()
@@ -47,18 +49,20 @@ def correlation_length(ra: float, rsm: float, pixel: float) -> float:
                 rz = float(
                     np.mean([np.ptp(section) for section in np.array_split(line, _SECTIONS)])
                 )
-                spacings.append(mean_spacing(line, pixel, _HEIGHT * rz) or _WINDOW * pixel)
+                spacings.append(
+                    mean_spacing(line, pixel, _MIN_HEIGHT_RATIO * rz) or _PIXELS * pixel
+                )
         return math.log(float(np.mean(spacings)) / rsm)
 
-    ends = 0.3 * pixel, _WINDOW * pixel / 12
-    below, above = (rsm * math.exp(excess(length)) for length in ends)
-    if not below < rsm < above:
+    limits = 0.3 * pixel, _PIXELS * pixel / 12
+    shortest, longest = (rsm * math.exp(excess(length)) for length in limits)
+    if not shortest < rsm < longest:
         raise InputError(
             f"RSm is {display(rsm, 'µm', 3)}; with pixels of {display(pixel, 'µm', 3)} profiles of "
-            f"random surfaces have {display(below, 'µm', 3)} to {display(above, 'µm', 3)}; give "
-            f"{'smaller' if rsm < below else 'larger'} pixels, --pixel-size"
+            f"random surfaces have {display(shortest, 'µm', 3)} to {display(longest, 'µm', 3)}; "
+            f"give {'smaller' if rsm < shortest else 'larger'} pixels, --pixel-size"
         )
-    return math.exp(float(brentq(lambda x: excess(math.exp(x)), *map(math.log, ends), xtol=0.01)))
+    return math.exp(float(brentq(lambda x: excess(math.exp(x)), *map(math.log, limits), xtol=0.01)))
 
 
 def mean_spacing(line: Array, step: float, min_height: float) -> float | None:

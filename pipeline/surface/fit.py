@@ -15,9 +15,11 @@ import numpy as np
 from tribo.errors import InputError
 from tribo.types import Array
 
-_FEWEST = 16  # least number of heights along each side
-_SHORTEST = 0.5  # share of the Nyquist wavenumber up to which instruments resolve the spectrum
-_BANDS, _MODES = 6, 20  # bands of wavelength compared, and the least number of modes in one
+_MIN_SIDE = 16  # least number of heights along each side
+_RESOLVED_SHARE = (
+    0.5  # share of the Nyquist wavenumber up to which instruments resolve the spectrum
+)
+_BANDS, _MIN_MODES = 6, 20  # bands of wavelength compared, and the least number of modes in one
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,10 +68,10 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     """
     from scipy.optimize import minimize
 
-    if min(heights.shape) < _FEWEST:
+    if min(heights.shape) < _MIN_SIDE:
         raise InputError(
             f"{heights.shape[0]} × {heights.shape[1]} heights are too few for a spectrum; give at "
-            f"least {_FEWEST} along each side"
+            f"least {_MIN_SIDE} along each side"
         )
     power, q_x, q_y, is_compared = _periodogram(heights, spacing)
     power = power[is_compared] / power[is_compared].mean()
@@ -77,12 +79,17 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
     def spectrum(parameters: Array) -> Array:
         length_x, length_y, hurst = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
-        full = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** -(1 + hurst)
-        full = (4 * full + np.roll(full, 1, 0) + np.roll(full, -1, 0)) / 6  # Hann's window
-        lower_mode = np.roll(full, 1, 1)
-        lower_mode[:, 0] = np.roll(full[::-1, 1], 1)  # the mode at −q, in the half plane left out
-        compared: Array = ((4 * full + lower_mode + np.roll(full, -1, 1)) / 6)[is_compared]
-        return compared
+        density = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** -(1 + hurst)
+        density = (
+            4 * density + np.roll(density, 1, 0) + np.roll(density, -1, 0)
+        ) / 6  # Hann's window
+        lower_mode = np.roll(density, 1, 1)
+        lower_mode[:, 0] = np.roll(
+            density[::-1, 1], 1
+        )  # the mode at −q, in the half plane left out
+        density = (4 * density + lower_mode + np.roll(density, -1, 1)) / 6
+        compared_density: Array = density[is_compared]
+        return compared_density
 
     def misfit(parameters: Array) -> float:
         model = spectrum(parameters)
@@ -95,7 +102,7 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     ratio = power / spectrum(best)
     bands = np.digitize(q, np.geomspace(q.min(), q.max(), _BANDS + 1)[1:-1])
     counts = np.bincount(bands)
-    means = np.bincount(bands, ratio)[counts >= _MODES] / counts[counts >= _MODES]
+    means = np.bincount(bands, ratio)[counts >= _MIN_MODES] / counts[counts >= _MIN_MODES]
     factor = float(np.exp(np.abs(np.log(means / ratio.mean())).max(initial=0.0)))
     factor = factor if means.size > 1 else np.nan
     length_x, length_y = np.exp(best[:2]).tolist()
@@ -109,8 +116,8 @@ def _periodogram(heights: Array, spacing: tuple[float, float]) -> tuple[Array, .
     level = heights - np.average(heights, weights=window)
     q_x = (2 * np.pi * np.fft.fftfreq(nx, spacing[0])[:, None]).astype(np.float64)
     q_y = (2 * np.pi * np.fft.rfftfreq(ny, spacing[1])).astype(np.float64)
-    ends = _SHORTEST * np.pi / np.array(spacing)
-    is_compared = (np.abs(q_x) <= ends[0]) & (q_y <= ends[1])
+    limits = _RESOLVED_SHARE * np.pi / np.array(spacing)
+    is_compared = (np.abs(q_x) <= limits[0]) & (q_y <= limits[1])
     # Leave out mean and tilt, which are form, and the duplicates of modes with q_y = 0.
     is_compared &= (np.abs(q_x) > 1.5 * q_x[1]) | (q_y > 1.5 * q_y[1])
     is_compared[nx // 2 :, 0] = False

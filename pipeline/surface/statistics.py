@@ -26,13 +26,14 @@ MISSING = 0.1
 """Share of missing heights up to which they are filled."""
 _EQUAL_LENGTHS = 0.15  # relative difference below which two lengths count as equal
 _MAX_MISFIT = 2.0  # between spectra, above which a fit is poor
-_ASKEW, _STEEP, _LONG = 0.5, 0.25, 0.5  # differences of Ssk, Sdq and Sal above which a fit is poor
-_FLAT, _SPIKY = 2.0, 5.0  # range of Sku outside which a fit is poor
-_ROUGH = 0.3  # difference of Sa above which a fit is poor
-_OBLIQUE = 15.0  # angle of a lay to x and y [°] above which a fit is poor
-_FLATTEST, _ROUGHEST = 1e-9, 5e-5  # plausible range of Sq [m]
-_FINEST, _COARSEST = 1e-9, 1e-4  # plausible range of pixel sides [m]
-_SMOOTHEST, _STEEPEST = 1e-4, 3.0  # plausible range of Sdq
+# Relative differences of Sa, Sdq and Sal, above which a fit is poor.
+_MAX_SA_DIFFERENCE, _MAX_SDQ_DIFFERENCE, _MAX_SAL_DIFFERENCE = 0.3, 0.25, 0.5
+_MAX_SSK = 0.5  # size of Ssk above which a fit is poor
+_MIN_SKU, _MAX_SKU = 2.0, 5.0  # range of Sku outside which a fit is poor
+_OBLIQUE_ANGLE = 15.0  # angle of a lay to x and y [°] above which a fit is poor
+_MIN_SQ, _MAX_SQ = 1e-9, 5e-5  # plausible range of Sq [m]
+_MIN_PIXEL, _MAX_PIXEL = 1e-9, 1e-4  # plausible range of pixel sides [m]
+_MIN_SDQ, _MAX_SDQ = 1e-4, 3.0  # plausible range of Sdq
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,29 +56,7 @@ class SurfaceStatistics:
     @property
     def faults_of_fit(self) -> tuple[str, ...]:
         """Why a random surface is a poor substitute for the scan; empty if it is a good one."""
-        return tuple(self._faults_of_fit())
-
-    def _faults_of_fit(self) -> Iterator[str]:
-        scan, fitted = self.roughness, self.fitted
-        if math.isnan(self.fit.misfit):
-            yield "the scan has too few heights to compare spectra"
-        elif self.fit.misfit > _MAX_MISFIT:
-            yield f"its spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths"
-        lengths, ends = self.fit.correlation_length, zip(self.shape, self.pixel_size, strict=True)
-        if any(not d <= length <= n * d / 2 for length, (n, d) in zip(lengths, ends, strict=True)):
-            yield "a correlation length is below a pixel, or above half the scan"
-        if abs(scan.ssk) > _ASKEW:
-            yield f"Ssk is {scan.ssk:.2g}, where a random surface has 0"
-        if not _FLAT <= scan.sku <= _SPIKY:
-            yield f"Sku is {scan.sku:.2g}, where a random surface has 3"
-        if abs(scan.sa / fitted.sa - 1) > _ROUGH:
-            yield f"its Sa is {scan.sa / fitted.sa:.2g} times that of the fit above its form"
-        if abs(scan.sdq / fitted.sdq - 1) > _STEEP:
-            yield f"its gradient Sdq is {scan.sdq / fitted.sdq:.2g} times that of the fit"
-        if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= _LONG):
-            yield f"its Sal is {scan.sal / fitted.sal:.2g} times that of the fit"
-        if scan.lay is not None and _OBLIQUE < abs(scan.lay) < 90 - _OBLIQUE:
-            yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
+        return tuple(_faults_of_fit(self))
 
     @property
     def random_tables(self) -> str:
@@ -103,12 +82,12 @@ class SurfaceStatistics:
             f"pixels {display_sides(self.pixel_size)}"
         )
         yield from (f"  note: {note}" for note in self.notes)
-        tilt, curved = np.degrees(np.arctan(self.roughness.slopes)), self.roughness.radii
-        yield "  removed: tilt {:.2f}° along x, {:.2f}° along y".format(*tilt) + (
-            f"; curvature, R {form_words(curved)}" if form_words(curved) else ""
-        )
+        x, y = np.degrees(np.arctan(self.roughness.slopes))
+        removed = f"removed: tilt {x:.2f}° along x, {y:.2f}° along y"
+        radii = form_words(self.roughness.radii)
+        yield f"  {removed}; curvature, R {radii}" if radii else f"  {removed}"
         yield f"  {'ISO 25178-2':14}{'scan':20}random surface"
-        yield from (f"  {name:14}{text:20}{other}" for name, text, other in self.rows())
+        yield from (f"  {name:14}{scan:20}{random}" for name, scan, random in self.rows())
         yield ""
         yield self.words_on_lay
         yield self.words_on_fit
@@ -121,9 +100,9 @@ class SurfaceStatistics:
         angle = self.roughness.lay
         if angle is None:
             return f"The scan has no lay. {lengths}"
-        if abs(angle) <= _OBLIQUE:
+        if abs(angle) <= _OBLIQUE_ANGLE:
             return f"The grooves lie along sliding, at {angle:.0f}° to x. {lengths}"
-        if abs(angle) >= 90 - _OBLIQUE:
+        if abs(angle) >= 90 - _OBLIQUE_ANGLE:
             return f"The grooves lie across sliding, at {angle:.0f}° to x. {lengths}"
         return f"The grooves lie oblique to sliding, at {angle:.0f}° to x. {lengths}"
 
@@ -139,8 +118,8 @@ class SurfaceStatistics:
         """Tables of a scene as text: the random surface's and the scan's, the better one first."""
         random = "for a random surface by the fit", self.random_tables
         scan = "for the scan itself", self.scan_tables
-        both = (scan, random) if self.faults_of_fit else (random, scan)
-        return "\n".join(f"In a scene, {use}:\n\n{toml}" for use, toml in both)
+        tables = (scan, random) if self.faults_of_fit else (random, scan)
+        return "\n".join(f"In a scene, {use}:\n\n{toml}" for use, toml in tables)
 
     def rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield the name of each number, its value for the scan, and for the random surface."""
@@ -157,16 +136,41 @@ class SurfaceStatistics:
         return "\n".join([*self.lines(), "", self.tables])
 
 
-def _rows(rough: ArealRoughness) -> Iterator[tuple[str, str]]:
+def _faults_of_fit(statistics: SurfaceStatistics) -> Iterator[str]:
+    scan, fitted = statistics.roughness, statistics.fitted
+    if math.isnan(statistics.fit.misfit):
+        yield "the scan has too few heights to compare spectra"
+    elif statistics.fit.misfit > _MAX_MISFIT:
+        yield f"its spectrum is off by a factor {statistics.fit.misfit:.2g} at some wavelengths"
+    axes = zip(
+        statistics.fit.correlation_length, statistics.shape, statistics.pixel_size, strict=True
+    )
+    if any(not side <= length <= n * side / 2 for length, n, side in axes):
+        yield "a correlation length is below a pixel, or above half the scan"
+    if abs(scan.ssk) > _MAX_SSK:
+        yield f"Ssk is {scan.ssk:.2g}, where a random surface has 0"
+    if not _MIN_SKU <= scan.sku <= _MAX_SKU:
+        yield f"Sku is {scan.sku:.2g}, where a random surface has 3"
+    if abs(scan.sa / fitted.sa - 1) > _MAX_SA_DIFFERENCE:
+        yield f"its Sa is {scan.sa / fitted.sa:.2g} times that of the fit above its form"
+    if abs(scan.sdq / fitted.sdq - 1) > _MAX_SDQ_DIFFERENCE:
+        yield f"its gradient Sdq is {scan.sdq / fitted.sdq:.2g} times that of the fit"
+    if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= _MAX_SAL_DIFFERENCE):
+        yield f"its Sal is {scan.sal / fitted.sal:.2g} times that of the fit"
+    if scan.lay is not None and _OBLIQUE_ANGLE < abs(scan.lay) < 90 - _OBLIQUE_ANGLE:
+        yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
+
+
+def _rows(roughness: ArealRoughness) -> Iterator[tuple[str, str]]:
     for name in ("sa", "sq", "sz"):
-        yield name.capitalize(), display(getattr(rough, name), "µm", 4)
-    yield "Ssk, Sku", f"{rough.ssk:.2g}, {rough.sku:.2g}"
-    yield "Sdq", f"{rough.sdq:.3g}"
-    is_known = math.isfinite(rough.sal)
-    yield "Sal", display(rough.sal, "µm", 3) if is_known else "over half a side"
-    aspect = f"{rough.aspect:.2g}" if rough.aspect else "lay beyond the scan"
-    yield "Str", "unknown" if math.isnan(rough.aspect) else aspect
-    yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
+        yield name.capitalize(), display(getattr(roughness, name), "µm", 4)
+    yield "Ssk, Sku", f"{roughness.ssk:.2g}, {roughness.sku:.2g}"
+    yield "Sdq", f"{roughness.sdq:.3g}"
+    has_length = math.isfinite(roughness.sal)
+    yield "Sal", display(roughness.sal, "µm", 3) if has_length else "over half a side"
+    aspect = f"{roughness.aspect:.2g}" if roughness.aspect else "lay beyond the scan"
+    yield "Str", "unknown" if math.isnan(roughness.aspect) else aspect
+    yield "lay", "none" if roughness.lay is None else f"{roughness.lay:.0f}° from x"
 
 
 @typed_arguments
@@ -224,19 +228,7 @@ def surface_statistics(
     >>> roughness["ra"], roughness["correlation_length"]
     ('0.299 um', '3.25 um')
     """
-    unit = plain_value("height_unit", height_unit)
-    if unit is not None:
-        text = f"1 {unit}" if isinstance(unit, str) and not unit[:1].isdigit() else unit
-        unit = in_si("height_unit", text, "1 um")
-    sides = None
-    if (listed := plain_value("pixel_size", pixel_size)) is not None:
-        if not isinstance(listed, list) or len(listed) != 2:
-            raise InputError(f"pixel_size is {pixel_size!r}; give two sides, along x and y")
-        x, y = (in_si("pixel_size", side, "1 um") for side in listed)
-        require_positive(pixel_size_x=x, pixel_size_y=y)
-        sides = x, y
-    if unit is not None:
-        require_positive(height_unit=unit)
+    unit, sides = _unit_in_si(height_unit), _sides_in_si(pixel_size)
     share = in_share("missing", missing)
     if not 0 <= share < 1:
         raise InputError(f"missing is {missing!r}; give a share from 0 to 1, such as 0.1")
@@ -248,31 +240,57 @@ def surface_statistics(
     return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, share))
 
 
+def _unit_in_si(height_unit: Any) -> float | None:
+    """Unit of heights [m] from the argument `height_unit`."""
+    unit = plain_value("height_unit", height_unit)
+    if unit is None:
+        return None
+    text = f"1 {unit}" if isinstance(unit, str) and not unit[:1].isdigit() else unit
+    unit_in_si = in_si("height_unit", text, "1 um")
+    require_positive(height_unit=unit_in_si)
+    return unit_in_si
+
+
+def _sides_in_si(pixel_size: Any) -> tuple[float, float] | None:
+    """Sides of a pixel along x and y [m] from the argument `pixel_size`."""
+    sides = plain_value("pixel_size", pixel_size)
+    if sides is None:
+        return None
+    if not isinstance(sides, list) or len(sides) != 2:
+        raise InputError(f"pixel_size is {pixel_size!r}; give two sides, along x and y")
+    x, y = (in_si("pixel_size", side, "1 um") for side in sides)
+    require_positive(pixel_size_x=x, pixel_size_y=y)
+    return x, y
+
+
 def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
     sides, shape = scan.pixel_size, (scan.heights.shape[0], scan.heights.shape[1])
-    rough, notes = areal_roughness(scan.heights, sides), [*scan.notes]
+    roughness, notes = areal_roughness(scan.heights, sides), [*scan.notes]
     if scan.missing:
         notes.append(f"{scan.missing_words}; the numbers leave them out, the fit has them filled")
-    notes += _unusual_values(rough, sides)
+    notes += _unusual_values(roughness, sides)
     level, *_ = remove_form(filled(scan, missing), sides)
     fit = fit_self_affine(level, sides)
     lengths = nearly_equal(fit.correlation_length)
-    surface = self_affine(Grid(shape, sides), rough.sa, fit.hurst_exponent, lengths, seed=0)
+    surface = self_affine(Grid(shape, sides), roughness.sa, fit.hurst_exponent, lengths, seed=0)
     fitted = areal_roughness(surface, sides)
     return SurfaceStatistics(
-        file, shape, sides, scan.missing, rough, fit, fitted, level, surface, "", tuple(notes)
+        file, shape, sides, scan.missing, roughness, fit, fitted, level, surface, "", tuple(notes)
     )
 
 
-def _unusual_values(rough: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
+def _unusual_values(roughness: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
     """Notes on numbers outside the usual range, most likely because of a wrong unit."""
-    if not _FLATTEST <= rough.sq <= _ROUGHEST:
-        yield f"Sq is {display(rough.sq, 'µm', 3)}: check the unit of the heights"
-    if not _FINEST <= min(sides) <= max(sides) <= _COARSEST:
+    if not _MIN_SQ <= roughness.sq <= _MAX_SQ:
+        yield f"Sq is {display(roughness.sq, 'µm', 3)}: check the unit of the heights"
+    if not _MIN_PIXEL <= min(sides) <= max(sides) <= _MAX_PIXEL:
         yield f"pixels are {display_sides(sides)}: check their size"
-    if not _SMOOTHEST <= rough.sdq <= _STEEPEST:
-        yield f"the gradient Sdq is {rough.sdq:.2g}: check the unit of heights and the pixels' size"
-    if rough.sal < min(sides):
+    if not _MIN_SDQ <= roughness.sdq <= _MAX_SDQ:
+        yield (
+            f"the gradient Sdq is {roughness.sdq:.2g}: check the unit of heights and the pixels' "
+            "size"
+        )
+    if roughness.sal < min(sides):
         yield "neighbouring heights are hardly correlated: noise, or too coarse pixels"
 
 
@@ -288,9 +306,9 @@ def _scan_tables(
     )
     entries = [f"file = {quoted(statistics.file)}"]
     if unit:
-        names = ("um", "nm", "mm", "m")
-        usual = (name for name in names if math.isclose(in_si("", f"1 {name}", "1 m"), unit))
-        entries.append(f"height_unit = {quoted(next(usual, f'{unit:g} m'))}")
+        units = ("um", "nm", "mm", "m")
+        equal_units = (name for name in units if math.isclose(in_si("", f"1 {name}", "1 m"), unit))
+        entries.append(f"height_unit = {quoted(next(equal_units, f'{unit:g} m'))}")
     entries += [f"pixel_size = {pixels}"] if sides else []
     entries += ["level = true"]
     entries += [f"missing = {missing:g}"] if missing != MISSING else []

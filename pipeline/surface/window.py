@@ -51,12 +51,12 @@ def window_heights(
     notes = [*scan.notes, *notes]
     if table["level"]:
         heights, _, radii = remove_form(heights, sides)
-        curved = form_words(radii)
-        notes += [f"curvature removed: R {curved}"] if curved else []
-    part = Scan(heights, scan.pixel_size)
-    if part.missing:
-        heights = filled(part, table["missing"])
-        notes.append(f"{part.missing_words} and were filled from their surroundings")
+        radius_words = form_words(radii)
+        notes += [f"curvature removed: R {radius_words}"] if radius_words else []
+    area = Scan(heights, scan.pixel_size)
+    if area.missing:
+        heights = filled(area, table["missing"])
+        notes.append(f"{area.missing_words} and were filled from their surroundings")
     if heights.shape != pixels:
         notes.append(
             f"{heights.shape[0]} × {heights.shape[1]} heights were mirrored to fill the window of "
@@ -85,14 +85,14 @@ def _area(
             f"{max(numbers)}: give fewer sweep.realizations, or fewer window.pixels"
         )
     position = numbers[0] % areas[0], numbers[0] // areas[0]
-    begins = [
+    starts = [
         max(0, (n - m * p) // 2 + k * p)
         for n, m, p, k in zip(shape, areas, pixels, position, strict=True)
     ]
-    cut = heights[tuple(slice(begin, begin + p) for begin, p in zip(begins, pixels, strict=True))]
+    area = heights[tuple(slice(start, start + p) for start, p in zip(starts, pixels, strict=True))]
     note = f"the scan of {shape[0]} × {shape[1]} heights has {count} areas of the window's size; "
     note += f"{len(numbers)} are simulated (sweep.realizations)"
-    return cut, [note] * (cut.shape != shape)
+    return area, [note] if area.shape != shape else []
 
 
 def filled(scan: Scan, max_share: float) -> Array:
@@ -113,9 +113,9 @@ def _harmonic(heights: Array) -> Array:
     """Heights in which each missing one is the mean of its two to four neighbours."""
     from scipy import sparse  # slow to import
 
-    is_hole, number = np.isnan(heights), np.full(heights.shape, -1)
+    is_hole, unknowns = np.isnan(heights), np.full(heights.shape, -1)
     i, j = np.nonzero(is_hole)
-    number[i, j] = hole_numbers = np.arange(len(i))
+    unknowns[i, j] = hole_numbers = np.arange(len(i))
     degree, known_sum = np.zeros(len(i)), np.zeros(len(i))
     rows, columns = list[Indices](), list[Indices]()
     for step_i, step_j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
@@ -127,7 +127,7 @@ def _harmonic(heights: Array) -> Array:
         degree[rows_inside] += 1
         known_sum[rows_inside] += np.where(is_hole[neighbour], 0.0, heights[neighbour])
         rows.append(rows_inside[is_hole[neighbour]])
-        columns.append(number[neighbour][is_hole[neighbour]])
+        columns.append(unknowns[neighbour][is_hole[neighbour]])
     pairs = np.concatenate(rows), np.concatenate(columns)
     adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(i), len(i)))
     filled_heights = heights.copy()
@@ -138,6 +138,6 @@ def _harmonic(heights: Array) -> Array:
 
 def form_words(radii: tuple[float, float]) -> str:
     """Radii of curvature along x and y [m] in words; empty if the surface is flat."""
-    known = zip("xy", radii, strict=True)
-    texts = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in known if np.isfinite(r))
+    axis_radii = zip("xy", radii, strict=True)
+    texts = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in axis_radii if np.isfinite(r))
     return " and ".join(texts)
