@@ -18,7 +18,7 @@ from pipeline.scene.library import library
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 
-_LIBRARY = (
+_LIBRARY_INTRODUCTION = (
     "Scenes take these values by name, material or oil. Numbers in brackets are sources,\n"
     "below. Hardness belongs to a heat treatment: give your own where it is known."
 )
@@ -70,27 +70,34 @@ def help_(options: argparse.Namespace) -> Result:
 
 def _library_page() -> str:
     """The library as Markdown: tables of materials and oils, and the sources of their numbers."""
-    entries, lines = library(), ["# Materials and oils of the library", "", _LIBRARY]
-    numbers = {key: k for k, key in enumerate(entries["sources"], 1)}
+    entries, lines = library(), ["# Materials and oils of the library", "", _LIBRARY_INTRODUCTION]
+    source_numbers = {key: k for k, key in enumerate(entries["sources"], 1)}
     for kind in ("materials", "oils"):
         tables = {id(table): table for table in entries[kind].values()}
-        heads = [*dict.fromkeys(itertools.chain(*tables.values()))]
-        lines += ["", f"## {kind.capitalize()}", "", _line(["name", *heads])]
-        lines.append(_line(["---"] * (1 + len(heads))))
+        headings = [*dict.fromkeys(itertools.chain(*tables.values()))]
+        lines += ["", f"## {kind.capitalize()}", "", _table_row(["name", *headings])]
+        lines.append(_table_row(["---"] * (1 + len(headings))))
         for table in tables.values():
             names = ", ".join(name for name, entry in entries[kind].items() if entry is table)
-            lines.append(_line([names, *(_cell(table.get(head), numbers) for head in heads)]))
-    sources = (f"{k}. {entries['sources'][key]}" for key, k in numbers.items())
+            lines.append(
+                _table_row(
+                    [
+                        names,
+                        *(_table_cell(table.get(heading), source_numbers) for heading in headings),
+                    ]
+                )
+            )
+    sources = (f"{k}. {entries['sources'][key]}" for key, k in source_numbers.items())
     return "\n".join([*lines, "", "## Sources", "", *sources]).replace("_", " ") + "\n"
 
 
-def _line(cells: Iterable[str]) -> str:
+def _table_row(cells: Iterable[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _cell(entry: Any, numbers: dict[str, int]) -> str:
+def _table_cell(entry: Any, source_numbers: dict[str, int]) -> str:
     if entry is None:
         return "–"
     value, source = entry
     text = ", ".join(value) if isinstance(value, list) else str(value)
-    return f"{text} [{numbers[source]}]"
+    return f"{text} [{source_numbers[source]}]"

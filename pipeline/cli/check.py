@@ -64,7 +64,7 @@ def check(options: argparse.Namespace) -> Result:
         *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
         *_cost_rows(sweep, cost),
     ]
-    frame = frame_of(_HEADS, rows)
+    frame = frame_of(("subject", "meaning"), rows)
     statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     sources_hint = ["for library values with their sources: -o TABLE.md"] if sweep.sources else []
     table = [_case_frame(case_estimates), ""] if has_table else []
@@ -79,16 +79,20 @@ def check(options: argparse.Namespace) -> Result:
     return Result(document, [sweep.title, "", *table, statements, *sources_hint], frames=[frame])
 
 
-_HEADS = "subject", "meaning"
 _MAX_CASES = 200  # most cases that are described, of a sweep along a table
-_IS_LEVEL = 0.01  # share of Rq below which a tilt or a mean height is not mentioned
-_FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
-_MAX_NUMBERS = 3  # most numbers of tests in a note
-_OTHER_LOADING_OF_ONE = (
+_MIN_FORM_RATIO = 0.01  # a mean height or tilt below it, relative to Rq, is not mentioned
+_LOAD_CARRYING_FILM = 0.35  # film parameter above which the film carries a share of the load
+_MAX_LISTED_TESTS = 3  # most numbers of tests in a note
+_HEATING_NOT_MODELLED = (
+    "heating through pin holder and surface films is not modelled; model.rise adds it (irg help "
+    "physics)"
+)
+_ERROR_UNKNOWN = "unknown for custom numerical settings; --accuracy 2% replaces them by a preset"
+_OTHER_LOADING_OF_A_TEST = (
     "test {}: its loading differs from that of the sweep, and so do its wear before the end and "
     "its temperature"
 )
-_OTHER_LOADING = (
+_OTHER_LOADING_OF_TESTS = (
     "tests {}: their loading differs from that of the sweep, and so do their wear before the end "
     "and their temperature"
 )
@@ -98,65 +102,70 @@ _Row = tuple[str, str]
 
 def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
     """Table of the contacts in the cases of a sweep, each at its own load and velocity."""
-    heads = (
+    headings = (
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
     rows = (astuple(case) for case in cases)
     return frame_of(
-        heads, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
+        headings, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
     )
 
 
 def _meaning_rows(
-    sweep: Sweep, facts: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
+    sweep: Sweep, contact: ContactEstimate, cases: Sequence[CaseEstimate], memory: str
 ) -> Iterator[_Row]:
     """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     scene, conditions = sweep.scene, sweep.conditions
-    pressure, half_width = _text(facts.hertz_pressure, "GPa"), _text(facts.hertz_half_width, "µm")
-    worn, rough = "worn" if facts.wear_depth else "unworn", "rough" if facts.surface else "smooth"
-    smooth = f"Hertz: maximum pressure {pressure}, half-width {half_width}"
-    yield "contact", f"{smooth}; {worn} and {rough}: width {_text(facts.contact_width, 'µm')}"
+    pressure = _span_text(contact.hertz_pressure, "GPa")
+    half_width = _span_text(contact.hertz_half_width, "µm")
+    width = _span_text(contact.contact_width, "µm")
+    wear_state = "worn" if contact.wear_depth else "unworn"
+    texture = "rough" if contact.surface else "smooth"
+    hertz = f"Hertz: maximum pressure {pressure}, half-width {half_width}"
+    yield "contact", f"{hertz}; {wear_state} and {texture}: width {width}"
     nx, ny = scene.grid.shape
-    yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
+    yield "window", f"{display_sides(contact.window)}, {nx} × {ny} elements; {memory}"
     pixels = sweep.source.entries["window"]["pixels"]
-    if wider := _wider(pixels, scene):
+    if wider := _wider_window(pixels, scene):
         yield "", f"widened from {pixels[0]} pixels because of wear in the load stages; {wider}"
-    yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
-    time, distance = _text(facts.duration, "s"), _text(facts.sliding_distance, "m")
+    yield "surface", _surface_words(contact.surface) if contact.surface else "smooth"
+    time, distance = _span_text(contact.duration, "s"), _span_text(contact.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"
     yield from _film_rows(sweep, [case.film_parameter for case in cases])
-    depth = facts.wear_depth
-    yield "wear", f"{_text(depth, 'µm')} deep at the end of the test" if depth else "none"
-    u = "of the disk u" if scene.motion else "V"
-    peclet = f"Péclet number {_text(facts.peclet_number)}, defined as {u} a/(2 κ) with the Hertzian"
-    yield "heat", f"{peclet} half-width a" if scene.friction_heat else "none, as friction is zero"
+    depth = contact.wear_depth
+    yield "wear", f"{_span_text(depth, 'µm')} deep at the end of the test" if depth else "none"
+    velocity = "of the disk u" if scene.motion else "V"
+    peclet = (
+        f"Péclet number {_span_text(contact.peclet_number)}, defined as {velocity} a/(2 κ) with "
+        "the Hertzian half-width a"
+    )
+    yield "heat", peclet if scene.friction_heat else "none, as friction is zero"
     if added := added_rise_words(conditions):
         yield "", added
     elif scene.friction_heat and not sweep.tests:
-        words = "heating through pin holder and surface films is not modelled; model.rise adds it"
-        yield "", f"{words} (irg help physics)"
+        yield "", _HEATING_NOT_MODELLED
     if conditions.corrections:
         yield "corrections", conditions.corrections.text
 
 
-def _wider(pixels: tuple[int, ...], scene: Scene) -> str:
+def _wider_window(pixels: tuple[int, ...], scene: Scene) -> str:
     """Size and cost of the window if it is wider than one with `pixels`; else empty."""
-    share = _pixels(scene) / math.prod(pixels)
+    share = _pixel_count(scene) / math.prod(pixels)
     if share <= 1:
         return ""
     nx, ny = scene.pixels.shape
     return f"{nx} × {ny} pixels; each step costs {share:.2g} times as much"
 
 
-def _pixels(scene: Scene) -> int:
+def _pixel_count(scene: Scene) -> int:
     return math.prod(scene.pixels.shape)
 
 
-def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
+def _film_rows(sweep: Sweep, film_parameters: Sequence[float]) -> Iterator[_Row]:
     """Yield rows on the oil film, or on the entry that is missing to compute it.
 
-    `parameters` are the film parameters of the cases, if each has its own load and velocity.
+    `film_parameters` are those of the cases, if each has its own load and velocity.
     """
     if sweep.lubricant is None:
         return
@@ -170,16 +179,16 @@ def _film_rows(sweep: Sweep, parameters: Sequence[float]) -> Iterator[_Row]:
         return
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
     span = Span.from_values(
-        parameters or lubrication.film_parameter(loads[:, None], velocities, bulk)
+        film_parameters or lubrication.film_parameter(loads[:, None], velocities, bulk)
     )
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
-    yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"
-    if sweep.scene.pin.length is None and span.high >= _FILM_CARRIES:
+    yield "oil", f"{viscosity}; Λ {_span_text(span)}: {regime}"
+    if sweep.scene.pin.length is None and span.high >= _LOAD_CARRYING_FILM:
         yield "", "the fraction of the load that the oil film carries is unknown (irg help physics)"
 
 
-def _text(span: Span, unit: str = "") -> str:
+def _span_text(span: Span, unit: str = "") -> str:
     """Range of a quantity, or its single value, as text in a `unit`, such as "1.2 to 3 µm"."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
@@ -198,30 +207,32 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
-        widest = max((test.case.scene for test in sweep.tests), key=_pixels)
-        if wider := _wider(sweep.scene.pixels.shape, widest):
+        widest = max((test.case.scene for test in sweep.tests), key=_pixel_count)
+        if wider := _wider_window(sweep.scene.pixels.shape, widest):
             yield "", f"tests with load stages need wider windows, up to {wider}"
     workers, size = pluralized(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     time = f"about {duration(cost.seconds)} on {workers} of an idle machine"
     yield "time", f"{time}; {disk} of disk space"
     if has_unknown_error(sweep):
-        words = "unknown for custom numerical settings; --accuracy 2% replaces them by a preset"
-        yield "error", words
+        yield "error", _ERROR_UNKNOWN
 
 
-def _surface_words(facts: SurfaceSummary) -> str:
+def _surface_words(surface: SurfaceSummary) -> str:
     """Roughness, slope, lay, curvature and tilt in words."""
-    lay = "no lay" if facts.lay is None else f"grooves at {facts.lay:.0f}° to the sliding direction"
-    slope = "" if facts.slope is None else f"rms slope {facts.slope:.2g}, "
-    heights = f"Ra {display(facts.ra, 'µm', 3)}, Rq {display(facts.rq, 'µm', 3)}, {slope}{lay}"
-    if not facts.measured:
+    lay = "no lay"
+    if surface.lay is not None:
+        lay = f"grooves at {surface.lay:.0f}° to the sliding direction"
+    slope = "" if surface.slope is None else f"rms slope {surface.slope:.2g}, "
+    heights = f"Ra {display(surface.ra, 'µm', 3)}, Rq {display(surface.rq, 'µm', 3)}, {slope}{lay}"
+    if not surface.measured:
         return f"random: {heights}"
-    curved = form_words(facts.radii)
-    heights += f"; Ra and Rq exclude the curvature, R {curved}" if curved else ""
-    if all(abs(height) < _IS_LEVEL * facts.rq for height in (facts.mean_height, *facts.rise)):
+    radii = form_words(surface.radii)
+    heights += f"; Ra and Rq exclude the curvature, R {radii}" if radii else ""
+    plane_heights = surface.mean_height, *surface.rise
+    if all(abs(height) < _MIN_FORM_RATIO * surface.rq for height in plane_heights):
         return f"measured: {heights}; level"
-    mean, x, y = (shown_in(height, "µm") for height in (facts.mean_height, *facts.rise))
+    mean, x, y = (shown_in(height, "µm") for height in plane_heights)
     return (
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
         f"{y:.3g} µm along y over the window"
@@ -229,7 +240,7 @@ def _surface_words(facts: SurfaceSummary) -> str:
 
 
 def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
-    """Notes on the entries of a scene, and on tests whose loading is not that of the plane.
+    """Notes on the entries of a scene, and on tests whose loading is not that of the sweep.
 
     Each test is simulated with its own loading history.
     """
@@ -237,15 +248,15 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
     if not tests:
         return sweep.notes
     names = [*dict.fromkeys(str(test.number) for test in tests)]
-    template = _OTHER_LOADING_OF_ONE if len(names) == 1 else _OTHER_LOADING
-    return *sweep.notes, SceneNote("", template.format(listed(names, _MAX_NUMBERS)))
+    template = _OTHER_LOADING_OF_A_TEST if len(names) == 1 else _OTHER_LOADING_OF_TESTS
+    return *sweep.notes, SceneNote("", template.format(listed(names, _MAX_LISTED_TESTS)))
 
 
 def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:
     """True if the `loading` of a test is that of the points of a sweep."""
-    plane = sweep.scene.loading
-    if isinstance(loading, Stages) and isinstance(plane, Stages):
-        return loading.shares_stages(plane)
-    if isinstance(loading, Ramp) and isinstance(plane, Ramp):
-        return math.isclose(loading.rate, plane.rate) and loading.hold == plane.hold
-    return loading == plane
+    sweep_loading = sweep.scene.loading
+    if isinstance(loading, Stages) and isinstance(sweep_loading, Stages):
+        return loading.shares_stages(sweep_loading)
+    if isinstance(loading, Ramp) and isinstance(sweep_loading, Ramp):
+        return math.isclose(loading.rate, sweep_loading.rate) and loading.hold == sweep_loading.hold
+    return loading == sweep_loading

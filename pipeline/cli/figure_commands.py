@@ -12,16 +12,18 @@ from pipeline.cli import inputs
 from pipeline.cli.output import Result, working, wrapped
 from tribo import InputError
 
-_USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes
+_SHIPPED_PIXEL = 0.95e-6  # side of a pixel of the shipped scenes [m]
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Answer ``irg plot``: draw a figure of a store, and print its path."""
     names = "load", "velocity", "realization", "log", "step", "width", "plain", "title", "dpi"
-    look = inputs.values_in(options, *names)
+    figure_options = inputs.values_in(options, *names)
     ds = inputs.dataset_in(options)
     out = options.output or inputs.path_beside(options.store, f"_{options.kind or 'diagram'}.png")
-    path = str(pipeline.plot(ds, options.kind, out, **look, **inputs.conditions_in(options)))
+    path = str(
+        pipeline.plot(ds, options.kind, out, **figure_options, **inputs.conditions_in(options))
+    )
     document = {"kind": options.kind, "file": path}
     return Result(document, [path], pipeline.points_with_warnings(ds))
 
@@ -58,7 +60,7 @@ def _data_sheet(options: argparse.Namespace) -> Result:
 
     if options.output:
         raise InputError("a figure needs a SCAN; leave -o out")
-    pixel = min(options.pixel_size) if options.pixel_size else _USUAL_PIXEL
+    pixel = min(options.pixel_size) if options.pixel_size else _SHIPPED_PIXEL
     with working("seeking the correlation length"):
         toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
     document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumptions, "random_tables": toml}

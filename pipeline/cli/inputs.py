@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
     from pipeline.store.store import Store
 
-_FILES = ("disk.roughness.file", "loading.file", "sweep.along")
-_TWICE = "{} is given twice; give it once"
+_PATH_ENTRIES = ("disk.roughness.file", "loading.file", "sweep.along")
+_GIVEN_TWICE = "{} is given twice; give it once"
 _CONDITION_OF = {path: name for name, path in PATHS.items()}
 
 
@@ -49,16 +49,16 @@ def path_beside(store: Path | str, ending: str) -> Path:
 def scene_in(options: argparse.Namespace) -> Sweep:
     """Load the command's scene, changed by the options for conditions and numerical choices."""
     conditions = {PATHS[name]: value for name, value in conditions_in(options).items()}
-    if several := [path for path, value in conditions.items() if isinstance(value, list)]:
-        raise InputError(f"{several[0]} takes a single value here")
+    if lists := [path for path, value in conditions.items() if isinstance(value, list)]:
+        raise InputError(f"{lists[0]} takes a single value here")
     settings = dict[str, Any]()
     for path, value in options.set.items():
-        is_file = path in _FILES and isinstance(value, str)  # relative to the shell's folder
+        is_path = path in _PATH_ENTRIES and isinstance(value, str)  # relative to the shell's folder
         settings[path.removeprefix("fidelity.")] = (
-            str(Path.cwd() / user_path(value)) if is_file else value
+            str(Path.cwd() / user_path(value)) if is_path else value
         )
-    if twice := settings.keys() & conditions.keys():
-        raise InputError(_TWICE.format(min(twice)))
+    if repeated := settings.keys() & conditions.keys():
+        raise InputError(_GIVEN_TWICE.format(min(repeated)))
     return pipeline.load_scene(options.scene, options.preset, settings | conditions)
 
 
@@ -97,7 +97,7 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     for path, value in getattr(options, "at", {}).items():
         if path in _CONDITION_OF:
             if _CONDITION_OF[path] in conditions:
-                raise InputError(_TWICE.format(path))
+                raise InputError(_GIVEN_TWICE.format(path))
             conditions[_CONDITION_OF[path]] = value
     return conditions
 
@@ -141,7 +141,7 @@ def _select_entry(ds: xr.Dataset, name: str, value: str) -> xr.Dataset:
     is_text = labels.dtype.kind not in "if"
     is_equal = labels == value if is_text else np.isclose(labels, to_si(value, value), ROUNDING, 0)
     if not is_equal.any():
-        known_words = ", ".join(value_words(column, label) for label in labels.tolist())
-        raise InputError(f"{name} {value} is not in the sweep, which has {known_words}")
+        known_values = ", ".join(value_words(column, label) for label in labels.tolist())
+        raise InputError(f"{name} {value} is not in the sweep, which has {known_values}")
     rows = np.flatnonzero(is_equal).tolist()
     return ds.isel({column.dims[0]: rows[0] if len(rows) == 1 else rows})

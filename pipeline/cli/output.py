@@ -30,7 +30,8 @@ DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 QUIET = threading.Event()
 """Set by --quiet: no progress and no notes are printed."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_MAX_LENGTH, _COLUMNS = 2000, 100  # most characters of a line, and of a line of wrapped text
+_MAX_LINE_LENGTH = 2000  # most characters of a line
+_WRAPPED_LENGTH = 100  # most characters of a line of wrapped text
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,22 +76,22 @@ def show(options: argparse.Namespace, result: Result) -> None:
 
 def _lines(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
     """Lines of text, and data frames as aligned columns."""
-    for part in text:
-        if isinstance(part, str):
-            yield part
+    for paragraph in text:
+        if isinstance(paragraph, str):
+            yield paragraph
         else:
             from pipeline.frames import lines_of  # pandas is slow to import
 
-            yield from lines_of(part)
+            yield from lines_of(paragraph)
 
 
 def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
     """Text with its lines wrapped at 100 characters, continued lines indented; frames stay."""
     wrap = textwrap.TextWrapper(
-        _COLUMNS, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        _WRAPPED_LENGTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     ).wrap
-    parts = ((wrap(part) or [""]) if isinstance(part, str) else [part] for part in text)
-    return [*itertools.chain(*parts)]
+    paragraphs = ((wrap(item) or [""]) if isinstance(item, str) else [item] for item in text)
+    return [*itertools.chain(*paragraphs)]
 
 
 def print_note(*messages: str | Progress) -> None:
@@ -112,23 +113,23 @@ def print_error(message: str) -> None:
 
 def _printable(line: str) -> str:
     """A line with control characters escaped, and cut at 2000 characters."""
-    line = line if len(line) <= _MAX_LENGTH else f"{line[:_MAX_LENGTH]} …"
+    line = line if len(line) <= _MAX_LINE_LENGTH else f"{line[:_MAX_LINE_LENGTH]} …"
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 
 
-_BETWEEN_LINES = 10.0  # [s] between lines of progress if stderr is no terminal
-_REPORT_AFTER = 2.0  # [s] before a slow command reports that it is working
+_LINE_INTERVAL = 10.0  # time between lines of progress if stderr is no terminal [s]
+_REPORT_DELAY = 2.0  # time before a slow command reports that it is working [s]
 
 
 @contextmanager
-def run_line(silent: float = 0.0) -> Iterator[Report]:
+def run_line(quiet_time: float = 0.0) -> Iterator[Report]:
     """Context manager: yield a function that shows progress, as a bar on a terminal, else as lines.
 
-    A message (`Progress.words`) is printed at once. Counts are not shown for the first `silent`
+    A message (`Progress.words`) is printed at once. Counts are not shown for the first `quiet_time`
     seconds.
     """
-    begins = time.monotonic() + silent
-    in_place = sys.stderr.isatty() and not QUIET.is_set()
+    shows_from = time.monotonic() + quiet_time
+    has_bar = sys.stderr.isatty() and not QUIET.is_set()
     bar: Any = None
     latest, printed, printed_at = "", "", -math.inf
     with ExitStack() as stack:
@@ -137,9 +138,9 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
             nonlocal bar, latest, printed, printed_at
             if progress.words:
                 print_note(progress)
-            elif not progress.total or time.monotonic() < begins:
+            elif not progress.total or time.monotonic() < shows_from:
                 return
-            elif in_place:
+            elif has_bar:
                 if bar is None:
                     from tqdm import tqdm
 
@@ -148,7 +149,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
                 bar.set_description_str(str(progress))
             else:
                 latest = str(progress)
-                if time.monotonic() - printed_at >= _BETWEEN_LINES:
+                if time.monotonic() - printed_at >= _LINE_INTERVAL:
                     print_note(latest)
                     printed, printed_at = latest, time.monotonic()
 
@@ -160,11 +161,11 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
 @contextmanager
 def working(task: str) -> Iterator[Report]:
     """Context manager: print that `task` is running if it takes long; yield a progress function."""
-    timer = threading.Timer(_REPORT_AFTER, print_note, [f"{task} …"])
+    timer = threading.Timer(_REPORT_DELAY, print_note, [f"{task} …"])
     timer.daemon = True
     timer.start()
     try:
-        with run_line(_REPORT_AFTER) as line:
-            yield line
+        with run_line(_REPORT_DELAY) as report:
+            yield report
     finally:
         timer.cancel()

@@ -27,14 +27,14 @@ from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
-_NEIGHBOURS = (0.8, 1.2)  # velocities of two neighbours over that of the point
-_ANNOUNCED = 8  # most points that are simulated without a note
+_NEIGHBOUR_RATIOS = (0.8, 1.2)  # velocities of two neighbours over that of the point
+_MAX_UNANNOUNCED = 8  # most points that are simulated without a note
 _OTHER_MODEL = (
     "infer it again for another one, which may differ by more than this standard deviation; the "
     "tests of two rigs gave 5 to 7 K more on a random surface than on a measured one, and 18 to "
     "30 K more with wear pattern swept than with local"
 )
-_CONTACT = {
+_CONTACT_HEADINGS = {
     "max_temperature": "highest temperature [°C]",
     "failed_area_fraction": "failed area fraction [%]",
     "pin_heat_share": "heat into the pin [%]", "contact_width": "contact width [µm]",
@@ -52,7 +52,7 @@ def point(options: argparse.Namespace) -> Result:
     load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
     require_admissible_load(sweep, load, "--load")
-    velocities = (_NEIGHBOURS[0] * velocity, velocity, _NEIGHBOURS[1] * velocity)
+    velocities = (_NEIGHBOUR_RATIOS[0] * velocity, velocity, _NEIGHBOUR_RATIOS[1] * velocity)
     point_sweep = replace(
         sweep._take_surface(options.realization)._single_case(),
         steps="end",
@@ -62,7 +62,7 @@ def point(options: argparse.Namespace) -> Result:
     )
     source = stored_tests_of(sweep) if point_sweep.tests else None
     count = len(velocities) + sum(len(test.points) for test in point_sweep.tests)
-    if source is None and count > _ANNOUNCED:
+    if source is None and count > _MAX_UNANNOUNCED:
         print_note(f"{count} points will be simulated, including those of tests")
     with working("simulating") as progress, writing(None, point_sweep) as store:
         ordered_points = [Point(load, speed) for speed in (velocity, velocities[0], velocities[2])]
@@ -82,7 +82,11 @@ def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
     """Frame of one row: the contact at the end of a point, and its highest temperatures."""
     highest = pipeline.temperatures(ds).max("step")
     contact = pipeline.end_of_point(ds).merge(highest, compat="override")
-    values = {head: contact[name].item() for name, head in _CONTACT.items() if name in contact}
+    values = {
+        heading: contact[name].item()
+        for name, heading in _CONTACT_HEADINGS.items()
+        if name in contact
+    }
     return frame_of([*values], [[*values.values()]])
 
 

@@ -48,21 +48,20 @@ from tribo import InputError, TriboError
 from tribo.types import Mask
 
 _MAX_ROWS = 8  # rows of a printed table, and those of tests; --all, --json and files have all
-_ROW_HEADS = {"load": "load [N]", "velocity": "velocity [m/s]"}
-_HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
+_AXIS_HEADINGS = {"load": "load [N]", "velocity": "velocity [m/s]"}
 
 
 def status(options: argparse.Namespace) -> Result:
     """Answer ``irg status``: count the points of a store."""
     state, sweep = states(options.store)
-    tests = [state.tests] if state.tests else []
-    failed = [point for summary in (state, *tests) for point in summary.failed]
+    test_states = [state.tests] if state.tests else []
+    failed = [point for summary in (state, *test_states) for point in summary.failed]
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
     running = [f"running: {state.running}"] if state.running else []
     text = [
         state.title,
         f"{state.total} points: {counts}",
-        *(f"tests: {summary.done} of {summary.total} points done" for summary in tests),
+        *(f"tests: {summary.done} of {summary.total} points done" for summary in test_states),
         *running,
         error_in_words(sweep),
         *(f"failed: {point}" for point in failed),
@@ -76,7 +75,8 @@ def status(options: argparse.Namespace) -> Result:
     if state.running:
         progress = f"running now, {progress}"
     numbers = state.total, state.done, len(state.failed), state.pending
-    frame = frame_of(_HEADS, [(state.name, progress, *numbers, sweep.preset, state.title)])
+    headings = "name", "state", "points", "done", "failed", "pending", "preset", "title"
+    frame = frame_of(headings, [(state.name, progress, *numbers, sweep.preset, state.title)])
     return Result(text=text, warned=warned, frames=[frame], code=SOME_FAILED if failed else DONE)
 
 
@@ -90,7 +90,10 @@ def verify(options: argparse.Namespace) -> Result:
             document[kind] = {"done": group.done, "damaged": len(group.damaged)}
             text.append(f"{kind}: {group.done} done and undamaged, {len(group.damaged)} damaged")
             text += [f"damaged: {damage}" for damage in (*group.damaged, *group.shared)]
-            rows += [(p.load, p.velocity, p.location, p.message) for p in group.damaged]
+            rows += [
+                (point.load, point.velocity, point.location, point.message)
+                for point in group.damaged
+            ]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     document |= {"damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:
@@ -163,7 +166,7 @@ def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
     return [*lines, *common_lines(margins)]
 
 
-def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
+def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame]:
     """The rows with the least margins, and lines on all of them."""
     verdicts, counts = np.unique(code_text(margins["verdict"]).astype(str), return_counts=True)
     verdict_counts = ", ".join(
@@ -173,7 +176,7 @@ def _rows_text(margins: xr.Dataset, has_all: bool) -> list[str | pd.DataFrame]:
     frame = margin_frame(margins)
     numbers = answer_frame(margins, "temperature_margin")
     order = numbers.sort_values("temperature margin [K]").index
-    printed = frame if has_all else frame.loc[order].head(_MAX_ROWS)
+    printed = frame if prints_all else frame.loc[order].head(_MAX_ROWS)
     omitted = len(frame) - len(printed)
     hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     return [
@@ -209,12 +212,12 @@ def boundary(options: argparse.Namespace) -> Result:
     omitted = len(rows) - len(printed)
     hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     text = [*conditions_lines(results), "", printed, "", *hint, *boundary_lines(results)]
-    parts = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
-    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *parts)])
+    names = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
+    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *names)])
 
 
 def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:
     """Mask of the rows of a boundary that are at the load, or at the velocity, of a test."""
     tests = () if ds.attrs.get("without_tests") else sweep_of(ds).tests
     values = [test.normal_load if by == "load" else test.velocity for test in tests]
-    return np.isin(rows[_ROW_HEADS[by]], values)
+    return np.isin(rows[_AXIS_HEADINGS[by]], values)

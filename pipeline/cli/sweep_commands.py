@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> Result:
     if failed:
         text.append("to simulate failed points again, add --retry-failed to the command")
     elif outcome.done:
-        text += _ending(ds, shlex.quote(str(out)))
+        text += _next_steps(ds, shlex.quote(str(out)))
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
     return Result(document, text, pipeline.points_with_warnings(ds), code=code)
 
@@ -94,7 +94,7 @@ def _refuse_numerical_settings(options: argparse.Namespace) -> None:
         raise InputError(f"--accuracy chooses the numerical settings; leave out {listed}")
 
 
-def _ending(ds: xr.Dataset, store: str) -> list[str]:
+def _next_steps(ds: xr.Dataset, store: str) -> list[str]:
     """Lines on the boundary of a finished sweep, and commands to continue with its `store`."""
     if not sweep_of(ds).base.is_judged:
         return [f"next: irg plot {store} --kind ramp"]

@@ -21,9 +21,9 @@ def _refusing(read: Callable[..., T]) -> Callable[..., T]:
     """Decorator: let argparse print why a text has no value."""
 
     @functools.wraps(read)
-    def read_or_refuse(*arguments: Any, **more: Any) -> T:
+    def read_or_refuse(*arguments: Any, **options: Any) -> T:
         try:
-            return read(*arguments, **more)
+            return read(*arguments, **options)
         except ValueError as error:
             raise ArgumentTypeError(str(error)) from error
 
