@@ -74,7 +74,7 @@ promises: .venv/test  ## judge presets, stated errors and accuracies that are as
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
-mutants: .venv/test   ## change fifty formulas, bounds and rules: the tests of each room notice it, in minutes
+mutants: .venv/test   ## change formulas, bounds, rules and sentences: the tests of each room notice it, in minutes
 	$(BIN)/python -m tests.mutants
 
 fuzz: .venv/test      ## mutate scans, tables and scenes: each is read or refused in a line, for 3 minutes

@@ -1,4 +1,4 @@
-"""Forty changes of formulas, bounds and rules, which the tests of their room have to notice.
+"""Changes of formulas, bounds, rules and sentences, which the tests of their room have to notice.
 
 `make mutants` makes each change of `mutants.toml` in a copy of the tree, and runs the tests named
 with it there. A change that they do not notice survives, and fails the run.

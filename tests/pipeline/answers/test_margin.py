@@ -111,6 +111,14 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     assert far.verdict == "mild"
 
 
+def test_between_two_loads_of_which_one_ends_earlier_a_point_is_extrapolated():
+    missing = {(450.0, v): PENDING for v in synthetic.VELOCITIES.tolist() if v > 2.0}
+    ds = synthetic.sweep(status=missing)
+    assert asked(ds, 425.0, 3.5).origin == "extrapolated"
+    assert asked(ds, 425.0, 1.6).origin == "interpolated"
+    assert asked(ds, 400.0, 3.5).origin == "simulated"
+
+
 def test_what_is_continued_tells_its_error():
     missed = []
     for seed in range(2):

@@ -123,6 +123,28 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(quantit
     assert asked(swept(*mild, held_test), 300.0, 0.9).verdict == "mild"  # its loading differs
 
 
+def test_a_transition_allows_mild_wear_at_its_point_and_none_at_any_harder_one():
+    mild = [at(-0.2, "mild", number=f"m{k}") for k in range(40)]
+    ds = swept(*mild, bare_test(300.0, 0.9))
+    assert asked(ds, 300.0, 0.9).verdict == "mild"
+    harder = asked(ds, 300.0, 0.901)
+    assert (harder.verdict, harder.flags) == ("undecided", {"ruled_out"})
+    assert harder.reason.endswith(" rules it out")
+
+
+def test_each_test_has_the_probability_that_the_tests_without_it_give_its_outcome():
+    tests = (at(0.0, number="a"), at(0.12, number="b"), at(-0.1, "mild", number="c"))
+    results = pipeline.compare_tests(swept(*tests))
+    others = (Outcome(0.0, 0.0), Outcome(0.12, 0.12), Outcome(mild=-0.1))
+    severe = [
+        float(update((*others[:k], *others[k + 1 :]), Prior()).probability(np.array([y]))[0])
+        for k, y in enumerate((0.0, 0.12, -0.1))
+    ]
+    # A transition is as far from the others on either side: the probability has two tails.
+    expected = [2 * min(p, 1 - p) for p in severe[:2]] + [1 - severe[2]]
+    assert results["loo_probability"].values == pytest.approx(expected, rel=1e-3)
+
+
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
     severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
     mild = bare_test(700.0, 3.8, outcome="mild")

@@ -234,3 +234,13 @@ def test_a_report_states_the_highest_mild_velocity_and_load(undrawn, sweep):
     for point in ((400.0, velocity), (load, 0.6)):
         assert verdict_text(pipeline.margin(sweep, *point)) == "mild"
     assert verdict_text(pipeline.margin(sweep, 400.0, 1.03 * velocity)) != "mild"
+
+
+def test_a_report_states_why_a_verdict_is_withheld(undrawn):
+    mild = [bare_test(400.0, 1.4, outcome="mild", number=f"m{k}") for k in range(40)]
+    severe = bare_test(300.0, 0.9, outcome="severe", number="weak")
+    withheld = synthetic.sweep(tests=(*mild, severe))
+    page = checked(pipeline.report(withheld, 300.0, 0.95))
+    reason = pipeline.margin(withheld, 300.0, 0.95)["reason"].item()
+    assert reason.endswith("rules it out")
+    assert f"The verdict is withheld: {reason}" in page.words

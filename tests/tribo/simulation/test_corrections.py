@@ -94,3 +94,18 @@ def test_a_recorded_load_warms_a_track_as_its_own_loads_do(steps):
     last = record(times[steps - 1 : steps], loads[steps - 1 : steps], 4.1)
     assert added(recorded, last) == pytest.approx(warming, rel=1e-12)
     assert added(by_loads, last) != pytest.approx(warming, rel=0.01)
+
+
+def test_in_a_hold_each_earlier_turn_leaves_the_heat_of_the_constant_load():
+    """A ramp of 1000 N in 2 s is held for 8 s; only its last step is recorded."""
+    velocity, load, ramp, end = 4.1, 1000.0, 2.0, 10.0
+    columns = record([end], [load], velocity)
+    age = np.arange(1, int(end * velocity / AROUND) + 1) * AROUND / velocity
+    loads = np.interp(end - age, [0.0, ramp], [0.0, load])
+    strip = erf(WIDTH / (4 * np.sqrt(DIFFUSIVITY * age)))
+    warming = loads * strip / (WIDTH * CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * age))
+    corrections = tribo.Corrections(track=TRACK, rate=load / ramp)
+    heat = load * velocity
+    pin, disk = SHARE * heat / RISE, 1 / (RISE / ((1 - SHARE) * heat) + warming.sum() / heat)
+    expected = heat / (pin + disk) - RISE
+    assert added(corrections, columns) == pytest.approx(expected, rel=0.01)
