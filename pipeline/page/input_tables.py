@@ -31,13 +31,12 @@ _UNITS = {
     "critical_area_fraction": "%", "model_bias": "%", "model_scatter": "%",
 }  # fmt: skip
 """Unit of each quantity in the table; others are numbers."""
-_IN_LIBRARY = {
+_LIBRARY_NAMES = {
     "viscosities": "kinematic_viscosity",
     "pressure_coefficient": "pressure_viscosity_coefficient",
 }
 """Entries of the library, if they have other names than the quantities of the objects."""
-_MAX_NUMBERS = 8  # numbers of a quantity that are all listed
-_DIFFERS = "differs between the cases"
+_MAX_LISTED_NUMBERS = 8  # numbers of a quantity that are all listed
 
 Part = Mapping[str, str]
 """Values of a part of the inputs as text, by quantity."""
@@ -48,7 +47,7 @@ def input_rows(sweep: Sweep) -> Iterator[list[str]]:
     base, *cases = (dict(_parts(case)) for case in (sweep.base, *sweep.cases))
     for part, values in base.items():
         texts = [
-            f"{quantity.replace('_', ' ')} {_common(text, part, quantity, cases)}".strip()
+            f"{quantity.replace('_', ' ')} {_common_text(text, part, quantity, cases)}".strip()
             for quantity, text in values.items()
         ]
         yield [part, "; ".join(texts), _source(part, sweep)]
@@ -57,9 +56,9 @@ def input_rows(sweep: Sweep) -> Iterator[list[str]]:
 def case_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
     """Headings and rows of the cases that the user chose; no rows for a single case."""
     table = sweep.case_table.without_surfaces
-    heads = [column.name.replace("_", " ") for column in table.columns]
+    headings = [column.name.replace("_", " ") for column in table.columns]
     rows = [[_label(column, row[column.name]) for column in table.columns] for row in table.rows]
-    return heads, rows if heads else []
+    return headings, rows if headings else []
 
 
 def _label(column: Column, label: Label) -> str:
@@ -98,11 +97,11 @@ def _parts(case: Case) -> Iterator[tuple[str, Part]]:
     yield "model error", {name: _text(name, value) for name, value in errors.items()}
 
 
-def _texts(part: Any, without: Iterable[str] = ()) -> Part:
-    """Values of an object's fields as text; what an object of a user says of itself."""
-    if not is_dataclass(part) or isinstance(part, UserObject | UnknownHeights):
-        return {"": str(part)}
-    values = {field.name: getattr(part, field.name) for field in fields(part)}
+def _texts(physics: Any, without: Iterable[str] = ()) -> Part:
+    """Values of an object's fields as text; for an object of a user, its own text."""
+    if not is_dataclass(physics) or isinstance(physics, UserObject | UnknownHeights):
+        return {"": str(physics)}
+    values = {field.name: getattr(physics, field.name) for field in fields(physics)}
     return {
         name: _text(name, value)
         for name, value in values.items()
@@ -116,16 +115,16 @@ def _text(name: str, value: Any) -> str:
     if isinstance(value, str | bool):
         return str(value)
     numbers = np.asarray(value)
-    if numbers.size > _MAX_NUMBERS:
+    if numbers.size > _MAX_LISTED_NUMBERS:
         return f"{' × '.join(map(str, numbers.shape))} values"
     texts = [display(number, unit, 5).rstrip() for number in numbers.ravel().tolist()]
     return ", ".join(dict.fromkeys(texts))
 
 
-def _common(text: str, part: str, quantity: str, cases: Iterable[Mapping[str, Part]]) -> str:
-    """Text of a value that all cases have."""
+def _common_text(text: str, part: str, quantity: str, cases: Iterable[Mapping[str, Part]]) -> str:
+    """The text of a value, or that it differs between the cases."""
     is_common = all(case.get(part, {}).get(quantity) == text for case in cases)
-    return text if is_common else _DIFFERS
+    return text if is_common else "differs between the cases"
 
 
 def _source(part: str, sweep: Sweep) -> str:
@@ -134,19 +133,19 @@ def _source(part: str, sweep: Sweep) -> str:
     materials = {"material of the pin": base.scene.pin.material,
                  "material of the disk": base.scene.disk}  # fmt: skip
     if part in materials:
-        values = _of_material(materials[part], sweep.sources)
+        values = _library_values(materials[part], sweep.sources)
         names = [field.name for field in fields(Material)]
     elif part == "oil":
         values = [value for value in sweep.sources if value.key.startswith("oil.")]
-        names = [_IN_LIBRARY.get(field.name, field.name) for field in fields(Oil)]
+        names = [_LIBRARY_NAMES.get(field.name, field.name) for field in fields(Oil)]
     else:
         return "scene"
     quantities = dict[str, list[str]]()
     for value in values:
         quantities.setdefault(value.source, []).append(value.key.rpartition(".")[2])
-    sourced = {name for group in quantities.values() for name in group}
-    if rest := [name for name in names if name not in sourced]:
-        quantities["scene"] = rest
+    library_names = {name for group in quantities.values() for name in group}
+    if scene_names := [name for name in names if name not in library_names]:
+        quantities["scene"] = scene_names
     if [*quantities] == ["scene"]:
         return "scene"
     return "; ".join(
@@ -154,8 +153,8 @@ def _source(part: str, sweep: Sweep) -> str:
     )
 
 
-def _of_material(material: Material, sources: Iterable[FromLibrary]) -> list[FromLibrary]:
-    """Values of the library's material that agrees with a material in the largest number."""
+def _library_values(material: Material, sources: Iterable[FromLibrary]) -> list[FromLibrary]:
+    """Values of the material of the library that agrees with `material` in most values."""
     tables = dict[str, list[FromLibrary]]()
     for value in sources:
         tables.setdefault(value.key.rpartition(".")[0], []).append(value)

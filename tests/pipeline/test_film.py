@@ -10,8 +10,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
-from pipeline.page import report
-from pipeline.page.report import Picture
+from pipeline.page import elements
 from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -191,7 +190,9 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypa
         output = " ".join(irg(*words).split())
         assert "an oil film that carries load (unknown here), uncertain inputs" in output
     # Its pictures take seconds to draw.
-    monkeypatch.setattr(report, "picture_of", lambda draw, *texts: Picture("", "", *texts))
+    monkeypatch.setattr(
+        elements, "figure_of", lambda _, *texts: elements.PageFigure("", "", *texts)
+    )
     verdict, _, _ = pipeline.report(ds, load=400.0, velocity=1.0).partition("</section>")
     assert "an oil film that carries load (unknown here), uncertain inputs" in verdict
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pytest
 
 import pipeline
-from pipeline.page import report
+from pipeline.page import elements
 from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from tests.helpers.scenes import SCENE
@@ -212,7 +212,7 @@ def test_advice_that_is_followed_helps(stores, tmp_path, monkeypatch, irg, name)
     monkeypatch.chdir(tmp_path / "work")
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
     monkeypatch.setattr(
-        report, "picture_of", lambda _, caption, alt: report.Picture(empty, empty, alt, caption)
+        elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)
     )
     message = irg(*shlex.split(case.command), code=case.code)
     match = re.search(case.advice, message)

@@ -13,8 +13,8 @@ from pipeline.answers.readable import probability_text, verdict_text
 from pipeline.answers.results import sweep_of
 from pipeline.figures.rows_figure import deciding_row
 from pipeline.frames import cells_of
-from pipeline.page import report as parts
-from pipeline.page.report import HEADLINES
+from pipeline.page import elements
+from pipeline.page.report_answers import HEADLINES
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
@@ -99,7 +99,7 @@ def undrawn(monkeypatch):
     """Replace the pictures of a report, which take seconds to draw, by empty ones."""
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
     monkeypatch.setattr(
-        parts, "picture_of", lambda _, caption, alt: parts.Picture(empty, empty, alt, caption)
+        elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)
     )
 
 

@@ -1,0 +1,146 @@
+"""Sections of a report: diagram, boundary, tests, errors, inputs, limits and origin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import pipeline
+from pipeline.answers.answer_frames import boundary_frame, has_counted_tests, tests_frame
+from pipeline.answers.answer_lines import conditions_lines, test_lines
+from pipeline.answers.boundary_lines import error_lines, ruling_lines, shift_lines
+from pipeline.answers.readable import attribute_texts
+from pipeline.answers.results import case_dims, sweep_of
+from pipeline.figures.diagram import diagram
+from pipeline.figures.tests_figure import draw_tests
+from pipeline.frames import without_columns
+from pipeline.messages import quoted, split_notes
+from pipeline.page import elements
+from pipeline.page.input_tables import case_rows, input_rows
+from pipeline.store.schema import PLANE
+from pipeline.sweep.case import OperatingPoint
+from pipeline.sweep.codec import digest
+
+_MODEL = (
+    "The model: a rough, elastic–plastic contact under boundary lubrication is worn by Archard's "
+    "law while the load grows, and heated by friction. Wear is severe where the contact gets too "
+    "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
+    "not part of it."
+)
+_NUMERICAL_ERROR = (
+    "It comes from the elements and load steps, from interpolation between simulated points, and "
+    "from the few surfaces that are simulated; more computing makes it smaller"
+)
+_MODEL_ERROR = (
+    "It comes from the physics that is left out and from the inputs; only tests make it smaller"
+)
+_PAPER = (
+    "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
+    "concentrated contacts: The IRG (OECD) transition diagram."
+)
+_WITH_TESTS = "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
+_WITHOUT_TESTS = "Critical velocity as computed, and where severe wear is 5 and 95 % probable"
+
+Conditions = Mapping[str, Any]
+"""Conditions of an answer, by name."""
+
+
+def plane_sections(
+    ds: xr.Dataset, conditions: Conditions, points: Iterable[OperatingPoint] = ()
+) -> list[elements.Section]:
+    """Sections with the diagram, the boundary, tests compared with the computation, and errors."""
+    boundary = pipeline.boundary(ds, **conditions)
+    ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]
+    points_inside = [
+        point
+        for point in points
+        if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
+    ]
+    caption = elements.as_sentence(conditions_lines(boundary)[0])
+    if not case_dims(ds):
+        caption += " Dots: simulated points."
+    if missing := boundary.attrs["missing_points"]:
+        caption += f" ×: {missing} points that are pending or failed."
+    loads, velocities = ([point[axis] for point in points_inside] for axis in (0, 1))
+    figure = elements.figure_of(
+        lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption,
+        "Transition diagram over sliding velocity and normal load.",
+    )  # fmt: skip
+    table_caption, omitted_columns = _WITH_TESTS, list[str]()
+    if not has_counted_tests(boundary):
+        table_caption, omitted_columns = _WITHOUT_TESTS, ["50 % [m/s]"]
+    all_cross = bool(boundary["critical_velocity"].notnull().all())
+    if all_cross and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1:
+        omitted_columns.append("outcome")
+    frame = without_columns(boundary_frame(boundary), omitted_columns)
+    table = elements.table_of(frame, table_caption)
+    sections: list[elements.Section] = [("Transition diagram", [figure]), ("Boundary", [table])]
+    if boundary.attrs.get("tests") and not case_dims(ds):
+        sections.append(("Tests and prediction", [*_test_elements(ds, conditions)]))
+    if rulings := [*map(elements.as_sentence, ruling_lines(boundary))]:
+        sections.insert(2, ("Tests that rule verdicts out", [rulings]))
+    lines = error_sentences(*error_lines(boundary), *shift_lines(boundary))
+    return [*sections, ("Errors", [lines])]
+
+
+def error_sentences(*lines: str) -> list[str]:
+    """Sentences on errors: the size of each, and its origin."""
+    origins = {"numerical": f" {_NUMERICAL_ERROR}.", "model error": f" {_MODEL_ERROR}."}
+    return [
+        elements.as_sentence(line)
+        + "".join(text for begin, text in origins.items() if line.startswith(begin))
+        for line in lines
+    ]
+
+
+def _test_elements(
+    ds: xr.Dataset, conditions: Conditions
+) -> Iterator[elements.PageFigure | elements.Table | list[str]]:
+    """Yield figure, table and notes that compare tests with the computation."""
+    tests = pipeline.compare_tests(ds, **conditions)
+    caption = "Computed rise ratio of each test, next to its outcome."
+    yield elements.figure_of(lambda: draw_tests(ds, conditions), caption, caption)
+    table = tests_frame(tests)
+    y = tests["log_rise_ratio"].values
+    computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
+    table.insert(2, "computed", computed)
+    yield elements.table_of(
+        table, "Tests, each at its own conditions, and what is computed for them"
+    )
+    if lines := [*test_lines(tests)]:
+        yield lines
+
+
+def common_sections(
+    ds: xr.Dataset, conditions: Conditions, version: str, stated: Sequence[str]
+) -> Iterator[elements.Section]:
+    """Yield the last sections of each report: inputs, limits that are not yet `stated`, origin."""
+    sweep = sweep_of(ds)
+    inputs = elements.Table(
+        "Inputs, and where each comes from", ["part", "values", "source"], [*input_rows(sweep)]
+    )
+    headings, rows = case_rows(sweep)
+    cases = [elements.Table("Cases of the sweep", headings, rows)] if rows else []
+    yield "Conditions and inputs", [inputs, *cases]
+    single_conditions = {name: value for name, value in conditions.items() if not np.ndim(value)}
+    notes = split_notes(attribute_texts(pipeline.points(ds, **single_conditions), "notes"))
+    limits = elements.without_help([*notes, *pipeline.points_with_warnings(ds).lines()])
+    uncovered = [line for line in map(elements.as_sentence, limits) if line not in stated]
+    yield "What is not covered", [_MODEL, uncovered] if uncovered else [_MODEL]
+    choices = [
+        f"{name.replace('_', ' ')} {quoted(value)}"
+        for name, value in asdict(sweep.scene.fidelity).items()
+    ]
+    origin = [
+        *str(ds.attrs.get("history", "")).splitlines(),
+        f"scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
+        f"preset {sweep.preset}: {', '.join(choices)}",
+        f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
+        _PAPER,
+    ]
+    yield "How this was computed", [origin]
