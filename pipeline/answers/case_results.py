@@ -38,9 +38,9 @@ SPECIMEN = ("realization", *PLANE)
 """Axes of the points of one case."""
 _BATCH_SIZE = 16  # realizations whose steps are read at once
 ROUNDING = 1e-6
-"""Relative difference of a coordinate, which a user may have stored in 32 bits."""
+"""Relative difference of values that a user may have stored in 32 bits."""
 NOT_SIMULATED = (
-    "the dataset has values that xarray computed from other points ({}), without their error; "
+    "the dataset has values that xarray moved or computed from other points ({}); "
     "select stored points by sel or isel, and give other loads and velocities to pipeline.margin, "
     "which interpolates with an error"
 )
@@ -153,10 +153,11 @@ class CaseResults:
                 "friction and heat: run the scene with friction into another store"
             )
         names = {"normal_load", "rise_quantile", *columns_needed(conditions)}
+        balance = {"mean_pressure", "contact_fraction", "max_rise"} & {*map(str, self.ds)}
         least_loads = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
         thresholds = np.array(least_loads)[:, None, None]
         parts = list[Array]()
-        for columns in self._parts(names | {"time", "sliding_distance"}):
+        for columns in self._parts(names | balance | {"time", "sliding_distance"}):
             self._require_simulated(columns)
             parts.append(worst_rises(columns, thresholds, conditions))
         rises = np.concatenate(parts)
@@ -164,7 +165,11 @@ class CaseResults:
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
     def _require_simulated(self, columns: Mapping[str, Array]) -> None:
-        """Raise an `InputError` for a point that has the results of another load or velocity."""
+        """Raise an `InputError` for a point that has values of another load or velocity.
+
+        Loads and velocities of steps are coordinates, which `xarray.Dataset.shift` leaves. So the
+        pressure of the contact must also carry the load, and the highest rise be that stored.
+        """
         end = self.ds["step"].values.tolist().index(0) if "step" in self.ds.coords else -1
         force, time, distance = (
             columns[name][..., end] for name in ("normal_load", "time", "sliding_distance")
@@ -179,6 +184,18 @@ class CaseResults:
                 unit = COORDINATES[name].units
                 reason = f"those at {name} {value:g} {unit} are of {values[is_other][0]:g} {unit}"
                 raise InputError(NOT_SIMULATED.format(reason))
+        if {"mean_pressure", "contact_fraction"} <= columns.keys():
+            scene = self.sweep.scene
+            area = math.prod(scene.grid.size) * scene.pin.windows(scene.grid)
+            carried = (
+                area * columns["mean_pressure"][..., end] * columns["contact_fraction"][..., end]
+            )
+            _require_equal(carried, force, "N is carried at a load of {:g} N")
+        if "max_rise" in columns and 1.0 in (fractions := columns["quantile"].tolist()):
+            highest = columns["rise_quantile"][..., end, fractions.index(1.0)]
+            _require_equal(
+                highest, columns["max_rise"][..., end], "K is stored for a rise of {:g} K"
+            )
 
     def sampling(self, conditions: Conditions) -> Array:
         """Standard deviation of ln(rise) between surface realizations, by each point; or NaN."""
@@ -225,6 +242,14 @@ class CaseResults:
     def durations(self) -> Array:
         """Time of loading of each point [s]."""
         return np.asarray(np.nan_to_num(self.array("time"), nan=-np.inf).max(axis=-1))
+
+
+def _require_equal(values: Array, stored: Array, problem: str) -> None:
+    """Raise an `InputError` for values that differ from those stored by more than rounding."""
+    is_other = np.abs(values - stored) > ROUNDING * np.abs(stored)
+    if is_other.any():
+        reason = f"{values[is_other][0]:g} {problem.format(stored[is_other][0])}"
+        raise InputError(NOT_SIMULATED.format(reason))
 
 
 def _exponents(x: Array, y: Array) -> Array:

@@ -238,6 +238,8 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
     """Raise an `InputError` for a dataset whose axes are not those of its sweep."""
     if "status" not in ds:
         raise InputError("the dataset has no status; use it as pipeline.open_sweep returns it")
+    if joined := [name for name, index in ds.indexes.items() if index.nlevels > 1]:
+        raise InputError(f"{joined[0]} joins dimensions of the dataset; call ds.unstack() first")
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
     if "step" not in ds.dims and any(name in ds for name in COLUMNS):

@@ -73,7 +73,7 @@ def test_further_realizations_have_one_point_a_load_and_no_fields(small):
     with pytest.raises(InputError, match="no fields are stored for this point"):
         pipeline.plot(small, "fields", realization=1)
     moved = ds.assign_coords(load=1.01 * ds["load"])
-    with pytest.raises(InputError, match="values that xarray computed from other points"):
+    with pytest.raises(InputError, match="values that xarray moved or computed from other points"):
         pipeline.plot(moved, "fields")
 
 
