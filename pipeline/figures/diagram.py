@@ -40,14 +40,14 @@ from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
-_SIZE = 8.0, 5.6  # width and height of a diagram [in]
+_FIGURE_SIZE = 8.0, 5.6  # width and height of a diagram [in]
 _COLOUR_MAP_END = 0.8  # end of the colour map used for several cases
-_NODES = 96, 48  # least numbers of velocities and loads of the drawn grid
+_MIN_NODES = 96, 48  # least numbers of velocities and loads of the drawn grid
 _MAX_LOG_RATIO = 50.0  # largest |y| of a figure
 _EDGE_OFFSET = 1e-6  # distance of a probability from the limit of a region
 _DOT_SIZE = 0.6  # size of the mark of a simulated point over that of other marks
-_ERROR: dict[str, Any] = {"color": "#C8C8C8"}
-_NAMES = (
+_ERROR_COLOUR = "#C8C8C8"
+_REGION_NAMES = (
     (MILD, "mild wear\n(I and II)", BLUE),
     (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
 )
@@ -61,7 +61,7 @@ _NAME_ASPECT = 3.0  # width of a name over its height
 _MIN_CLEARANCE = 0.1  # least distance of a name from the edge of its region, over the width
 
 Legend = dict[str, Any]
-"""Handle of each entry of a legend, by its label; several side by side are a tuple."""
+"""Handle of each entry of a legend, by its label; a tuple has several handles side by side."""
 
 
 @style.house_style
@@ -92,7 +92,7 @@ def diagram(
     ds = select_realization(ds, realization)
     case = cases_of(ds)[0]
     is_plane = min(len(case.loads), len(case.velocities)) > 1
-    figure, axes = style.canvas(_SIZE)
+    figure, axes = style.canvas(_FIGURE_SIZE)
     boundary = pipeline.boundary(ds, **conditions)
     case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
     if case_dimensions and not is_plane:
@@ -107,7 +107,6 @@ def diagram(
     tests, tests_entry, caption = mark_tests(axes, case, bulk, friction, moved)
     marked = [*tests, *operating_points]
     lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
-    legend = Legend()
     if case_dimensions:
         x, y, plane = _plane(ds, case, conditions)
         legend = _draw_cases(axes, plane, x, y, case_dimensions)
@@ -129,17 +128,13 @@ def diagram(
         title = f"{title}, surface realization {realization}"
     style.write_title(axes, title)
     legend |= tests_entry
-    notes = [*not_included_lines(boundary)][:1] + split_notes(attribute_texts(boundary, "notes"))[
-        :1
-    ]
+    lines.append("; ".join(caption))
+    lines += [*not_included_lines(boundary)][:1]
+    lines += split_notes(attribute_texts(boundary, "notes"))[:1]
     style.legend_below(
-        figure,
-        2 if len(legend) == 4 else 3,
-        handles=[*legend.values()],
-        labels=[*legend] or None,
-        caption="\n".join([*lines, "; ".join(caption), *notes]),
-        handler_map={tuple: HandlerTuple(ndivide=None)},
-    )
+        figure, 2 if len(legend) == 4 else 3, handles=[*legend.values()], labels=[*legend] or None,
+        caption="\n".join(lines), handler_map={tuple: HandlerTuple(ndivide=None)},
+    )  # fmt: skip
     return figure
 
 
@@ -172,15 +167,17 @@ def _plane(
     ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
 ) -> tuple[Array, Array, xr.Dataset]:
     """Velocities, loads, and the answers on this grid."""
-    x, y = map(_refined, (case.velocities, case.loads), _NODES)
+    x, y = map(_refined, (case.velocities, case.loads), _MIN_NODES)
     grid_axes = xr.DataArray(y, dims="load"), xr.DataArray(x, dims="velocity")
     return x, y, pipeline.margin(ds, *grid_axes, **conditions).transpose(..., *PLANE)
 
 
 def _refined(points: Array, count: int) -> Array:
     """Fine axis with at least `count` values, equally many between any two `points`."""
-    parts = max(2, math.ceil(count / (len(points) - 1)))
-    return np.append(np.linspace(points[:-1], points[1:], parts, False, axis=1).ravel(), points[-1])
+    division = max(2, math.ceil(count / (len(points) - 1)))
+    return np.append(
+        np.linspace(points[:-1], points[1:], division, False, axis=1).ravel(), points[-1]
+    )
 
 
 def _captions(
@@ -245,10 +242,8 @@ def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: A
         drawn_distance = distance.where(is_inside).values
         if (drawn_distance < 0).any():
             low = np.nanmin(drawn_distance) - 1.0
-            axes.contourf(x, y, drawn_distance, [low, 0.0], colors=[_ERROR["color"]]).set_gid(
-                "error"
-            )
-        band = [Stroke(linewidth=9, foreground=_ERROR["color"]), Normal()]
+            axes.contourf(x, y, drawn_distance, [low, 0.0], colors=[_ERROR_COLOUR]).set_gid("error")
+        band = [Stroke(linewidth=9, foreground=_ERROR_COLOUR), Normal()]
         legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
     frictions = case.sweep.base.friction_band or (0.0, 0.0)
     look = {"color": GREY, "lw": style.THIN, "ls": "--"}
@@ -283,8 +278,8 @@ def _name_regions(
     is_free = np.ones(verdicts.shape, bool)
     for load, velocity in marked:
         is_free[np.abs(y - load).argmin(), np.abs(x - velocity).argmin()] = False
-    min_clearance = _MIN_CLEARANCE * (_SIZE[0] / style.wanted_width(_SIZE[0])) ** 0.5
-    for verdict, name, colour in _NAMES:
+    min_clearance = _MIN_CLEARANCE * (_FIGURE_SIZE[0] / style.wanted_width(_FIGURE_SIZE[0])) ** 0.5
+    for verdict, name, colour in _REGION_NAMES:
         # The edges of the diagram are edges of its regions, too.
         padded = np.pad((verdicts == verdict) & is_free, 1)
         clearance = distance_transform_edt(padded, sampling=(_NAME_ASPECT / len(y), 1 / len(x)))[

@@ -92,18 +92,17 @@ def select_realization(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
 def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) -> list[PointIndex]:
     """Indices (load, velocity) of the points that a figure shows.
 
-    Each pair of a given load and velocity has the point nearest to it. By default
-    the load is the highest with a computed point, and the velocity the nearest to the transition;
-    without a transition the contact is hottest there. Raises an `InputError` if a point is not
-    done.
+    They are the points nearest to each pair of a load and a velocity. By default the load is the
+    highest with a computed point, and the velocity is the nearest to the transition, or without a
+    transition the hottest one. Raises an `InputError` if a point is not done.
     """
     case, conditions = drawn.case, drawn.conditions
     rises = drawn.rises(conditions)
     is_done = np.isfinite(rises)
-    reached = np.flatnonzero(is_done.any(axis=1))
+    done_loads = np.flatnonzero(is_done.any(axis=1))
     has_limit = conditions.critical_temperature is not None
     limit, points = allowable_rise(conditions) if has_limit else math.inf, list[PointIndex]()
-    for i in nearest_indices(case, "load", load) or reached[-1:].tolist() or [0]:
+    for i in nearest_indices(case, "load", load) or done_loads[-1:].tolist() or [0]:
         if not is_done[i].any():
             raise InputError(
                 f"no point at {case.loads[i]:g} N is done; choose another load, or continue with "
@@ -127,8 +126,8 @@ def wanted_values(axis: str, values: Any) -> list[float]:
         return []
     read = functools.partial(in_si, axis, like=LIKE[axis])
     numbers: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
-    if odd := [number for number in numbers if not math.isfinite(number)]:
-        raise InputError(f"{axis} is {odd[0]}; give a number")
+    if unusable := [number for number in numbers if not math.isfinite(number)]:
+        raise InputError(f"{axis} is {unusable[0]}; give a number")
     return numbers
 
 
@@ -153,9 +152,9 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
 
 
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
-_BAR = 0.12  # height of a colour bar, and of the gap below it [in]
+_COLOUR_BAR_HEIGHT = 0.12  # height of a colour bar, and of the gap below it [in]
 _AT_ONE_POSITION = "at one position of the disk; verdicts use the mean over several positions"
-_COLUMN = 4.7  # width of a figure below which its panels are stacked [in]
+_STACKING_WIDTH = 4.7  # width of a figure below which its panels are stacked [in]
 
 
 @style.house_style
@@ -187,7 +186,7 @@ def fields(
     _require_step(drawn, stored, point, step)
     images = _surface_fields(drawn, _point_fields(drawn, stored, point, step), point, step)
     x, y = (shown_in(stored[axis].values, "µm") for axis in "xy")
-    is_stacked = style.wanted_width(_COLUMN) < _COLUMN
+    is_stacked = style.wanted_width(_STACKING_WIDTH) < _STACKING_WIDTH
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
     panel = 1.4 + height
     figure = style.Picture((4.6, 1.0 + 3 * panel) if is_stacked else (11.0, 0.5 + panel))
@@ -199,7 +198,7 @@ def fields(
         axes.grid(visible=False)
         axes.set(xlabel="x, along sliding [µm]", ylabel="y [µm]")
         axes.label_outer()
-        bar = axes.inset_axes((0, 1 + _BAR / height, 1, _BAR / height))
+        bar = axes.inset_axes((0, 1 + _COLOUR_BAR_HEIGHT / height, 1, _COLOUR_BAR_HEIGHT / height))
         figure.colorbar(image, cax=bar, label=label, location="top")
     if (critical := drawn.conditions.critical_temperature) is not None and len(y) > 1:
         limit = shown_in(critical, "°C")

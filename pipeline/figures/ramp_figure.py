@@ -28,11 +28,11 @@ from tribo.types import Array
 
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
-_CONTACT = (
+_CONTACT_PANEL = (
     ("contact width [µm]", "contact_width"),
     ("real contact area [% of window]", "contact_fraction"),
 )
-_WEAR = ("maximum wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", "wear_volume")
+_WEAR_PANEL = ("maximum wear depth [µm]", "wear_depth_max"), ("worn volume [mm³]", "wear_volume")
 
 
 @style.house_style
@@ -55,17 +55,19 @@ def ramp(
     figure = style.Picture((8.0, 8.4))
     top, *below = figure.subplots(3, sharex=True)
     _temperatures(top, drawn, columns, points)
-    for axes, panel in zip(below, (_CONTACT, _WEAR), strict=True):
+    for axes, panel in zip(below, (_CONTACT_PANEL, _WEAR_PANEL), strict=True):
         handles = []
         # The right axis has more room, so that proportional curves do not coincide.
         for (label, name), look, headroom in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=True):
-            side = axes if look is _SOLID else axes.twinx()
-            side.grid(visible=look is _SOLID)
+            panel_axes = axes if look is _SOLID else axes.twinx()
+            panel_axes.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
             values = shown_in(columns[name].astype(float), unit.split()[0])
-            _draw(side, columns, values, points, look)
-            side.ticklabel_format(axis="y", scilimits=(-2, 3))
-            side.set(ylabel=label, ylim=(0, headroom * side.get_ylim()[1]))  # room for the legend
+            _draw(panel_axes, columns, values, points, look)
+            panel_axes.ticklabel_format(axis="y", scilimits=(-2, 3))
+            panel_axes.set(
+                ylabel=label, ylim=(0, headroom * panel_axes.get_ylim()[1])
+            )  # room for the legend
             handles.append(Line2D([], [], color=BLACK, label=words, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
     below[-1].set_xlabel("time [s]")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import pipeline
@@ -27,8 +28,8 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
     OUTSIDE: ("outside the model", {"marker": "X", "mfc": "white", "mec": GREY}),
 }
 """Label and mark of a row by its verdict."""
-_WIDTH = 8.0  # usual width [in]
-_LETTERS = 6  # letters of a row's label, for each inch of width
+_USUAL_WIDTH = 8.0  # [in]
+_LETTERS_PER_INCH = 6  # letters of a row's label, for each inch of the figure's width
 _LINE_HEIGHT = 0.32  # height of a line of a label in a figure of few rows [in]
 _MAX_LABELS = 40  # most rows that are all labelled
 
@@ -54,11 +55,14 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {margins['reason'].values[0]}")
     names = [style.as_text(label) for label in row_labels(margins, *map(str, margins.sizes))]
-    labels = [textwrap.fill(name, int(_LETTERS * style.wanted_width(_WIDTH))) for name in names]
+    labels = [
+        textwrap.fill(name, int(_LETTERS_PER_INCH * style.wanted_width(_USUAL_WIDTH)))
+        for name in names
+    ]
     lines_per_row = 1 + max(label.count("\n") for label in labels)
     positions = np.arange(len(names))
     height = 1.6 + _LINE_HEIGHT * min(len(names), _MAX_LABELS) * lines_per_row
-    figure, axes = style.canvas((_WIDTH, height))
+    figure, axes = style.canvas((_USUAL_WIDTH, height))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
     low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
     padding = 0.08 * (high - low)
@@ -74,28 +78,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
                 margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
             )
     deciding = deciding_row(margins)
-    ticks = positions if len(names) <= _MAX_LABELS else positions[:: -(-len(names) // _MAX_LABELS)]
-    ticks = np.union1d(ticks, [deciding])
-    axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
-    probabilities, factors, factor_errors = (
-        values.values.tolist()
-        for values in (
-            margins["probability"],
-            margins["friction_safety_factor"],
-            error_of(margins, "friction_safety_factor"),
-        )
-    )
-    for row in ticks:
-        probability, factor = probabilities[row], rounded(factors[row], factor_errors[row])
-        text = f"{probability_text(probability)}, {factor}" if factor else ""
-        axes.annotate(
-            "unknown" if np.isnan(margin[row]) else text, (1.0, row), (4, 0),
-            xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
-            annotation_clip=False, fontsize="small",
-            fontweight="bold" if row == deciding else "normal",
-        )  # fmt: skip
-    for tick, position in zip(axis_ticks, ticks, strict=True):
-        tick.label1.set_fontweight("bold" if position == deciding else "normal")
+    _label_rows(axes, margins, labels, deciding)
     axes.axhspan(deciding - 0.5, deciding + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
     axes.set(
         xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
@@ -110,6 +93,35 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
+
+
+def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], deciding: int) -> None:
+    """Write labels at the left of rows, and at their right the probability and the safety factor.
+
+    Those of the `deciding` row are bold. Of many rows, only some are labelled.
+    """
+    ticks = np.union1d(np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [deciding])
+    axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
+    temperature_margins, probabilities, factors, factor_errors = (
+        values.values.tolist()
+        for values in (
+            margins["temperature_margin"],
+            margins["probability"],
+            margins["friction_safety_factor"],
+            error_of(margins, "friction_safety_factor"),
+        )
+    )
+    for row in ticks:
+        probability, factor = probabilities[row], rounded(factors[row], factor_errors[row])
+        text = f"{probability_text(probability)}, {factor}" if factor else ""
+        axes.annotate(
+            "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),
+            xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
+            annotation_clip=False, fontsize="small",
+            fontweight="bold" if row == deciding else "normal",
+        )  # fmt: skip
+    for tick, position in zip(axis_ticks, ticks, strict=True):
+        tick.label1.set_fontweight("bold" if position == deciding else "normal")
 
 
 def deciding_row(margins: xr.Dataset) -> int:

@@ -41,15 +41,17 @@ BAND: dict[str, Any] = {"fc": TINTS["undecided"], "ec": "none"}
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 """White outline for words over lines and marks; a box would hide these."""
 
-_HOUSE = rc_params_from_file(Path(__file__).with_name("irg.mplstyle"), use_default_template=False)
-_SIZES = [name for name, value in _HOUSE.items() if name.endswith(("size", "width"))
+_HOUSE_STYLE = rc_params_from_file(
+    Path(__file__).with_name("irg.mplstyle"), use_default_template=False
+)
+_SIZE_SETTINGS = [name for name, value in _HOUSE_STYLE.items() if name.endswith(("size", "width"))
           and isinstance(value, float)]  # fmt: skip
-_USUAL = 8.0  # width of a figure for which the style's sizes are meant [in]
-_SMALLEST = 0.66  # least factor on these sizes that is readable
+_USUAL_WIDTH = 8.0  # width of a figure for which the style's sizes are meant [in]
+_MIN_SIZE_FACTOR = 0.66  # least factor on these sizes that is readable
 _INCH = 0.0254  # [m]
-_NARROWEST, _WIDEST = 0.04, 1.0  # limits of the width of a figure [m]
-_COARSEST, _FINEST = 30, 1200  # limits of the resolution of a figure [dpi]
-_LETTER = 0.55  # mean width of a letter over the font size
+_MIN_WIDTH, _MAX_WIDTH = 0.04, 1.0  # limits of the width of a figure [m]
+_MIN_DPI, _MAX_DPI = 30, 1200  # limits of the resolution of a figure [dpi]
+_LETTER_WIDTH = 0.55  # mean width of a letter over the font size
 _MAX_CAPTION_LINES = 8  # in a figure of usual width
 _MAX_LEGEND_SHARE = 0.2  # share of the height for the legend, above which the figure grows
 
@@ -84,12 +86,12 @@ def fitted(
     If `plain`, they have neither titles nor captions. Text and marks shrink less than the figure,
     at most to two thirds. So narrow figures are taller in proportion.
     """
-    if width is not None and not _NARROWEST <= width <= _WIDEST:
+    if width is not None and not _MIN_WIDTH <= width <= _MAX_WIDTH:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
     if dpi is not None:
         require_number(dpi=dpi)
-    if dpi is not None and not _COARSEST <= dpi <= _FINEST:
-        raise InputError(f"dpi is {dpi:g}; it must be from {_COARSEST} to {_FINEST}")
+    if dpi is not None and not _MIN_DPI <= dpi <= _MAX_DPI:
+        raise InputError(f"dpi is {dpi:g}; it must be from {_MIN_DPI} to {_MAX_DPI}")
     if plain and title is not None:
         raise InputError("a plain figure has no title; leave out one of plain and title")
     token = _LOOK.set(Look(width and width / _INCH, plain, title, dpi))
@@ -138,8 +140,10 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
-        factor = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
-        look: dict[Any, Any] = {**_HOUSE} | {name: factor * _HOUSE[name] for name in _SIZES}
+        factor = min(max(wanted_width(_USUAL_WIDTH) / _USUAL_WIDTH, _MIN_SIZE_FACTOR), 1.0)
+        look: dict[Any, Any] = {**_HOUSE_STYLE} | {
+            name: factor * _HOUSE_STYLE[name] for name in _SIZE_SETTINGS
+        }
         for name in ("figure.dpi", "savefig.dpi"):  # as set by the user, for example in a notebook
             resolution = _LOOK.get().dpi or rcParams[name]
             look[name] = look[name] if resolution == rcParamsDefault[name] else resolution
@@ -155,10 +159,10 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     The legend has at most `ncols` columns. `options` are passed to Matplotlib's `Figure.legend`.
     """
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
-    letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
-    max_lines = math.ceil(_MAX_CAPTION_LINES * max(1.0, 72 * _USUAL / width))
-    parts = map(printable, caption.split("\n"))
-    lines = [line for part in parts for line in textwrap.wrap(part, letters)]
+    letters = int(width / (_LETTER_WIDTH * rcParams["legend.title_fontsize"]))
+    max_lines = math.ceil(_MAX_CAPTION_LINES * max(1.0, 72 * _USUAL_WIDTH / width))
+    paragraphs = map(printable, caption.split("\n"))
+    lines = [line for text in paragraphs for line in textwrap.wrap(text, letters)]
     title = "\n".join(lines[:max_lines]) + " …" * (len(lines) > max_lines)
     title = "" if _LOOK.get().plain else title
     handles = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
@@ -168,9 +172,9 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
         options["labels"] = [f" {text}" if text.startswith("_") else text for text in texts]
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
-    breadth, height = figure.get_size_inches()
+    width_inches, height = figure.get_size_inches()
     growth = legend.get_window_extent().height / figure.dpi - _MAX_LEGEND_SHARE * height
-    figure.set_size_inches(breadth, height + max(0.0, growth))
+    figure.set_size_inches(width_inches, height + max(0.0, growth))
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:

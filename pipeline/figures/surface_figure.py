@@ -14,10 +14,10 @@ from pipeline.quantities import display_sides, shown_in
 from pipeline.surface.statistics import SurfaceStatistics
 from tribo.types import Array
 
-_SPAN = 3.0  # heights shown on each side of the mean, over Sq
+_HEIGHT_RANGE = 3.0  # heights shown on each side of the mean, over Sq
 _MAX_PIXELS = 800  # most pixels along a side of a map; more cannot be seen
 _MAX_ASPECT = 2.0  # length over width of a scan above which the maps are stacked
-_COLUMN = 6.0  # width of a figure below which its panels are stacked [in]
+_STACKING_WIDTH = 6.0  # width of a figure below which its panels are stacked [in]
 _BINS = 30  # of the spectrum, in which frequencies are equally wide on the logarithmic axis
 
 
@@ -28,7 +28,7 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
     The spectrum along an axis is the mean over all lines along it, each with a Hann window. Its
     integral over the spatial frequency, of both signs, is Sq².
     """
-    is_stacked = style.wanted_width(_COLUMN) < _COLUMN
+    is_stacked = style.wanted_width(_STACKING_WIDTH) < _STACKING_WIDTH
     figure = style.Picture((4.6, 10.0) if is_stacked else (11.0, 5.2))
     if is_stacked:
         grid = figure.add_gridspec(3, 1, height_ratios=(4, 4, 2))
@@ -47,7 +47,7 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
 
 def _draw_maps(figure: Figure, subplot: SubplotSpec, statistics: SurfaceStatistics) -> None:
     """Draw the heights of scan and random surface, in one scale of colours."""
-    limit = shown_in(_SPAN * statistics.roughness.sq, "µm")
+    limit = shown_in(_HEIGHT_RANGE * statistics.roughness.sq, "µm")
     x, y = (
         shown_in(n * d, "µm") for n, d in zip(statistics.shape, statistics.pixel_size, strict=True)
     )
@@ -56,9 +56,9 @@ def _draw_maps(figure: Figure, subplot: SubplotSpec, statistics: SurfaceStatisti
     panels = [figure.add_subplot(inner[k]) for k in range(2)]
     surfaces = {"scan": statistics.heights, "random surface": statistics.fitted_heights}
     for axes, (name, heights) in zip(panels, surfaces.items(), strict=True):
-        thin = tuple(slice(None, None, -(-n // _MAX_PIXELS)) for n in heights.shape)
+        every_nth = tuple(slice(None, None, -(-n // _MAX_PIXELS)) for n in heights.shape)
         image = axes.imshow(
-            shown_in(heights[thin].T, "µm"), cmap="cividis", vmin=-limit, vmax=limit,
+            shown_in(heights[every_nth].T, "µm"), cmap="cividis", vmin=-limit, vmax=limit,
             extent=(0, x, 0, y), origin="lower", interpolation="nearest",
         )  # fmt: skip
         axes.grid(visible=False)

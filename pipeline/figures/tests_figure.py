@@ -28,13 +28,12 @@ TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLA
 UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
 """Label in legends."""
 _OPEN_SIZE = 1.4  # size of the mark of a test at the line's friction over that of a line's mark
-_JOIN_WIDTH = 1.5  # of the line between both marks of a test [pt], which an axis may hide
-_SAME_FRICTION = 1e-3  # relative difference of frictions that count as equal
-_REACH = 1.5  # factor on the sweep's ends beyond which tests are not drawn
+_JOINING_LINE_WIDTH = 1.5  # of the line between both marks of a test [pt]; an axis may hide it
+_FRICTION_TOLERANCE = 1e-3  # relative difference of frictions that count as equal
+_MAX_AXIS_RATIO = 1.5  # factor on the sweep's ends beyond which tests are not drawn
 _NODES = 65  # velocities between which that of a moved test is interpolated
-_SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
+_BULK_TOLERANCE = 1.0  # bulk temperatures that differ less count as equal [K]
 _ROW_MARGIN = 0.3  # above and below the rows of tests
-_Y = "log_rise_ratio"
 _AXIS_MARGIN = 1.15  # factor between the outermost values and the axis' ends
 
 
@@ -61,7 +60,13 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
         "computed boundary": axes.axvline(1.0, color=BLACK, lw=style.THIN),
     }
     pairs = np.exp(
-        np.stack([with_result[f"{_Y}_mild"].values, with_result[f"{_Y}_severe"].values], axis=1)
+        np.stack(
+            [
+                with_result["log_rise_ratio_mild"].values,
+                with_result["log_rise_ratio_severe"].values,
+            ],
+            axis=1,
+        )
     )
     outcomes = with_result["outcome"].values.tolist()
     for row, pair in enumerate(pairs):
@@ -146,15 +151,20 @@ def mark_tests(
     for position, test in enumerate(case.sweep.tests, 1):
         number, point = test.number or str(position), (test.normal_load, abs(test.velocity))
         pairs = zip(point, (case.loads, case.velocities), strict=True)
-        if not all(axis[0] / _REACH <= value <= _REACH * axis[-1] for value, axis in pairs):
+        if not all(
+            axis[0] / _MAX_AXIS_RATIO <= value <= _MAX_AXIS_RATIO * axis[-1]
+            for value, axis in pairs
+        ):
             omitted.append(number)
             continue
-        faint = abs((test.bulk_temperature or sweep_bulk) - bulk) > _SAME_BULK
+        faint = abs((test.bulk_temperature or sweep_bulk) - bulk) > _BULK_TOLERANCE
         kinds.append(test.outcome)
         ends = [point[1], *([moved[position - 1]] if position - 1 in moved and not faint else [])]
         if len(ends) > 1:
             marker, _ = TESTS[test.outcome]
-            axes.plot(ends, [point[0]] * 2, color=BLACK, lw=_JOIN_WIDTH, zorder=3.5, clip_on=False)
+            axes.plot(
+                ends, [point[0]] * 2, color=BLACK, lw=_JOINING_LINE_WIDTH, zorder=3.5, clip_on=False
+            )
             axes.plot(
                 ends[1], point[0], marker, ms=_OPEN_SIZE * rcParams["lines.markersize"],
                 mfc="white", mec=BLACK, clip_on=False, zorder=4, gid="test at the line's friction",
@@ -189,11 +199,11 @@ def velocities_at_friction(
     nodes = np.geomspace(max(velocities[0], velocities[-1] / 1e3), velocities[-1], _NODES)
     for position, test in enumerate(case.sweep.tests):
         log_ratio = math.log(test.case.conditions.friction / friction)
-        if abs(log_ratio) < _SAME_FRICTION:
+        if abs(log_ratio) < _FRICTION_TOLERANCE:
             continue
-        at = np.append(nodes, test.velocity)
-        loads = np.full(at.shape, test.normal_load)
-        y = pipeline.margin(ds, loads, at, **conditions)[_Y].values
+        line_velocities = np.append(nodes, test.velocity)
+        loads = np.full(line_velocities.shape, test.normal_load)
+        y = pipeline.margin(ds, loads, line_velocities, **conditions)["log_rise_ratio"].values
         excess = y[:-1] - (y[-1] + log_ratio)
         crossings = np.flatnonzero(np.diff(np.sign(excess)) != 0)
         if np.isnan(y[-1]) or not crossings.size:
