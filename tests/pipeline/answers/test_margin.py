@@ -1,6 +1,7 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -8,10 +9,11 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_lines import row_warnings
-from pipeline.answers.point_lines import margin_lines, to_decide
+from pipeline.answers.point_lines import headline, margin_facts, margin_lines, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
+from tests.helpers.entries import bare_test
 from tribo import WarningKind
 
 LIMIT = synthetic.limit()
@@ -203,3 +205,65 @@ def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first
     assert ("sharp_ends" in asked(ds, 400.0, share * critical).flags) == near
     rows = pipeline.margin(ds, [400.0, 300.0], [share * critical, 0.5])
     assert any("sharp ends" in line for line in row_warnings(rows)) == near
+
+
+def facts_of(ds, *point, **conditions):
+    return dict(margin_facts(pipeline.margin(ds, *point, **conditions)))
+
+
+@pytest.mark.parametrize(
+    ("point", "ending"),
+    [
+        ((400.0, 2.0), "simulated at this point"),
+        ((425.0, 2.1), "interpolated between simulated points"),
+        ((425.0, 1.0), "extrapolated beyond the simulated points by a power law in velocity"),
+    ],
+)
+def test_a_temperature_states_its_origin(point, ending):
+    ds, _ = near_the_boundary()
+    assert facts_of(ds, *point)["governing temperature"].endswith(f"°C, {ending}")
+
+
+def test_the_headline_states_the_range_of_the_probability_and_the_side_of_the_limit():
+    ds = without_model_error(rise=wavy)
+    answer = asked(ds, 425.0, 2.23)
+    limit = {"critical_temperature": answer.governing_temperature + 0.05}
+    undecided = headline(pipeline.margin(ds, 425.0, 2.23, **limit))
+    assert re.search(r"^Undecided: probability of severe wear \S+ % \(.+ to .+\), ", undecided)
+    assert undecided.endswith(" K below the critical temperature")
+    mild = headline(pipeline.margin(ds, 425.0, 0.6))
+    assert mild.startswith("Mild: probability of severe wear less than 1 %, ")
+    severe = headline(pipeline.margin(ds, 425.0, 4.0))
+    assert severe.endswith(" K above the critical temperature")
+    assert "-" not in severe
+    unknown = headline(pipeline.margin(synthetic.sweep(preset=None), 400.0, 0.5))
+    assert ", numerical error unknown, " in unknown
+
+
+def test_an_unknown_error_states_which_part_is_unknown_and_those_that_are_known():
+    assert facts_of(synthetic.sweep(), 425.0, 2.0)["numerical error (95 %)"].startswith("± ")
+    ds = synthetic.sweep()
+    flags = xr.where(
+        (ds["load"] == 400) & (ds["velocity"] == 2.0), int(WarningKind.CONTACT_AT_EDGE), 0
+    )
+    text = facts_of(ds.assign(warning_flags=flags), 425.0, 2.1)["numerical error (95 %)"]
+    start, end = "unknown, because a part is unknown: warnings (interpolation ", " K)"
+    assert text.startswith(start)
+    assert text.endswith(end)
+
+
+def test_a_verdict_that_a_test_rules_out_states_the_reason_and_no_advice():
+    tests = tuple(bare_test(400.0, 1.2, outcome="mild", number=f"m{k}") for k in range(40))
+    ds = synthetic.sweep(tests=(*tests, bare_test(300.0, 0.9, outcome="severe", number="weak")))
+    facts = facts_of(ds, 300.0, 0.95)
+    assert facts["verdict withheld"] == "test weak (severe, 300 N, 0.9 m/s) rules it out"
+    assert facts["tests nearby"].startswith("severe at 300 N, 0.9 m/s, friction 0.1, ")
+    assert "to decide" not in facts
+    assert "tests nearby" not in facts_of(ds, 700.0, 0.6)
+
+
+def test_where_a_test_has_been_run_no_other_one_is_advised():
+    ds = synthetic.sweep(tests=(bare_test(400.0, 2.2),))
+    at_test = asked(ds, 400.0, 2.2)
+    limit = {"critical_temperature": at_test.governing_temperature}
+    assert advice(ds, 400.0, 2.2, **limit) == "change the conditions or the scene"
