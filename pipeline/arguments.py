@@ -24,8 +24,8 @@ _WITHOUT_UNIT = {"", "1", "-", "–", "dimensionless"}
 """Units of numbers, as attributes of arrays state them."""
 P = ParamSpec("P")
 T = TypeVar("T")
-_KINDS = "biufOU"  # of NumPy's types: truth values, numbers, objects and text
-_MOST_LEVELS = 10
+_ARRAY_KINDS = "biufOU"  # of NumPy's types: truth values, numbers, objects and text
+_MAX_LEVELS = 10
 
 
 def _is_path(value: Any) -> bool:
@@ -104,8 +104,8 @@ def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:
     InputError
         If the value is of another type, or has a unit that cannot be kept; it begins with `name`.
     """
-    if level > _MOST_LEVELS:
-        raise InputError(f"{name} has lists or tables nested more than {_MOST_LEVELS} deep")
+    if level > _MAX_LEVELS:
+        raise InputError(f"{name} has lists or tables nested more than {_MAX_LEVELS} deep")
     package = type(value).__module__.partition(".")[0]
     if callable(getattr(value, "to_base_units", None)):
         return _plain_quantity(name, value, level)
@@ -115,7 +115,11 @@ def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:
         return value if value is None else bool(value)
     if isinstance(value, str | os.PathLike):
         return str(value)
-    if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype.kind in _KINDS:
+    if (
+        isinstance(value, np.ndarray)
+        and type(value) is np.ndarray
+        and value.dtype.kind in _ARRAY_KINDS
+    ):
         return plain_value(name, value.tolist(), unit, level)
     if isinstance(value, list | tuple | range):
         return [plain_value(name, item, unit, level + 1) for item in value]

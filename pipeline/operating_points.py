@@ -56,7 +56,7 @@ class OperatingPoints(NamedTuple):
             name: [_value(name, row[name]) for row in rows] for name in names if name in rows[0]
         }
         label_columns = (column for column in sheet.columns if column.name not in names)
-        return cls(columns, {column.head: column.cells for column in label_columns})
+        return cls(columns, {column.heading: column.cells for column in label_columns})
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -16,9 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.limits import (
-    MOST_FAULTS,
-)
+from pipeline.limits import MOST_FAULTS
 from pipeline.messages import did_you_mean, fault_lines, quoted
 from pipeline.units import GROUPED, NUMBER, to_si
 from tribo import InputError
@@ -27,15 +25,15 @@ from tribo.types import Array
 NAME = "number"
 """Column with the numbers or names of specimens and rows, which stay as they are written."""
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
-_SAME = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
+_LONG_NAMES = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 _NUMBER = re.compile(NUMBER, re.ASCII)
 _NUMERIC = re.compile(
     r"[~≈<>≤≥±=]*\s*[-+]?\.?\d|[-+]?(nan|inf)\b|=.|#[A-Z]+[/!?\d]|(HV|HBW?|HR[A-C]?) *\d",
     re.IGNORECASE,
 )
 """Beginning of a cell that is no word: a number, a formula, or an error of a spreadsheet."""
-_SIGNS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
-_NO_VALUE = {"-", "--", "—"}  # after `_SIGNS`
+_PLAIN_CHARACTERS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
+_NO_VALUE = {"-", "--", "—"}  # after `_PLAIN_CHARACTERS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
 _MAX_LISTED = 12  # names that a message lists
 _SYNONYMS = {
@@ -90,20 +88,20 @@ SCENE = Advice("ignore it: ignore = [{}] below file", "set decimal = {} below fi
 class Column(NamedTuple):
     """A column: its heading, the name of its quantity or entry, its unit, and its cells as text."""
 
-    head: str
+    heading: str
     name: str
     unit: str
     cells: list[str]
 
     @classmethod
-    def from_heading(cls, head: str, cells: Sequence[str] = ()) -> Column:
+    def from_heading(cls, heading: str, cells: Sequence[str] = ()) -> Column:
         """A column by its heading, such as "load [N]"; `[-]` and `[1]` are units of numbers."""
-        head = " ".join(head.split())
-        match = _HEADING.fullmatch(head)
-        name, unit = (match[1], match[2].strip()) if match else (head, "")
-        bare = name if "." in name else name.lower().replace(" ", "_")
+        heading = " ".join(heading.split())
+        match = _HEADING.fullmatch(heading)
+        name, unit = (match[1], match[2].strip()) if match else (heading, "")
+        key = name if "." in name else name.lower().replace(" ", "_")
         unit = "" if unit in _NUMBER_UNITS else unit
-        return cls(head, _SAME.get(bare, bare), unit, [cell.strip() for cell in cells])
+        return cls(heading, _LONG_NAMES.get(key, key), unit, [cell.strip() for cell in cells])
 
     def entry(self, row: int) -> str | float:
         """The entry of a row: a number, or text; a number in text has the unit of the column.
@@ -141,7 +139,7 @@ class Sheet:
         for original in self.columns:
             column = original._replace(name=names.get(original.name, original.name))
             if column.name in {other.name for other in columns}:
-                faults.append(f"the heading {quoted(original.head)} stands twice; leave one out")
+                faults.append(f"the heading {quoted(original.heading)} stands twice; leave one out")
             else:
                 columns.append(column)
         return replace(self, columns=columns, faults=faults)
@@ -165,9 +163,9 @@ class Sheet:
                 faults.append(fault)
             else:
                 words.append(column)
-        heads = ", ".join(quoted(column.head) for column in self.columns)
+        headings = ", ".join(quoted(column.heading) for column in self.columns)
         missing = [name for name in needed if name not in names]
-        faults.extend(f"no column {name} in {heads}; add it, with its unit" for name in missing)
+        faults.extend(f"no column {name} in {headings}; add it, with its unit" for name in missing)
         return acting, words, faults
 
     def _fault_of_words(self, column: Column, known: Collection[str], names: set[str]) -> str:
@@ -180,34 +178,43 @@ class Sheet:
         number = next(((line, cell) for line, cell in cells if _NUMERIC.match(cell)), None)
         if not hint and number is None and "." not in column.name:
             return ""
-        head, ignore = quoted(column.head), self.advice.ignore.format(quoted(column.head))
+        heading, ignore = quoted(column.heading), self.advice.ignore.format(quoted(column.heading))
         if hint:
-            return f"the column {head} is unknown{hint}; rename it, or {ignore}"
+            return f"the column {heading} is unknown{hint}; rename it, or {ignore}"
         listed = (
             "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
         )
         if number is None:
-            return f"the column {head} is unknown; rename it to {listed}, or {ignore}"
+            return f"the column {heading} is unknown; rename it to {listed}, or {ignore}"
         return (
-            f"the column {head} has numbers ({quoted(number[1])} in row {number[0]}), but is "
+            f"the column {heading} has numbers ({quoted(number[1])} in row {number[0]}), but is "
             f"unknown; rename it to {listed}, to {NAME} if it has names, or {ignore}"
         )
 
     def _cells(self, column: Column, is_omissible: bool, faults: TableFaults) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
-            where, plain = f"row {line}, {column.head}", cell.translate(_SIGNS)
+            cell_name, plain_cell = (
+                f"row {line}, {column.heading}",
+                cell.translate(_PLAIN_CHARACTERS),
+            )
             if not cell:
-                faults.append(f"{where}: empty; give a value in each row{_DASH * is_omissible}")
+                if is_omissible:
+                    faults.append(
+                        f"{cell_name}: empty; give a value in each row, or a dash where it does "
+                        "not apply"
+                    )
+                else:
+                    faults.append(f"{cell_name}: empty; give a value in each row")
                 yield ""
             elif column.name == NAME:
                 yield cell
-            elif is_omissible and plain in _NO_VALUE:
+            elif is_omissible and plain_cell in _NO_VALUE:
                 yield ""
             else:
-                number, rest = split_number(plain)
+                number, rest = split_number(plain_cell)
                 if problem := self._fault_of_marks(number):
-                    faults.append(f"{where}: {cell} {problem}")
+                    faults.append(f"{cell_name}: {cell} {problem}")
                 yield number.replace(",", ".") + rest
 
     def _fault_of_marks(self, number: str) -> str:
@@ -236,9 +243,6 @@ class Sheet:
         return self.decimal is None and self.is_local
 
 
-_DASH = ", or a dash where it does not apply"
-
-
 def split_number(cell: str) -> tuple[str, str]:
     """A cell as its number, with all of its marks, and what follows; no number is empty."""
     match = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
@@ -259,14 +263,14 @@ def rows_of(
     finds in a row, each with its row and column.
     """
     columns, _, faults = sheet.select(names, needed, omissible)
-    rows, heads = list[dict[str, Any]](), {column.name: column.head for column in columns}
+    rows, headings = list[dict[str, Any]](), {column.name: column.heading for column in columns}
     faulty = {fault.partition(": ")[0] for fault in faults}  # includes locations of cells
     for number, line in enumerate(sheet.lines):
         filled = [column for column in columns if column.cells[number]]
         rows.append({column.name: column.entry(number) for column in filled})
         for name, reason, *_ in faults_in(rows[-1]):
-            location = f"row {line}, {heads.get(name, name)}"
-            if location not in faulty and (name in heads or name not in needed):
+            location = f"row {line}, {headings.get(name, name)}"
+            if location not in faulty and (name in headings or name not in needed):
                 faults.append(f"{location}: {reason}")
     if faults:
         raise TableError(sheet.name, faults)

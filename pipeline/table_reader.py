@@ -27,11 +27,16 @@ from pipeline.workbook import workbook_rows
 from tribo import InputError
 
 Source = str | Path | Mapping[str, Sequence[Any]]
-_ERRORS = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
-_SI = {"load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K"}
+_SPREADSHEET_ERROR = re.compile(r"#(N/A|DIV/0!|NAME\?|NULL!|NUM!|REF!|VALUE!)")
+_PYTHON_UNITS = {
+    "load": "N",
+    "velocity": "m/s",
+    "bulk_temperature": "K",
+    "critical_temperature": "K",
+}
 """Units of numbers that are given in Python without one."""
-_MOST_HEADINGS = 1000  # lines above the rows
-_LONGEST_HEADING = 200
+_MAX_LINES_ABOVE = 1000  # most lines above the rows
+_MAX_HEADING_LENGTH = 200
 
 
 def read_table(
@@ -80,23 +85,26 @@ def _rows_of_frame(
     if isinstance(source, pd.DataFrame):
         if index_names := [str(name) for name in source.index.names if name is not None]:
             raise InputError(f"the index {quoted(index_names[0])} is not read; use reset_index()")
-        columns = [(str(head), source.iloc[:, k]) for k, head in enumerate(source.columns)]
+        columns = [(str(heading), source.iloc[:, k]) for k, heading in enumerate(source.columns)]
     elif hasattr(source, "dims"):
         raise InputError("a Dataset is no table; give its variables as load and velocity")
     else:
-        columns = [(str(head), cells) for head, cells in source.items()]
+        columns = [(str(heading), cells) for heading, cells in source.items()]
     lists, sizes = list[list[str]](), dict[str, int]()
-    for head, cells in columns:
-        plain, column = plain_value(f"column {quoted(head)}", cells), Column.from_heading(head)
+    for heading, cells in columns:
+        plain, column = (
+            plain_value(f"column {quoted(heading)}", cells),
+            Column.from_heading(heading),
+        )
         if not isinstance(plain, list):
-            raise InputError(f"column {quoted(head)} is no list; give one with a value per row")
+            raise InputError(f"column {quoted(heading)} is no list; give one with a value per row")
         lists.append([_text(column, item) for item in plain])
-        sizes[head] = len(plain)
+        sizes[heading] = len(plain)
     if len({*sizes.values()}) > 1:
-        counts = ", ".join(f"{quoted(head)} {size}" for head, size in sizes.items())
+        counts = ", ".join(f"{quoted(heading)} {size}" for heading, size in sizes.items())
         raise InputError(f"columns differ in their numbers of rows: {counts}; give each as many")
-    heads = [head for head, _ in columns]
-    return [*enumerate([heads, *map(list, zip(*lists, strict=True))])]
+    headings = [heading for heading, _ in columns]
+    return [*enumerate([headings, *map(list, zip(*lists, strict=True))])]
 
 
 def _text(column: Column, value: Any) -> str:
@@ -104,7 +112,11 @@ def _text(column: Column, value: Any) -> str:
     if value is None or value != value:  # NaN
         return ""
     is_bare = isinstance(value, int | float) and not isinstance(value, bool) and not column.unit
-    return f"{value!r} {_SI[column.name]}" if is_bare and column.name in _SI else str(value)
+    return (
+        f"{value!r} {_PYTHON_UNITS[column.name]}"
+        if is_bare and column.name in _PYTHON_UNITS
+        else str(value)
+    )
 
 
 def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]:
@@ -114,19 +126,21 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
     """
     content = read_file(path, MOST_BYTES_OF_TEXT)
     if content.startswith(b"PK"):
-        rows, mark = [*enumerate(workbook_rows(path, content), start=1)], ","
+        rows, delimiter = [*enumerate(workbook_rows(path, content), start=1)], ","
     elif kind := kind_of(content):
         raise InputError(f"{path} is {kind}; save the table as .csv")
     else:
         _require_few_lines(path, content, max_rows)
-        rows, mark = _rows_of_text(path, _decoded(content))
-    return [(line, row) for line, row in rows if any(cell.strip() for cell in row)], mark != ","
+        rows, delimiter = _rows_of_text(path, _decoded(content))
+    return [
+        (line, row) for line, row in rows if any(cell.strip() for cell in row)
+    ], delimiter != ","
 
 
 def _require_few_lines(path: Path, content: bytes, max_rows: int) -> None:
     """Raise an `InputError` for a text with too many or too long lines, before it is parsed."""
     count = content.count(b"\n")
-    if count > 2 * max_rows + _MOST_HEADINGS:  # with an empty line below each row
+    if count > 2 * max_rows + _MAX_LINES_ABOVE:  # with an empty line below each row
         raise InputError(f"{path} has {count} lines; at most {max_rows} rows are read")
     if (longest := max(map(len, io.BytesIO(content)), default=0)) > MOST_BYTES_OF_LINE:
         raise InputError(
@@ -150,11 +164,11 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
         raise InputError(f"{path} is binary; save the table as .csv")
     lines = text.splitlines()
     above = next((k for k, row in enumerate(lines) if row.strip() and row[0] != "#"), len(lines))
-    head = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
-    mark = next((delimiter for delimiter in "\t;," if delimiter in head), ",")
-    reader = csv.reader(lines[above:], delimiter=mark, strict=True)
+    heading = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
+    delimiter = next((mark for mark in "\t;," if mark in heading), ",")
+    reader = csv.reader(lines[above:], delimiter=delimiter, strict=True)
     try:
-        return [(above + reader.line_num, row) for row in reader], mark
+        return [(above + reader.line_num, row) for row in reader], delimiter
     except csv.Error as error:
         if re.match("unexpected end of data|field larger", str(error)):
             raise InputError(f"{path}: a quote is not closed; close or remove it") from error
@@ -163,9 +177,9 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
 
 def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
     """Columns of a table; rows with more or fewer cells than headings are faults, and left out."""
-    (first, heads), *body = rows
-    width = max((k + 1 for k, head in enumerate(heads) if head.strip()), default=0)
-    faults, fit = TableFaults(name), list[tuple[int, list[str]]]()
+    (first, headings), *body = rows
+    width = max((k + 1 for k, heading in enumerate(headings) if heading.strip()), default=0)
+    faults, body_rows = TableFaults(name), list[tuple[int, list[str]]]()
     if width > MOST_COLUMNS:
         raise InputError(f"{name} has {width} columns; at most {MOST_COLUMNS} are read")
     for line, row in body:
@@ -176,36 +190,41 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
                 f"{'s' * (width != 1)}; give one for each"
             )
         else:
-            fit.append((line, row))
+            body_rows.append((line, row))
     if len(faults) == len(body) and width == 1:
         fault = f"row {first} has one cell, and rows below have more; leave out the title"
         faults = TableFaults(name, [fault])
     columns, positions = list[Column](), dict[str, int]()
     ignored, skipped = {heading.strip().lower(): heading for heading in ignore}, set[str]()
     for k in range(width):
-        column = Column.from_heading(heads[k], [row[k] for _, row in fit])
-        keys = {column.head.lower(), column.head.partition("[")[0].strip().lower()} & ignored.keys()
+        column = Column.from_heading(headings[k], [row[k] for _, row in body_rows])
+        keys = {
+            column.heading.lower(),
+            column.heading.partition("[")[0].strip().lower(),
+        } & ignored.keys()
         if keys:
             skipped |= keys
-        elif len(column.head) > _LONGEST_HEADING:
+        elif len(column.heading) > _MAX_HEADING_LENGTH:
             faults.append(f"the heading of column {k + 1} is too long; give a short one")
-        elif not column.head:
+        elif not column.heading:
             problem = f"column {k + 1} has no heading; give one, and merge no cells"
             faults.extend([problem] * any(column.cells))
         elif column.name in positions:
             both = f"in columns {positions[column.name]} and {k + 1}"
-            faults.append(f"the heading {quoted(column.head)} stands twice, {both}; leave one out")
+            faults.append(
+                f"the heading {quoted(column.heading)} stands twice, {both}; leave one out"
+            )
         else:
             columns.append(column)
             positions[column.name] = k + 1
-            faults.extend(_faults_of_formulas(column, [line for line, _ in fit]))
-    listed = ", ".join(quoted(column.head) for column in columns)
+            faults.extend(_faults_of_formulas(column, [line for line, _ in body_rows]))
+    listed = ", ".join(quoted(column.heading) for column in columns)
     faults.extend(
         f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
         "of the table"
         for key in ignored.keys() - skipped
     )
-    return Sheet(name, columns, [line for line, _ in fit], faults)
+    return Sheet(name, columns, [line for line, _ in body_rows], faults)
 
 
 def _faults_of_formulas(column: Column, lines: Sequence[int]) -> Iterator[str]:
@@ -213,11 +232,11 @@ def _faults_of_formulas(column: Column, lines: Sequence[int]) -> Iterator[str]:
     for line, cell in zip(lines, column.cells, strict=True):
         if re.match(r"=[^=\s]", cell):
             yield (
-                f"row {line}, {column.head}: the formula {quoted(cell)} has no stored value; open "
-                "and save the table in a spreadsheet program, or write the number"
+                f"row {line}, {column.heading}: the formula {quoted(cell)} has no stored value; "
+                "open and save the table in a spreadsheet program, or write the number"
             )
-        elif _ERRORS.match(cell):
-            yield f"row {line}, {column.head}: {cell} is an error of a formula; correct it"
+        elif _SPREADSHEET_ERROR.match(cell):
+            yield f"row {line}, {column.heading}: {cell} is an error of a formula; correct it"
 
 
 def _stripped(row: list[str]) -> list[str]:

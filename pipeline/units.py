@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import pint
 
 
-_LONGEST = 80
+_MAX_LENGTH = 80
 _GRAVITY = Decimal("9.80665")  # [m/s²], of weights
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # Units have no "_", which excludes delta_degC, with which 25 °C would be read as 25 K.
@@ -185,8 +185,8 @@ def _parts(text: str) -> tuple[str, str]:
 
 def _require_short(text: str) -> None:
     """Raise a `UnitError` for a text that is too long for a quantity, before it is parsed."""
-    if len(text) > _LONGEST:
-        raise UnitError(f"{_quoted(text)} has {len(text)} characters; give {_LONGEST} at most")
+    if len(text) > _MAX_LENGTH:
+        raise UnitError(f"{_quoted(text)} has {len(text)} characters; give {_MAX_LENGTH} at most")
 
 
 def _comma_hint(text: str) -> str:
@@ -258,7 +258,7 @@ def _misfit(text: str, unit: Unit, like: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    short = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    short = text if len(text) <= _MAX_LENGTH else f"{text[:_MAX_LENGTH]}..."
     return json.dumps(short, ensure_ascii=not short.isprintable())
 
 
@@ -291,7 +291,9 @@ def share_of(value: float | str) -> float:
     """Value of a share, as a number or as text such as ``"10%"`` or ``"10 percent"``."""
     if not isinstance(value, str):
         return value
-    match = _SHARE.fullmatch(value.translate(_SIGNS_OF_PRINT)) if len(value) <= _LONGEST else None
+    match = (
+        _SHARE.fullmatch(value.translate(_SIGNS_OF_PRINT)) if len(value) <= _MAX_LENGTH else None
+    )
     if match is None:
         raise InputError(f"{_quoted(value)} is not a number; give one such as 0.1 or 10%")
     return float(match[1]) / (100 if match[2] else 1)

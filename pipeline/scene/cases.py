@@ -38,10 +38,10 @@ from pipeline.table_reader import read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 
-_FIXED = ("sweep", "title", "note", "extends", "without", "tests")
+_UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
 _POINT = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
-_ALONG = Advice(
+_CASE_ADVICE = Advice(
     "ignore it: along = {{ file = ..., ignore = [{}] }}",
     "set along = {{ file = ..., decimal = {} }}",
 )
@@ -99,13 +99,13 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
         return []  # refused by the format
     if isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
-        heads = list(dict.fromkeys(head for row in rows for head in row))
-        if len(heads) > MOST_VARIED:
-            problem = f"rows have {len(heads)} different entries; give {MOST_VARIED} at most"
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        if len(names) > MOST_VARIED:
+            problem = f"rows have {len(names)} different entries; give {MOST_VARIED} at most"
             faults.refuse("sweep.along", problem)
             return []
         columns = [
-            TableColumn(head, head, "", [str(row.get(head, "")) for row in rows]) for head in heads
+            TableColumn(name, name, "", [str(row.get(name, "")) for row in rows]) for name in names
         ]
         sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], TableFaults("the rows"))
         with faults.at("sweep.along"):
@@ -124,7 +124,7 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
         return []
     with faults.at("sweep.along"):
         path = files.path("sweep.along", table_file.file)
-        advice = _ALONG if isinstance(written, str) else SCENE
+        advice = _CASE_ADVICE if isinstance(written, str) else SCENE
         sheet = read_table(path, MOST_SCENES, table_file.decimal, table_file.ignore, advice)
         entries, words = _read_columns(sheet, tuple(_POINT.keys))
         return [
@@ -140,7 +140,9 @@ def _read_columns(
 ) -> tuple[list[TableColumn], list[TableColumn]]:
     """Columns of rows with point and entries by their paths, and columns of words."""
     sheet = sheet.renamed(CONDITION_ENTRIES)
-    entries = [path for path in keys_of(SceneFile) if path.partition(".")[0] not in _FIXED]
+    entries = [
+        path for path in keys_of(SceneFile) if path.partition(".")[0] not in _UNVARIED_TABLES
+    ]
     paths = [column.name for column in sheet.columns if "." in column.name]
     columns, words, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
     if faults:
@@ -242,7 +244,9 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     Raises an `InputError` for the first faulty case, which names `key`, the entry that lists
     these cases.
     """
-    if wrong := [p for p in listed.changes[0] if p.partition(".")[0] in _FIXED and p != AREAS]:
+    if wrong := [
+        p for p in listed.changes[0] if p.partition(".")[0] in _UNVARIED_TABLES and p != AREAS
+    ]:
         raise InputError(
             f"{key}.{quoted(wrong[0])} cannot take several values; use a scene entry such as "
             '"pin.radius"'

@@ -19,8 +19,8 @@ from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError
 from tribo.simulation.usual_values import USUAL
 
-_SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
-_LARGEST_INTEGER = 2**63 - 1  # largest whole number that a store keeps
+_MIN_NUMBER, _MAX_NUMBER = 1e-15, 1e15  # bounds of a number without a unit
+_MAX_INTEGER = 2**63 - 1  # largest whole number that a store keeps
 
 
 class InvalidValueError(Exception):
@@ -126,7 +126,7 @@ class Number(Kind):
 
     def _read(self, value: Any, path: str, faults: Faults) -> float:
         require(value, (int, float), "is not a number")
-        self._require_fit(value, _SMALLEST, _LARGEST)
+        self._require_fit(value, _MIN_NUMBER, _MAX_NUMBER)
         faults.warnings += unusual_warning(path, value, self.usual, self.unit)
         return float(value)
 
@@ -167,7 +167,7 @@ class Integer(Number):
 
     def _read(self, value: Any, path: str, faults: Faults) -> int:
         require(value, int, "is not a whole number")
-        self._require_fit(value, 0, _LARGEST_INTEGER)
+        self._require_fit(value, 0, _MAX_INTEGER)
         return int(value)
 
 

@@ -16,7 +16,7 @@ from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
 _ROUNDING = 1e-9
-_ENDS = ("mild", "mild_up_to"), ("severe", "severe_at")
+_OUTCOME_ENTRIES = ("mild", "mild_up_to"), ("severe", "severe_at")
 Levels = tuple[tuple[float, ...], tuple[float, ...]]
 """Loads of stages [N], and their holds [s]."""
 
@@ -68,7 +68,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 def test_faults(test: Test) -> Iterator[tuple[str, str]]:
     """Yield the entries of a test that are missing or do not fit others, and why."""
     if ends := _ends_of(test):
-        keys = ", ".join(key for outcome, key in _ENDS if outcome in ends)
+        keys = ", ".join(key for outcome, key in _OUTCOME_ENTRIES if outcome in ends)
         for key in ("load", "outcome", "step"):
             if getattr(test, key) is not None:
                 yield key, f"does not fit {keys}; leave it out"
@@ -99,7 +99,7 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
 
 def _ends_of(test: Test) -> dict[str, float]:
     """Loads at the ends of a run by stages [N], by the outcome there; else empty."""
-    ends = {outcome: getattr(test, key) for outcome, key in _ENDS}
+    ends = {outcome: getattr(test, key) for outcome, key in _OUTCOME_ENTRIES}
     return {outcome: load for outcome, load in ends.items() if load is not None}
 
 

@@ -20,10 +20,12 @@ from pipeline.sweep.sweep import Sweep, cold_tracks, has_sharp_ends
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
-_LONGEST = 1 / 3  # largest correlation length over the side of the window
-_REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
-_ALONG = 30.0  # angle up to which grooves lie along sliding [°]
-_MOST_CASES = 12  # cases that are checked, each in some 0.1 s
+_MAX_LENGTH_RATIO = 1 / 3  # largest correlation length over the side of the window
+_MAX_TEST_RATIO = (
+    10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
+)
+_MAX_GROOVE_ANGLE = 30.0  # angle up to which grooves lie along sliding [°]
+_MAX_CASES = 12  # cases that are checked, each in some 0.1 s
 Warnings = Iterator[SceneWarning]
 _MAX_LISTED = 3  # numbers of tests in a warning
 
@@ -54,7 +56,7 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     values = [*_unusual_values(sweep)]
     valued = {warning.path for warning in values}
     noted = [warning for warning in sweep.warnings if warning.path not in valued]
-    chosen = single_cases(sweep, _MOST_CASES)
+    chosen = single_cases(sweep, _MAX_CASES)
     by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
     for label, case in chosen:
         for warning in warnings_of_case(case, estimate_contact(case)):
@@ -134,20 +136,23 @@ def _far_tests(sweep: Sweep) -> Warnings:
     for test in sweep.tests:
         point = test.normal_load, test.velocity
         pairs = zip(point, (loads, velocities), strict=True)
-        if any(not low / _REACH <= value <= high * _REACH for value, (low, high) in pairs):
+        if any(
+            not low / _MAX_TEST_RATIO <= value <= high * _MAX_TEST_RATIO
+            for value, (low, high) in pairs
+        ):
             yield SceneWarning("far_test", "", point)
             return
 
 
 def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     scene, surface = sweep.scene, facts.surface
-    along = surface is not None and surface.lay is not None and surface.lay <= _ALONG
+    along = surface is not None and surface.lay is not None and surface.lay <= _MAX_GROOVE_ANGLE
     if along and scene.wear and scene.wear.pattern == "swept":
         yield SceneWarning("lay_along_sliding", "wear.pattern")
     if isinstance(scene.roughness, SelfAffineRoughness):
         sides = zip("xy", scene.roughness.correlation_length, facts.window, strict=True)
         for axis, length, side in sides:
-            if length > _LONGEST * side:
+            if length > _MAX_LENGTH_RATIO * side:
                 path = "disk.roughness.correlation_length"
                 yield SceneWarning("long_correlation", path, (axis, length))
 
