@@ -14,17 +14,12 @@ import xarray as xr
 from pipeline.answers.attributes import answer_attributes
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import NAMES
+from pipeline.answers.error import PARTS
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
 from pipeline.store.schema import PLANE
 
-_PART_NAMES = {
-    "interpolation": "interpolation between points",
-    "discretization": "discretization (preset)",
-    "warnings": "allowance for warnings",
-    "surface": "surface sampling",
-}
 _VARIABLES = {
     "verdict": ("", "verdict on the next specimen at this point"),
     "probability": ("1", "probability of severe wear"),
@@ -37,8 +32,8 @@ _VARIABLES = {
     "temperature_error": ("K", "numerical error of the governing temperature (95 % bound)"),
     "temperature_margin": ("K", "critical minus governing temperature"),
     **{
-        f"temperature_error_{part}": ("K", f"part of the numerical error: {name}")
-        for part, name in _PART_NAMES.items()
+        f"temperature_error_{part}": ("K", f"part of the numerical error: {meaning}")
+        for part, meaning in PARTS.items()
     },
     "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
     "critical_load": ("N", "lowest load at which severe wear is computed"),
@@ -63,8 +58,8 @@ _VARIABLES = {
     "ruled_out_by": ("", "tests that lower critical_velocity_p05, or raise critical_velocity_p95"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
-        f"velocity_error_{part}": ("1", f"part of the relative numerical error: {name}")
-        for part, name in _PART_NAMES.items()
+        f"velocity_error_{part}": ("1", f"part of the relative numerical error: {meaning}")
+        for part, meaning in PARTS.items()
     },
     "outcome_along_velocity": ("", "outcome along the line of rising velocity"),
     "outcome_along_load": ("", "outcome along the line of rising load"),

@@ -35,8 +35,13 @@ from pipeline.constants import (
 from tribo import WarningKind
 from tribo.types import Array, Indices
 
-PARTS = "interpolation", "discretization", "warnings", "surface"
-"""Names of the parts, in their order."""
+PARTS = {
+    "interpolation": "interpolation between points",
+    "discretization": "discretization (preset)",
+    "warnings": "allowance for warnings",
+    "surface": "surface sampling",
+}
+"""Meaning of each part, by its name, in their order."""
 INTERPOLATION, PRESET, _, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03
 """Like `ROUGH_GAP`, but between loads, for a single realization.
