@@ -84,11 +84,7 @@ def diagram(
     SI or as text with a unit, is marked; lists of equal length are pairs.
     """
     operating_points = _operating_points(load, velocity)
-    if any(sweep_of(ds).case_table.column(name) for name in PLANE):
-        raise InputError(
-            "each row of the sweep has its own load and velocity, so there is no plane of them; "
-            "irg margin prints its rows"
-        )
+    _require_plane(ds)
     ds = select_realization(ds, realization)
     case = cases_of(ds)[0]
     is_plane = min(len(case.loads), len(case.velocities)) > 1
@@ -136,6 +132,15 @@ def diagram(
         caption="\n".join(lines), handler_map={tuple: HandlerTuple(ndivide=None)},
     )  # fmt: skip
     return figure
+
+
+def _require_plane(ds: xr.Dataset) -> None:
+    """Raise an `InputError` if each row of a sweep has its own load and velocity."""
+    if any(sweep_of(ds).case_table.column(name) for name in PLANE):
+        raise InputError(
+            "each row of the sweep has its own load and velocity, so there is no plane of them; "
+            "irg margin prints its rows"
+        )
 
 
 def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
