@@ -106,7 +106,7 @@ LEAST_SLOPE = 0.05
 
 Judged by `python -m tests.promises.errors`.
 """
-PARTS = 16
+PARTS_OF_INTERVAL = 16
 """Number of parts of an interval of velocities, for lines that are interpolated between loads.
 
 Judged by `python -m pytest tests/pipeline/answers`.

@@ -25,17 +25,17 @@ from tribo.types import Mask
 TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
 """Suffixes of the files that a table, or a figure, may be written to."""
-_HEAD = re.compile(r"(.+) \[(.+)\]")
-_MARKUP, _ESCAPED = re.compile(r"[\\|<]"), r"\\\g<0>"  # of Markdown
-_LONG, _CUT = re.compile(r"(\S{99})\S\S+"), r"\1…"  # words of more than 100 letters
-_COLUMNS = 100  # most letters in a line of a table
+_HEADING = re.compile(r"(.+) \[(.+)\]")
+_MARKDOWN_MARK, _ESCAPED = re.compile(r"[\\|<]"), r"\\\g<0>"  # of Markdown
+_LONG_WORD, _SHORT_WORD = re.compile(r"(\S{99})\S\S+"), r"\1…"  # words of more than 100 letters
+_MAX_LINE_LENGTH = 100  # most letters in a line of a table
 _LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
-_FEWEST_LETTERS = 20  # least width of a broken last column
+_MIN_LAST_WIDTH = 20  # least width of a broken last column
 
 
-def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
+def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
     """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
-    units = [_split_heading(head)[1] for head in heads]
+    units = [_split_heading(heading)[1] for heading in headings]
     converted = [
         tuple(
             shown_in(value, unit) if unit and _is_number(value) else value
@@ -43,7 +43,7 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
         )
         for row in rows
     ]
-    return pd.DataFrame(converted, columns=pd.Index(heads))
+    return pd.DataFrame(converted, columns=pd.Index(headings))
 
 
 def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
@@ -71,18 +71,18 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
     this is not enough, all cells are broken, and columns move closer. A word of more than 100
     letters is cut.
     """
-    texts = [[_LONG.sub(_CUT, text) for text in row] for row in cells_of(frame, "-")]
+    texts = [[_LONG_WORD.sub(_SHORT_WORD, text) for text in row] for row in cells_of(frame, "-")]
     for head_letters, letters, gap in _LAYOUTS:
-        heads = [_broken(str(head), head_letters) for head in frame]
+        headings = [_broken(str(heading), head_letters) for heading in frame]
         rows = [[_broken(text, letters) for text in row] for row in texts]
-        columns = (itertools.chain(*column) for column in zip(heads, *rows, strict=True))
+        columns = (itertools.chain(*column) for column in zip(headings, *rows, strict=True))
         widths = [max(map(len, column), default=0) for column in columns]
-        last_width = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
-        if last_width >= min(widths[-1], _FEWEST_LETTERS):
+        last_width = _MAX_LINE_LENGTH - sum(width + len(gap) for width in widths[:-1])
+        if last_width >= min(widths[-1], _MIN_LAST_WIDTH):
             break
-    lines = [*itertools.zip_longest(*heads, fillvalue="")]
+    lines = [*itertools.zip_longest(*headings, fillvalue="")]
     for row in texts:
-        parts = map(_broken, row, [*widths[:-1], max(last_width, _FEWEST_LETTERS)])
+        parts = map(_broken, row, [*widths[:-1], max(last_width, _MIN_LAST_WIDTH)])
         lines += itertools.zip_longest(*parts, fillvalue="")
     return [
         gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
@@ -128,7 +128,7 @@ def _as_cell(value: Any) -> Any:
 def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
     """Rows of frames as dictionaries by heading, for JSON."""
     return [
-        {str(head): None if pd.isna(value) else value for head, value in row.items()}
+        {str(heading): None if pd.isna(value) else value for heading, value in row.items()}
         for frame in frames
         for row in frame.to_dict("records")
     ]
@@ -150,7 +150,7 @@ def _finite(value: Any) -> Any:
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
     """Yield the lines of the frame as a Markdown table."""
     for number, row in enumerate([[*map(str, frame)], *cells_of(frame, "")]):
-        yield f"| {' | '.join(_MARKUP.sub(_ESCAPED, cell) for cell in row)} |"
+        yield f"| {' | '.join(_MARKDOWN_MARK.sub(_ESCAPED, cell) for cell in row)} |"
         if number == 0:
             yield "|---" * len(row) + "|"
 
@@ -174,11 +174,11 @@ def _is_number(value: Any) -> TypeGuard[float]:
     return is_number and not math.isnan(value)
 
 
-def _split_heading(head: str) -> tuple[str, str]:
+def _split_heading(heading: str) -> tuple[str, str]:
     """Split a heading into name and unit; an unknown unit stays in the name."""
-    match = _HEAD.fullmatch(head)
+    match = _HEADING.fullmatch(heading)
     is_known = match and (match[2] in SIZES or match[2] in DIMENSIONS)
-    return (match[1], match[2]) if match and is_known else (head, "")
+    return (match[1], match[2]) if match and is_known else (heading, "")
 
 
 def write_text(text: str, out: Path) -> Path:

@@ -23,7 +23,7 @@ import numpy as np
 
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.pchip import Pchip, roots
-from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS, RISE_SHARE
+from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS_OF_INTERVAL, RISE_SHARE
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask
 
@@ -208,7 +208,7 @@ class Field:
         extends by this factor beyond all velocities.
         """
         x = self.velocities
-        parts = 1 if np.isin(loads, self.loads).all() else PARTS
+        parts = 1 if np.isin(loads, self.loads).all() else PARTS_OF_INTERVAL
         inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(parts) / parts
         factors = np.geomspace(1.0, reach, _BEYOND_PARTS if reach > 1 else 1)[1:]
         nodes = np.concatenate([x[0] / factors[::-1], inner.ravel(), x[-1:], x[-1] * factors])

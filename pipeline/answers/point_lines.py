@@ -40,7 +40,7 @@ _ORIGINS = {
     "extrapolated": "{} °C, extrapolated beyond the simulated points by a power law in velocity",
 }
 """Governing temperature with its origin."""
-_PARTS = {
+_PART_LABELS = {
     "interpolation": "interpolation", "discretization": "discretization", "warnings": "warnings",
     "surface": "surface sampling",
 }  # fmt: skip
@@ -132,7 +132,7 @@ def _critical(point: xr.Dataset, name: str) -> str:
 
 def error_text(point: xr.Dataset) -> str:
     """The numerical error of a temperature and its parts."""
-    parts = {text: point[f"temperature_error_{name}"].item() for name, text in _PARTS.items()}
+    parts = {text: point[f"temperature_error_{name}"].item() for name, text in _PART_LABELS.items()}
     known = ", ".join(f"{name} {rounded_error(part)} K" for name, part in parts.items() if part > 0)
     unknown = " and ".join(name for name, part in parts.items() if math.isnan(part))
     if unknown and known:

@@ -15,7 +15,7 @@ from pipeline.scene.format import EvenStages, Test
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-9  # relative error of loads in floating point
 _OUTCOME_ENTRIES = ("mild", "mild_up_to"), ("severe", "severe_at")
 Levels = tuple[tuple[float, ...], tuple[float, ...]]
 """Loads of stages [N], and their holds [s]."""
@@ -24,11 +24,11 @@ Levels = tuple[tuple[float, ...], tuple[float, ...]]
 def stages_of(stages: Any, highest: float) -> Levels:
     """Loads and holds of the stages in an entry; even stages end at the `highest` load [N]."""
     if isinstance(stages, EvenStages):
-        return _even(stages.first, stages.step, stages.hold, highest)
+        return _even_stages(stages.first, stages.step, stages.hold, highest)
     return tuple(load for load, _ in stages), tuple(hold for _, hold in stages)
 
 
-def _even(first: float, step: float, hold: float, highest: float) -> Levels:
+def _even_stages(first: float, step: float, hold: float, highest: float) -> Levels:
     steps = max(0.0, (highest - first) / step)
     if steps > MOST_STEPS:
         raise InputError(f"{steps:.3g} load stages exceed the limit of {MOST_STEPS}")
@@ -83,13 +83,12 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
         if getattr(test, key) is None:
             yield key, f"missing; required: {table_of(Test).keys[key].kind}"
     if test.outcome == "transition" and test.stages is not None:
-        words = "do not fit a transition; give mild_up_to and severe_at instead of the outcome"
-        yield "stages", words
+        problem = "do not fit a transition; give mild_up_to and severe_at instead of the outcome"
+        yield "stages", problem
     if test.step is None:
         return
     if test.outcome != "transition":
-        words = 'it belongs to a transition; leave it out, or give outcome = "transition"'
-        yield "step", words
+        yield "step", 'it belongs to a transition; leave it out, or give outcome = "transition"'
         return
     axis, step = test.step
     if (value := getattr(test, axis)) is not None and step >= value:

@@ -43,7 +43,7 @@ Moment = Mapping[str, float | Array]
 
 NOT_KNOWN = -1.0
 """Stored at the end of a point instead of NaN, such as for the film of a ball."""
-_PROGRESS = ("time", "normal_load", "sliding_distance")  # known without a contact
+_LOADING_COLUMNS = ("time", "normal_load", "sliding_distance")  # known without a contact
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES, "rise_realization_freedom": math.nan}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
@@ -248,7 +248,10 @@ def _increment_values(
     if contact.is_requested or not contact.pressure.any():
         return values
     # Not solved on the grid of the point: only time, load and distance are known.
-    return {name: value if name in _PROGRESS else value * np.nan for name, value in values.items()}
+    return {
+        name: value if name in _LOADING_COLUMNS else value * np.nan
+        for name, value in values.items()
+    }
 
 
 def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> Moment:
