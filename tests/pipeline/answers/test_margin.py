@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_lines import row_warnings
+from pipeline.answers.answer_lines import common_lines, point_warnings, row_warnings
 from pipeline.answers.point_lines import headline, margin_facts, margin_lines, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
@@ -203,6 +203,7 @@ def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first
     )
     assert first.startswith(ends if near else "Mild: probability")
     assert ("sharp_ends" in asked(ds, 400.0, share * critical).flags) == near
+    assert not any("sharp ends" in line for line in point_warnings(margin))  # not once more
     rows = pipeline.margin(ds, [400.0, 300.0], [share * critical, 0.5])
     assert any("sharp ends" in line for line in row_warnings(rows)) == near
 
@@ -267,3 +268,10 @@ def test_where_a_test_has_been_run_no_other_one_is_advised():
     at_test = asked(ds, 400.0, 2.2)
     limit = {"critical_temperature": at_test.governing_temperature}
     assert advice(ds, 400.0, 2.2, **limit) == "change the conditions or the scene"
+
+
+def test_an_answer_states_how_many_points_were_not_used():
+    ds = synthetic.sweep(status={(400.0, 2.0): PENDING, (450.0, 2.0): FAILED})
+    line = "points that are pending or failed, and were not used: 2"
+    assert line in [*common_lines(pipeline.boundary(ds))]
+    assert line not in [*common_lines(pipeline.boundary(synthetic.sweep()))]

@@ -113,6 +113,8 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     options = words(**{"sweep.loads": ["400 N"], "sweep.realizations": [3, 5]})
     output = irg("run", "first_try", *options, "--accuracy", "2%", "-o", out, "--workers", "1")
     assert "accuracy 2 % reached: at most ± 1." in output
+    (statement,) = (line for line in output.splitlines() if " reached: at most ± " in line)
+    assert "surface" not in statement
     assert "2 listed seeds, not reduced by computing" in output
     assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in output
     assert done(out)[1].sum() == 1

@@ -20,7 +20,7 @@ from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.crash.driver import computing
 from tests.helpers import tiny
-from tests.helpers.entries import changed
+from tests.helpers.entries import bare_test, changed
 from tests.helpers.points import run_point
 from tests.helpers.reported import Heard
 from tests.helpers.scenes import STEEL
@@ -249,3 +249,14 @@ def test_a_run_that_is_killed_while_it_mends_leaves_no_damaged_point_done(copy, 
         if not was_killed:
             assert count > 1
             return
+
+
+def test_a_store_whose_tests_are_damaged_is_not_clean(path):
+    commit_all(path, tiny.sweep(loads=(150.0,), velocities=(0.5,), tests=(bare_test(250.0, 1.0),)))
+    assert pipeline.verify_store(path).is_clean
+    for chunk in (path / "tests/mean_rise").rglob("c.*"):
+        chunk.unlink()
+    verification = pipeline.verify_store(path)
+    assert not verification.damaged
+    assert len(verification.tests.damaged) == 1
+    assert not verification.is_clean
