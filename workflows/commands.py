@@ -12,7 +12,7 @@ def add_paper(add: AddCommand) -> None:
     paper = add(
         "paper",
         f"{__package__}.paper.answer:recompute",
-        "recompute a figure or table of the paper, beside what it prints",
+        "recompute a figure or table of the paper, and compare it with the print",
         "table4 --surfaces 2",
     )
     paper.add_argument("name", metavar="NAME", nargs="?", help="one of --list, or all")

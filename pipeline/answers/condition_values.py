@@ -57,7 +57,7 @@ def override_conditions(conditions: Conditions, overrides: Mapping[str, Any]) ->
     """Conditions of a case, some replaced by the single values of `overrides`."""
     arrays = in_arrays(overrides)
     if several := [name for name, array in arrays.items() if array.size > 1]:
-        raise InputError(f"{several[0]} takes a single value here")
+        raise InputError(f"{several[0]} takes a single value here; give it once")
     return replace_conditions(conditions, {name: array.item() for name, array in arrays.items()})
 
 

@@ -63,10 +63,10 @@ def _add_run(add: AddCommand) -> None:
     add_value(command, "--from OLD.zarr", help_text, values.store, dest="source")
     help_text = "print the address of Dask's dashboard, which every user of this machine can open"
     add_flag(command, "--dashboard", help_text)
-    add_flag(command, "--retry-failed", "simulate points again that failed in an earlier run")
+    add_flag(command, "--retry-failed", "simulate the points that failed in an earlier run again")
     add_flag(command, "-n --dry-run", "print what irg check prints, and compute nothing")
     help_text = (
-        "compute until the whole numerical error of the boundary is below this, such as 2%%: it "
+        "compute until the numerical error of the boundary is below this, such as 2%%; the run "
         "chooses preset, points and surface realizations"
     )
     add_value(command, "--accuracy BOUND", help_text, values.share)
@@ -139,7 +139,7 @@ def _add_surface(add: AddCommand) -> None:
     add_value(command, "--height-unit UNIT", help_text)
     help_text = 'sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"'
     add_value(command, "--pixel-size DX[,DY]", help_text, values.sides)
-    help_text = "share of missing heights up to which they are filled; default: 10%%"
+    help_text = "largest fraction of missing heights that is filled; default: 10%%"
     add_value(command, "--missing SHARE", help_text, values.share, default=0.1)
     help_text = "Ra of a profile or data sheet, with --rsm, without a file"
     add_quantity(command, "--ra RA", help_text, "0.2 um")

@@ -50,7 +50,7 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     """Load the command's scene, changed by the options for conditions and numerical choices."""
     conditions = {PATHS[name]: value for name, value in conditions_in(options).items()}
     if lists := [path for path, value in conditions.items() if isinstance(value, list)]:
-        raise InputError(f"{lists[0]} takes a single value here")
+        raise InputError(f"{lists[0]} takes a single value here; give it once")
     settings = dict[str, Any]()
     for path, value in options.set.items():
         is_path = path in _PATH_ENTRIES and isinstance(value, str)  # relative to the shell's folder

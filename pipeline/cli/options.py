@@ -102,7 +102,7 @@ def add_points(command: Any) -> None:
 
 def add_realization(command: Any) -> None:
     """Add the choice of a surface realization."""
-    help_text = "seed of the random surface, or area of the scan, instead of the own one"
+    help_text = "seed of the random surface, or area of the scan, instead of the scene's"
     add_value(command, "--realization SEED", help_text, partial(values.count, minimum=0))
 
 

@@ -23,7 +23,7 @@ _BEGIN = """Begin with:
   irg run scene.toml
   irg plot results/scene.zarr
   irg help first-hour
-What a command takes:
+Options of a command:
   irg COMMAND --help"""
 
 
