@@ -41,7 +41,7 @@ PAGES_BY_TASK = {
         "cluster",
     ),
     "use tests of a laboratory": ("your-tests",),
-    "know how sure and how fast answers are": ("choosing", "measured"),
+    "know how accurate answers are, and how long they take": ("choosing", "measured"),
     "understand the model": ("model", "physics", "reproducing", "paper"),
     "look up": ("library", "glossary", "dataset"),
 }

@@ -139,7 +139,7 @@ class Sheet:
         for original in self.columns:
             column = original._replace(name=names.get(original.name, original.name))
             if column.name in {other.name for other in columns}:
-                faults.append(f"the heading {quoted(original.heading)} stands twice; leave one out")
+                faults.append(f"the heading {quoted(original.heading)} occurs twice; leave one out")
             else:
                 columns.append(column)
         return replace(self, columns=columns, faults=faults)

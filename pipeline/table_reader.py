@@ -212,7 +212,7 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         elif column.name in positions:
             both = f"in columns {positions[column.name]} and {k + 1}"
             faults.append(
-                f"the heading {quoted(column.heading)} stands twice, {both}; leave one out"
+                f"the heading {quoted(column.heading)} occurs twice, {both}; leave one out"
             )
         else:
             columns.append(column)

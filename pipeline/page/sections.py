@@ -33,11 +33,11 @@ _MODEL = (
     "not part of it."
 )
 _NUMERICAL_ERROR = (
-    "It comes from the elements and load steps, from interpolation between simulated points, and "
-    "from the few surfaces that are simulated; more computing makes it smaller"
+    "Its causes are the elements and load steps, interpolation between simulated points, and "
+    "the small number of simulated surfaces; more computing makes it smaller"
 )
 _MODEL_ERROR = (
-    "It comes from the physics that is left out and from the inputs; only tests make it smaller"
+    "Its causes are the physics that is left out, and the inputs; only tests make it smaller"
 )
 _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
@@ -122,7 +122,7 @@ def common_sections(
     """Yield the last sections of each report: inputs, limits that are not yet `stated`, origin."""
     sweep = sweep_of(ds)
     inputs = elements.Table(
-        "Inputs, and where each comes from", ["part", "values", "source"], [*input_rows(sweep)]
+        "Inputs and their sources", ["part", "values", "source"], [*input_rows(sweep)]
     )
     headings, rows = case_rows(sweep)
     cases = [elements.Table("Cases of the sweep", headings, rows)] if rows else []

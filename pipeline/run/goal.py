@@ -175,7 +175,7 @@ class GoalRun:
             self.sweep = replace(self.sweep, velocities=velocities)
         first = [point for point, realization in points if not realization]
         if points and not first and self.is_on_first_realization:
-            self._report(Progress(f"first realization done; about {to_come} points to come"))
+            self._report(Progress(f"first realization done; remaining points: about {to_come}"))
         self.is_on_first_realization = bool(first)
         return first or [point for point, _ in points]
 

@@ -189,7 +189,7 @@ class MeasuredSurfaceTable(Declared):
         "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
-        "Pixel sides of the file along x and y, if the file states none, or wrong ones."] = None
+        "Pixel sides of the file along x and y, if the file has none, or wrong ones."] = None
     level: A[bool,
         "True to remove the least-squares plane, and a curvature if it is higher than Rq."] = False
     missing: A[float, Share(at_least=0, below=1),
@@ -214,7 +214,7 @@ _REFERENCE_LOAD = (
 
 class RampTable(Declared):
     rate: A[float, Quantity("150 N/s"),
-        "Rate at which the load grows from 0; needed for stages, too."]
+        "Rate at which the load grows from 0; also needed for stages."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
         "Time for which each load is held after the ramp, in growing steps."] = 0.0

@@ -298,7 +298,7 @@ def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dic
     if not sizes:
         return {}
     if (count := sum(sizes.values())) > MOST_INPUTS:
-        raise InputError(f"it states {count:.3g} numbers of the scene's files")
+        raise InputError(f"it contains {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
     document = array_document(variable, {DIM: sum(sizes.values())}, {}, growths)
     array = open_arrays(location.zarr, {INPUTS: document})[INPUTS]

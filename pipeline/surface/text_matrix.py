@@ -44,7 +44,7 @@ def matrix_of(text: str) -> tuple[list[str], Array | None]:
     _require_decimals(lines[heading_count:], delimiter)
     if delimiter == "," and (zeros := _SPLIT_DECIMAL.search("\n".join(lines[heading_count:]))):
         raise InputError(
-            f"commas stand between numbers and before decimals ({quoted(zeros[1])} is no whole "
+            f"commas separate both numbers and decimals ({quoted(zeros[1])} is no whole "
             "number); write decimals with points"
         )
     try:

@@ -101,7 +101,7 @@ def _identify(role: str, original: object) -> dict[str, Any]:
         raise InputError(f"the {role} {text:.200} is no class of yours; set it in the scene file")
     if match := _UNCLEAR.search(text):
         raise InputError(
-            f"the {role} {text:.200} does not state its values, but has {match[0]!r}; give class "
+            f"the {role} {text:.200} does not print its values, but has {match[0]!r}; give class "
             f"{cls.__qualname__} a __repr__ with all values, such as that of a dataclass"
         )
     # A change of a base class in the same package changes the law, too.

@@ -89,7 +89,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     >>> check_wear(h, 2 * h, area=1e-12, volume=9e-21)
     Traceback (most recent call last):
         ...
-    tribo.errors.InvariantError: wear balance: the pin has lost 8e-21 m³, its law says 9e-21 m³
+    tribo.errors.InvariantError: wear balance: the pin has lost 8e-21 m³, its law gives 9e-21 m³
     """
     total = float(after.sum())
     _require_finite("wear depth", total, after)
@@ -97,7 +97,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     smallest = after.size * float(np.finfo(np.float64).tiny) * area  # smallest representable volume
     if not abs(lost - volume) <= _BALANCE * volume + smallest:
         raise InvariantError(
-            f"wear balance: the pin has lost {lost:.12g} m³, its law says {volume:.12g} m³"
+            f"wear balance: the pin has lost {lost:.12g} m³, its law gives {volume:.12g} m³"
         )
     growth = float((after - before).min())
     if growth < 0:

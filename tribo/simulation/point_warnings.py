@@ -38,8 +38,8 @@ from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 
 SLOW = (
-    "the rise grows more slowly than velocity^0.3, so the critical velocity errs two to three "
-    "times as much as the preset states; use --accuracy"
+    "the rise grows more slowly than velocity^0.3, so the error of the critical velocity is "
+    "two to three times that of the preset; use --accuracy"
 )
 
 

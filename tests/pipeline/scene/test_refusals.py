@@ -91,7 +91,7 @@ def over(path, values, **other_entries):
 
 
 FILES = {
-    "load header": (load(b"time [s],load [N],load [kN]\n0,0,0\n1,5,1\n"), "stands twice"),
+    "load header": (load(b"time [s],load [N],load [kN]\n0,0,0\n1,5,1\n"), "occurs twice"),
     "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"),
                  'row 4, load [N]: "1e999 N" is too large'),
     "load back": (load(b"time [s],load [N]\n0,0\n\n2,5\n1,6\n"),

@@ -58,10 +58,10 @@ def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
     [
         (f"{HEADS}\n300,1,5\n", "row 2 has 3 cells below 2 headings"),
         (f"{HEADS},friction\n300,1.5\n", "row 2 has 2 cells below 3 headings"),
-        (f"{HEADS},load [kN]\n300,1.5,2\n", "stands twice"),
+        (f"{HEADS},load [kN]\n300,1.5,2\n", "occurs twice"),
         (f"{HEADS}\n300,1.5\n# later,\n", r"row 3, load .N.: "),
         (f"{HEADS},mue\n300,1.5,0.2\n", r'"mue" has numbers \("0.2" in row 2\), but is unknown'),
-        (f"{HEADS},friction,friction.coefficient\n300,1.5,0.1,0.2\n", "stands twice"),
+        (f"{HEADS},friction,friction.coefficient\n300,1.5,0.1,0.2\n", "occurs twice"),
         (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. has numbers"),
         (
             "load [N];velocity [mm/s]\n1.200;1.500\n",

@@ -163,7 +163,7 @@ REFUSALS = {
     "many points": (changed(forged(lambda sweep, _: sweep.update(
         loads=[*range(1, 5000)], velocities=[*range(1, 5000)]))), "2.499e+07 points are too many"),
     "many inputs": (changed(forged(lambda _, facts: facts.update(inputs={"a": 10**9}))),
-                    "it states 1e+09 numbers of the scene's files"),
+                    "it contains 1e+09 numbers of the scene's files"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "another version of this program (computed by irg-transition"),
     "lost": (changed(lose_root), "its about/zarr.json is lost; irg run restores it with the scene"),

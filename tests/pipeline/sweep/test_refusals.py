@@ -45,7 +45,7 @@ MANY = tuple(np.linspace(1.0, 2.0, 4000).tolist())
 
 
 class Unclear:
-    """A wear law whose text does not state its values."""
+    """A wear law whose text does not print its values."""
 
     pattern = "swept"
 
@@ -123,7 +123,7 @@ REFUSALS = {
     "script": (with_law(law_in("__main__")), "is of class Law of a script or notebook"),
     "no class of yours": (with_law(tribo.Wear(1e-15)), "is no class of yours; set it in the"),
     "no text": (with_law(type("Plain", (Unclear,), {"mean_wear": None})()),
-                "does not state its values, but has 'at 0x"),
+                "does not print its values, but has 'at 0x"),
     "no source": (with_law(law_in("nowhere")), "of class Law, whose source cannot be found"),
     "state": (with_law(Counting()), "becomes Counting(count=1, pattern='swept') when it is used"),
     "no code": (without_original, "the store has no code of Tabled("),
