@@ -35,6 +35,7 @@ _VARIABLES = {
     "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Sampling errors of each point": schema.SAMPLING,
+    "Oil film of each point": schema.FILM,
     "Fields at the end of each point": schema.FIELDS,
 }
 
