@@ -178,7 +178,9 @@ def single_value(name: str, value: Any, example: object) -> Any:
     plain = plain_value(name, value)
     if plain is None or isinstance(plain, bool | list | dict):
         is_list = isinstance(plain, list)
-        problem = "takes a single value" if is_list else f"is {quoted(plain)}, which is no number"
+        problem = (
+            "takes a single value" if is_list else f"is {quoted(plain)}, which is not a number"
+        )
         raise InputError(f"{name} {problem}; give one such as {quoted(example)}")
     return plain
 

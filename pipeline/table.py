@@ -221,7 +221,7 @@ class Sheet:
         """Why the marks in a number have two meanings, or another than that of the table."""
         marks = {*number} & {",", "."}
         if self.decimal == "," and "." in marks:
-            return "has a point, though decimals have commas; write the number that is meant"
+            return "has a point, though decimals have commas; write the number that you mean"
         if not marks or self.decimal == "," or (marks == {"."} and not self._may_group()):
             return ""
         if self.decimal is None and GROUPED.fullmatch(number):
@@ -230,7 +230,7 @@ class Sheet:
             decimals = number.replace(",", ".")
             if decimals.count(".") > 1:
                 return f"may be {thousands}; write it without marks of thousands"
-            choice = f"may be {thousands} or {decimals}; write the one that is meant"
+            choice = f"may be {thousands} or {decimals}; write the one that you mean"
             if self.advice is PYTHON:
                 return choice
             return f"{choice}, or {self.advice.decimal.format(quoted(mark))}"

@@ -61,7 +61,7 @@ def read_table(
         except OSError as error:
             raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
         except _UNREADABLE as error:
-            raise InputError(f"{path} is no table with a row of headings: {error}") from error
+            raise InputError(f"{path} is not a table with a row of headings: {error}") from error
     else:
         path, rows, is_local = Path("the table"), _rows_of_frame(source), False
     if len(rows) < 2:
@@ -87,7 +87,7 @@ def _rows_of_frame(
             raise InputError(f"the index {quoted(index_names[0])} is not read; use reset_index()")
         columns = [(str(heading), source.iloc[:, k]) for k, heading in enumerate(source.columns)]
     elif hasattr(source, "dims"):
-        raise InputError("a Dataset is no table; give its variables as load and velocity")
+        raise InputError("a Dataset is not a table; give its variables as load and velocity")
     else:
         columns = [(str(heading), cells) for heading, cells in source.items()]
     lists, sizes = list[list[str]](), dict[str, int]()
@@ -97,12 +97,12 @@ def _rows_of_frame(
             Column.from_heading(heading),
         )
         if not isinstance(plain, list):
-            raise InputError(f"column {quoted(heading)} is no list; give one with a value per row")
+            raise InputError(f"column {quoted(heading)} is not a list; give one value for each row")
         lists.append([_text(column, item) for item in plain])
         sizes[heading] = len(plain)
     if len({*sizes.values()}) > 1:
         counts = ", ".join(f"{quoted(heading)} {size}" for heading, size in sizes.items())
-        raise InputError(f"columns differ in their numbers of rows: {counts}; give each as many")
+        raise InputError(f"columns have different numbers of rows: {counts}; give each the same")
     headings = [heading for heading, _ in columns]
     return [*enumerate([headings, *map(list, zip(*lists, strict=True))])]
 

@@ -196,7 +196,7 @@ def _comma_hint(text: str) -> str:
     number, rest = match[1], match[2]
     decimals = f"{number.replace(',', '.')}{rest}"
     if _THOUSANDS.fullmatch(number):
-        return f"; write {number.replace(',', '')}{rest} or {decimals}, whichever is meant"
+        return f"; write {number.replace(',', '')}{rest} or {decimals}, whichever you mean"
     return f"; write {decimals}" if number.count(",") == 1 else "; use a decimal point"
 
 

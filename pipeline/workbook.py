@@ -35,7 +35,7 @@ def workbook_rows(path: Path, content: bytes) -> list[list[str]]:
         raise
     except Exception as error:  # of damaged files, errors of many kinds
         reason = " ".join(f"{error}".split()) or type(error).__name__
-        raise InputError(f"{path} is no workbook: {reason:.200}; {_SAVE_AS}") from error
+        raise InputError(f"{path} is not a workbook: {reason:.200}; {_SAVE_AS}") from error
     if len(filled) != 1:
         problem = f"{path} has no sheet with cells; fill one"
         if filled:
@@ -52,7 +52,7 @@ def _require_small(path: Path, content: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(content)) as book:
         members = book.infolist()
         if "[Content_Types].xml" not in book.namelist():
-            raise InputError(f"{path} is an archive and no workbook; {_SAVE_AS}")
+            raise InputError(f"{path} is an archive, not a workbook; {_SAVE_AS}")
         if len(members) > MOST_PARTS_OF_BOOK:
             raise InputError(
                 f"{path} has {len(members)} parts, of which {MOST_PARTS_OF_BOOK} can be read; "

@@ -71,7 +71,9 @@ def replace_conditions(conditions: Conditions, values: Mapping[str, Any]) -> Con
 def in_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI; a list has a dimension with the name of its condition."""
     if unknown := overrides.keys() - {*NAMES}:
-        raise InputError(f"{min(unknown)} is no condition; there are {', '.join(NAMES)}")
+        raise InputError(
+            f"{min(unknown)} is not a condition; the conditions are {', '.join(NAMES)}"
+        )
     arrays = dict[str, xr.DataArray]()
     for name, value in overrides.items():
         if value is None:

@@ -47,7 +47,7 @@ _PART_LABELS = {
 _REMEDIES = {
     "interpolation": "simulate more points nearby",
     "discretization": "use a finer preset",
-    "warnings": "do what the warnings of its points ask for",
+    "warnings": "follow the warnings of its points",
     "surface": "simulate more surface realizations (sweep.realizations)",
 }
 """What makes each part of the numerical error smaller."""

@@ -140,7 +140,9 @@ def _decoded(text: str, arrays: _Arrays) -> Sweep:
     try:
         plain = json.loads(text)
     except ValueError as error:
-        raise InputError(f"the attribute sweep of the dataset is no JSON: {error}") from error
+        raise InputError(
+            f"the attribute sweep of the dataset is not valid JSON: {error}"
+        ) from error
     try:
         return sweep_of_plain(plain, {} if data is None else split_arrays(data.values, data.attrs))
     except CodecError as error:
@@ -230,7 +232,7 @@ def _label(labels: tuple[Label, ...], value: Any) -> Label:
         return str(value)
     label = min(labels, key=lambda label: abs(float(label) - value))
     if abs(float(label) - value) > ROUNDING * abs(value):
-        raise InputError(NOT_SIMULATED.format(f"no case has {value:g}; the next is {label:g}"))
+        raise InputError(NOT_SIMULATED.format(f"no case has {value:g}; the nearest is {label:g}"))
     return label
 
 
@@ -260,7 +262,7 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
                 reason = f"{name} {values[is_other][0]:g} {unit} is not in its sweep"
                 raise InputError(NOT_SIMULATED.format(reason))
     if ds["status"].dtype == np.float64:  # selections and masks keep 8 bits, or make 32
-        raise InputError(NOT_SIMULATED.format("its status is no integer"))
+        raise InputError(NOT_SIMULATED.format("its status is not an integer"))
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:

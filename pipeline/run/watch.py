@@ -144,8 +144,8 @@ class Watch:
             )
         if answer != PROGRAM:
             self.say(
-                f"{worker} computes by {answer.versions}, and not {PROGRAM.versions}; last digits "
-                "may differ"
+                f"{worker} computes with {answer.versions} instead of {PROGRAM.versions}; "
+                "last digits may differ"
             )
 
     def cpu_time(self) -> float:

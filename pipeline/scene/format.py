@@ -223,7 +223,7 @@ class StagesTable(Declared):
     form_name = "stages"
     refused: ClassVar[dict[str, str]] = {
         "hold": "each of the stages has its own; leave this one out",
-        "file": "a record is no stages; give stages, or the record alone",
+        "file": "a recorded load has no stages; give one of the two",
     }
     stages: A[Any, STAGES,
         "Load stages of one specimen, each held for a time: equal steps up to the highest load "

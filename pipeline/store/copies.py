@@ -70,7 +70,7 @@ def keep_best_copy(location: Folder, sweep: Sweep, progress: Report) -> None:
                 location.path.rename(spare.path)
             best.path.rename(location.path)
             sync(location.path.parent)
-            progress(Progress(f"{location} was restored from {best}, left by a run cut short"))
+            progress(Progress(f"{location} was restored from {best}, left by an interrupted run"))
         for copy in (new, old):
             remove_folder(copy)
         for file in [*location.path.rglob(f"*{PARTIAL}")]:

@@ -110,7 +110,7 @@ def _open(
     elif isinstance(location, Folder):
         store = _replace(location, before, root, lock, progress)
     elif before:
-        raise _not_extensible(location, "on an object store a plane is fixed")
+        raise _not_extensible(location, "a plane on an object store cannot grow")
     else:
         with io_errors(location, "written"):
             _write_without_points(location, root)

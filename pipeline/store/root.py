@@ -190,7 +190,7 @@ def read_root(location: Location) -> Root:
     hint = ""
     if isinstance(location, Folder) and not location.path.exists():
         if any(location.sibling(ending).path.exists() for ending in (NEW, OLD)):
-            raise StoreError(f"a run was cut short as it made {location}; run its scene again")
+            raise StoreError(f"a run ended while it created {location}; run its scene again")
         hint = path_hint(location.path) or store_hint(location.path)
     raise StoreError(
         f"no store at {location}{hint}; run a scene first, or give the path of a store"

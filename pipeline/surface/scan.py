@@ -164,7 +164,7 @@ def _read(path: Path, content: bytes) -> HeightFile:
         raise InputError(f"a text without a matrix of numbers; {EXPORT}")
     if headings and min(matrix.shape) >= MIN_SIDE:
         raise InputError(
-            f"its first lines are no heights ({quoted(headings[0][:60])}); delete all "
+            f"its first lines are not heights ({quoted(headings[0][:60])}); delete all "
             f"{len(headings)} lines above the numbers, and give height_unit and pixel_size"
         )
     comments = [line for line in text.splitlines() if line.lstrip()[:1] == "#"]
@@ -198,7 +198,7 @@ def _require_map(matrix: Array) -> Array:
             content = PROFILE
         elif short_side < 5 and all(have_repeats):
             content = POINTS
-        raise InputError(f"{short_side} × {long_side} numbers are no map of heights, but {content}")
+        raise InputError(f"{short_side} × {long_side} numbers are {content}, not a map of heights")
     for name, values in (("row", matrix[0]), ("column", matrix[:, 0])):
         steps = np.diff(values[1:])
         if steps[0] and np.allclose(steps, steps[0], rtol=_STEP_TOLERANCE, atol=0):

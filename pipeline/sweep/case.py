@@ -119,7 +119,7 @@ class SpecimenTest:
     def __post_init__(self) -> None:
         pairs = (self.normal_load, self.load_step), (self.velocity, self.velocity_step)
         if not all(0 <= step <= value <= LARGEST for value, step in pairs):
-            raise InputError(f"a test of {self.points} has a step out of range, or no place")
+            raise InputError(f"a test of {self.points} has a step out of range, or no point")
 
     @property
     def points(self) -> tuple[OperatingPoint, ...]:

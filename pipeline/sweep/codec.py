@@ -93,7 +93,7 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
             case "array" if values["digest"] in arrays:
                 array = arrays[values["digest"]].reshape(values["shape"])
                 if array_digest(array) != values["digest"]:
-                    raise ArrayError("an array is not what was written: its numbers are others")
+                    raise ArrayError("an array has other numbers than were written")
                 return array
             case "array":
                 name = _MISSING

@@ -98,7 +98,7 @@ def _identify(role: str, original: object) -> dict[str, Any]:
             "a store cannot name; save the class in a module, such as laws.py, and import it"
         )
     if package in ("tribo", "pipeline"):
-        raise InputError(f"the {role} {text:.200} is no class of yours; set it in the scene file")
+        raise InputError(f"the {role} {text:.200} is not your class; set it in the scene file")
     if match := _UNCLEAR.search(text):
         raise InputError(
             f"the {role} {text:.200} does not print its values, but has {match[0]!r}; give class "

@@ -84,8 +84,8 @@ def test_a_small_workbook_that_asks_for_much_is_refused(tmp_path):
     for name, message in {
         "a": "has 11 MB unpacked, of which 10 MB can be read", "long": "has 10 MB, of which",
         "far": "more than 1000000 cells", "parts": "has 1001 parts, of which 1000 can be read",
-        "styles": "has more cells or styles than can be read; save", "cut": "is no workbook: ",
-        "other": "is an archive and no workbook",
+        "styles": "has more cells or styles than can be read; save", "cut": "is not a workbook: ",
+        "other": "is an archive, not a workbook",
     }.items():  # fmt: skip
         with pytest.raises(tribo.InputError, match=message):
             OperatingPoints.read(tmp_path / f"{name}.xlsx")

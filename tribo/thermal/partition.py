@@ -159,7 +159,7 @@ def partition_heat(
         advice = (
             "Raise max_iterations or tolerance"
             if iterations >= max_iterations
-            else f"Rounding allows no less here, so ask for at least {2 * residual:.0e}"
+            else f"Rounding allows no less; set it to at least {2 * residual:.0e}"
         )
         raise ConvergenceError(
             f"heat partition stopped at a residual of {residual:.1e} after {iterations} "

@@ -240,7 +240,7 @@ ENTRIES = {
 
 TEXTS = {
     "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
-    "thousands": (text('["200 N"', '["1,200 N"'), "; write 1200 N or 1.200 N, whichever is meant"),
+    "thousands": (text('["200 N"', '["1,200 N"'), "; write 1200 N or 1.200 N, whichever you mean"),
     "utf-16": (toml(TEXT.encode("utf-16")), "line 1 is not UTF-8"),
     "deep": (toml(b"a = " + b"[" * 50_000), "tables are nested too deep; an entry has 10 levels"),
     "no toml": (toml(b"a = [1"), "is not valid TOML"),

@@ -65,7 +65,7 @@ def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
         (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. has numbers"),
         (
             "load [N];velocity [mm/s]\n1.200;1.500\n",
-            r"1\.200 may be 1200 or 1\.200; write the one that is meant",
+            r"1\.200 may be 1200 or 1\.200; write the one that you mean",
         ),
         (f'{HEADS}\n300,"1.5\n', "a quote is not closed"),
         (f"{HEADS}\n300,1.\0005\n", "is binary"),

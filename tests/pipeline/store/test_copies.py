@@ -97,7 +97,7 @@ def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on
 def test_a_copy_that_cannot_be_read_is_not_deleted_for_a_damaged_one(path, monkeypatch, irg):
     commit(path, SWEEP)
     grow_until(1, path, monkeypatch)
-    with pytest.raises(StoreError, match=r"a run was cut short as it made .*; run its scene again"):
+    with pytest.raises(StoreError, match=r"a run ended while it created .*; run its scene again"):
         summary(path)
     cut(FACTS, ROOT)(beside(path, NEW))
     cut(CHUNK)(beside(path, OLD))

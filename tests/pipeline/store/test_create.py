@@ -82,7 +82,7 @@ def test_a_creation_cut_short_leaves_no_store(path, monkeypatch, files):
         commit(path, SWEEP, [POINT])
     assert was_killed
     assert not path.exists()
-    with pytest.raises(StoreError, match="a run was cut short as it made"):
+    with pytest.raises(StoreError, match="a run ended while it created"):
         summary(path)
     with (
         locked(location_of(path)),

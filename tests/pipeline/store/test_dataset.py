@@ -101,7 +101,8 @@ REFILLED = {  # how xarray computes values of points from other points, and what
         lambda ds: ds.interp(velocity=[0.6, 1.4], method="quadratic"), "velocity 0.6 m/s is not",
     ),
     "onto stored loads": (
-        lambda ds: ds.isel(load=[0, 2]).interp(load=ds["load"].values), "its status is no integer",
+        lambda ds: ds.isel(load=[0, 2]).interp(load=ds["load"].values),
+        "its status is not an integer",
     ),
     "means of neighbours": (
         lambda ds: ds.coarsen(load=2, boundary="trim").mean(keep_attrs=True), "is not in its sweep",

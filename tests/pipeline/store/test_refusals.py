@@ -158,7 +158,7 @@ REFUSALS = {
     "torn": (changed(put_root(b"{")), "is damaged (JSONDecodeError"),
     "digest": (changed(flip_root), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
-    "exchanged": (lambda: measured(exchange), "its numbers are others"),
+    "exchanged": (lambda: measured(exchange), "other numbers than were written"),
     "file": (lambda: location_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
     "many points": (changed(forged(lambda sweep, _: sweep.update(
         loads=[*range(1, 5000)], velocities=[*range(1, 5000)]))), "2.499e+07 points are too many"),

@@ -115,7 +115,9 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
             commit(address, SWEEP, ())
     commit(address, SWEEP, [POINT])
     assert done_points(address) == [POINT]
-    with pytest.raises(StoreError, match=r"a plane is fixed; write .* -o NEW --from "):
+    with pytest.raises(
+        StoreError, match=r"a plane on an object store cannot grow; write .* -o NEW --from "
+    ):
         commit(address, LATER, ())
     assert verify_store(address).is_clean
     with writing(tmp_path / "new.zarr", SWEEP) as store:
@@ -134,7 +136,7 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
 )
 def test_plain_xarray_reads_fields_before_and_after_a_refused_growth(stored, larger):
     before = xr.open_zarr(stored, group="fields")
-    with pytest.raises(StoreError, match="a plane is fixed"):
+    with pytest.raises(StoreError, match="a plane on an object store cannot grow"):
         make(stored, tiny.full(**{"loads": SWEEP.loads, "velocities": SWEEP.velocities} | larger))
     for fields in (before, xr.open_zarr(stored, group="fields", chunks=None)):
         for name in FIELDS:

@@ -98,7 +98,7 @@ def zipped(name, content=b""):
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (f"ncols 48\ncellsize 0.5\n{ROWS}".encode(), r'no heights \("ncols 48"\); delete all 2'),
+        (f"ncols 48\ncellsize 0.5\n{ROWS}".encode(), r'not heights \("ncols 48"\); delete all 2'),
         (b"1,2,3\n1,2\n", "as many in each row"),
         (ROWS.replace(".", ",").replace(" ", ";").encode(), "decimals have commas"),
         (b"-0,1234,0,2345\n" * 20, "is no whole number"),

@@ -118,10 +118,10 @@ REFUSALS = {
     "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
-    "array": (other_heights, "its numbers are others"),
+    "array": (other_heights, "other numbers than were written"),
     # wear laws and surfaces of users
     "script": (with_law(law_in("__main__")), "is of class Law of a script or notebook"),
-    "no class of yours": (with_law(tribo.Wear(1e-15)), "is no class of yours; set it in the"),
+    "no class of yours": (with_law(tribo.Wear(1e-15)), "is not your class; set it in the"),
     "no text": (with_law(type("Plain", (Unclear,), {"mean_wear": None})()),
                 "does not print its values, but has 'at 0x"),
     "no source": (with_law(law_in("nowhere")), "of class Law, whose source cannot be found"),
