@@ -50,7 +50,7 @@ def small(tmp_path_factory):
     outcome = run(scene(), path, progress=lambda progress: messages.append(str(progress)))
     assert outcome.computed == outcome.done < 30
     assert messages[0] == "preset standard (up to 1.1 %)"
-    assert any("first realization done; about" in words for words in messages)
+    assert any("first realization done; remaining points: about" in words for words in messages)
     return path
 
 
