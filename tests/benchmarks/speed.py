@@ -321,7 +321,8 @@ def _time_of(library, kind, shape, dtype, args, options, in_place):
 
 def row(computation, seconds, reference, ratio):
     """A row of the table."""
-    return f"| {computation} | {1e3 * seconds:.3g} ms | {reference} | {ratio:.3g} |"
+    time_text = f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
+    return f"| {computation} | {time_text} | {reference} | {ratio:.3g} |"
 
 
 def report(message):
