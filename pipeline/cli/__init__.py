@@ -8,9 +8,7 @@ scene, 130 interrupted.
 from __future__ import annotations
 
 import argparse
-import atexit
 import functools
-import gc
 import io
 import os
 import pkgutil
@@ -36,7 +34,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # One BLAS thread, as in workers: a single point is then bit for bit as in a sweep.
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     os.environ["MPLBACKEND"] = "agg"  # figures are files; Matplotlib fails on an unknown backend
-    atexit.register(gc.freeze)  # saves 0.2 s of garbage collection at exit
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # so that an ASCII terminal does not fail
