@@ -72,10 +72,10 @@ def headline(point: xr.Dataset) -> str:
     verdict = verdict_text(point)
     if verdict == "outside the model":
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
-    probability, low, high = (
-        probability_text(point[f"probability{end}"].item()) for end in ("", "_low", "_high")
-    )
-    known = "sure" if low == high else "range"
+    ends = point["probability_low"].item(), point["probability_high"].item()
+    probability = probability_text(point["probability"].item())
+    low, high = probability_text(ends[0], math.floor), probability_text(ends[1], math.ceil)
+    known = "sure" if low == high or ends[0] == ends[1] else "range"
     if math.isnan(point["temperature_error"].item()):
         known = "unknown"
     subject = verdict.capitalize()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -55,13 +55,18 @@ def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
     return [name for name, mask in pairs if flags & int(mask)]
 
 
-def probability_text(probability: float) -> str:
-    """A probability as text: a percentage, or "less than 1 %"."""
+def probability_text(probability: float, rounded: Callable[[float], float] = round) -> str:
+    """A probability as text: a percentage of two digits, or "less than 1 %".
+
+    The ends of a range are `rounded` outward, by `math.floor` and `math.ceil`, so that an end that
+    is printed as 95 % decides a verdict as 95 % does.
+    """
     if probability < LEAST_STATED:
         return f"less than {100 * LEAST_STATED:g} %"
     if probability > 1 - LEAST_STATED:
         return f"more than {100 * (1 - LEAST_STATED):g} %"
-    return f"{100 * probability:.2g} %"
+    parts = 1 if probability >= 0.1 else 10  # of a percent
+    return f"{rounded(round(100 * parts * probability, 9)) / parts:g} %"
 
 
 def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
