@@ -190,11 +190,11 @@ class CaseResults:
             carried = (
                 area * columns["mean_pressure"][..., end] * columns["contact_fraction"][..., end]
             )
-            _require_equal(carried, force, "N is carried at a load of {:g} N")
+            _require_equal(carried, force, "{:g} N is carried at a load of {:g} N")
         if "max_rise" in columns and 1.0 in (fractions := columns["quantile"].tolist()):
             highest = columns["rise_quantile"][..., end, fractions.index(1.0)]
             _require_equal(
-                highest, columns["max_rise"][..., end], "K is stored for a rise of {:g} K"
+                highest, columns["max_rise"][..., end], "{:g} K is stored for a rise of {:g} K"
             )
 
     def sampling(self, conditions: Conditions) -> Array:
@@ -248,7 +248,7 @@ def _require_equal(values: Array, stored: Array, problem: str) -> None:
     """Raise an `InputError` for values that differ from those stored by more than rounding."""
     is_other = np.abs(values - stored) > ROUNDING * np.abs(stored)
     if is_other.any():
-        reason = f"{values[is_other][0]:g} {problem.format(stored[is_other][0])}"
+        reason = problem.format(values[is_other][0], stored[is_other][0])
         raise InputError(NOT_SIMULATED.format(reason))
 
 

@@ -84,11 +84,10 @@ class Track:
         return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity, disc)
 
     def __post_init__(self) -> None:
-        sizes = {
-            k: v
-            for k, v in asdict(self).items()
-            if k != "disc" and not (v is None and k == "width")
-        }
+        sizes = asdict(self)
+        del sizes["disc"]
+        if self.width is None:
+            del sizes["width"]
         require_positive(**sizes)
 
     def __str__(self) -> str:
