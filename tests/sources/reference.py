@@ -18,9 +18,10 @@ from pipeline.units import typeset
 from tests.helpers.campaigns import table
 from tests.sources.sections import number_in, sections
 
-_HEADS = "key", "value", "default", "meaning"
+_HEADS = "key", "value", "meaning"
 _SHORT = (
-    (r'an? [a-z -]+? (above 0|of at least 0), such as ("[^"]+")', r"\2, \1"),
+    (r'an? [a-z -]+? above 0, such as ("[^"]+")', r"\1"),  # the page states this limit once
+    (r'an? [a-z -]+? (of at least 0), such as ("[^"]+")', r"\2, \1"),
     (r"\bof at least\b", "at least"),
     (r"\ban? (share|number|whole number)\b", r"\1"),
     (r"\bwithout a unit, ", ""),
@@ -28,6 +29,8 @@ _SHORT = (
     (r"\ba list of 2 values, each ", "2 values: "),
     (r"\ba list of values, each ", "list of "),
     (r"\bshare such as ", ""),
+    (r"(step or count), each .*", r"\1"),
+    (r"a table whose keys are (paths) of other entries, each with .*", r"a table by \1 of entries"),
 )
 """Patterns of what a message says of an allowed value, and their shorter forms in a table."""
 _VARIABLES = {
@@ -43,15 +46,15 @@ _VARIABLES = {
 def new_keys(section, seen):
     """Keys of a section that no earlier one has with the same meaning, and sentences on the others.
 
-    `seen` maps each key and its meaning to the header of the section that has it, and gets the new
-    ones.
+    The keys are grouped by the form of the table that has them, such as "random surface". `seen`
+    maps each key and its meaning to the header of the section that has it, and gets the new ones.
     """
     new, known = {}, {}
     for key, (entry, form) in section.keys().items():
         if header := seen.get((key, entry.meaning)):
             known.setdefault(header, []).append(f"`{key}`")
         else:
-            new[key] = entry, form
+            new.setdefault(form, {})[key] = entry
             seen[key, entry.meaning] = section.header
     return new, [f" As in `{header}`: {', '.join(keys)}." for header, keys in known.items()]
 
@@ -62,13 +65,15 @@ def scene():
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
         need = "" if section.entry.is_needed else " Optional."
-        keys, also = new_keys(section, seen)
+        keys_by_form, also = new_keys(section, seen)
         parts.append(f"## {title}\n\n{section.entry.meaning}{need}{''.join(also)}\n")
-        rows = [
-            [f"`{key}`", _kind_cell(entry), _default_cell(section, key, entry, form), entry.meaning]
-            for key, (entry, form) in keys.items()
-        ]
-        parts += [_table(_HEADS, rows)] if rows else []
+        for form, keys in keys_by_form.items():
+            parts += [f"**{form.capitalize()}:**\n"] if len(keys_by_form) > 1 else []
+            rows = [
+                [f"`{key}`", _kind_cell(entry) + _default(section, key, entry), entry.meaning]
+                for key, entry in keys.items()
+            ]
+            parts.append(_table(_HEADS, rows))
     return "\n".join(parts)
 
 
@@ -106,16 +111,15 @@ def _kind_cell(entry):
     return f"{words}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
 
 
-def _default_cell(section, key, entry, form):
+def _default(section, key, entry):
+    """End of the cell of a value: its default, or that the entry is needed."""
     if entry.is_needed:
-        words = "needed"
-    elif section.path == "fidelity" and entry.default is None:
+        return "; **needed**"
+    if section.path == "fidelity" and entry.default is None:
         values = [_written(getattr(preset, key)) for preset in tribo.PRESETS.values()]
-        words = values[0] if len(set(values)) == 1 else f"{', '.join(values)} by preset"
-    else:
-        usual = _written(entry.default, entry.kind)
-        words = f"`{usual}`" if usual else "–"
-    return f"{words} ({form})" if form else words
+        return f"; default {', '.join(values)} by preset"
+    usual = _written(entry.default, entry.kind)
+    return f"; default `{usual}`" if usual else ""
 
 
 def _written(value, kind=None):

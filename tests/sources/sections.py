@@ -33,14 +33,16 @@ class Section(NamedTuple):
         """Keys of the section that hold values: for each, its declaration and a table's name.
 
         Some sections allow one of several tables, such as a random or a measured surface. The name
-        tells which of these tables has the key. It is empty if all of them have the key.
+        is that of the first of these tables that has the key. It is empty if all of them have it,
+        with a default or without.
         """
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
             for key, entry in table.keys.items():
                 if not forms_of(entry.kind):
-                    everywhere = all(key in other.keys for other in forms)
+                    needs = {form.keys[key].is_needed for form in forms if key in form.keys}
+                    everywhere = all(key in form.keys for form in forms) and len(needs) == 1
                     keys.setdefault(key, (entry, "" if everywhere else table.form))
         return keys
 
