@@ -109,8 +109,8 @@ class Source:
         entries = with_listed_tests(self.entries, self.files, faults)
         entries, along = with_first_case(entries, self.files, faults)
         scene = build(entries, self.files, faults)
+        faults[:] = [self._at_list(fault, along) for fault in faults]
         if scene is None:
-            faults[:] = [self._at_list(fault, along) for fault in faults]
             return None
         listed = listed_cases(scene, along)
         seeds = listed.table.column("realization")
