@@ -15,7 +15,7 @@ from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
 from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
 from pipeline.scene.declared_tables import Declared, table_of
-from pipeline.scene.entries import Entries, entry_at
+from pipeline.scene.entries import Entries, entry_at, replace_values
 from pipeline.scene.faults import Faults, TooManyFaultsError
 from pipeline.scene.format import (
     USUAL_PRESET,
@@ -85,6 +85,21 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     with suppress(TooManyFaultsError):
         return _build(entries, files, faults)
     return None
+
+
+def build_case(
+    base: Built, entries: Entries, changes: Entries, files: Files, faults: Faults
+) -> Built | None:
+    """Make a case of the scene `base`, whose `entries` have some `changes`, as `build` does.
+
+    The case shares the table ``[sweep]`` that the scene has read, and has no tests.
+    """
+    case_entries = {path: value for path, value in changes.items() if path != AREAS}
+    sweep = base.tables.sweep
+    if AREAS in changes:
+        sweep = replace(sweep, realizations=changes[AREAS])
+    bare = {key: value for key, value in entries.items() if key != "tests"}
+    return build(replace_values(bare, case_entries) | {"sweep": sweep}, files, faults)
 
 
 def _build(entries: Entries, files: Files, faults: Faults) -> Built | None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.limits import MOST_SCENES, MOST_VARIED
 from pipeline.messages import is_unprintable, quoted
-from pipeline.scene.build import Built, Files, build, realizations_of
+from pipeline.scene.build import Built, Files, build_case, realizations_of
 from pipeline.scene.declared_tables import Entry, Table, keys_of, number_at, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
@@ -272,7 +272,7 @@ def _build_case(entries: Entries, files: Files, base: Built, changes: Entries, k
         return base.case
     faults = Faults()
     try:
-        row = build(replace_values(entries, changes), files, faults)
+        row = build_case(base, entries, changes, files, faults)
         faults.raise_first()
         assert row
         _require_same_grid(row, base)

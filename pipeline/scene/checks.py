@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
+
 import tribo
 from pipeline.messages import did_you_mean, quoted
 from pipeline.quantities import display
@@ -19,6 +21,7 @@ from tribo.simulation.pins import sizes_of
 
 _BODY_SIZES = "diameter", "width", "track_length"
 _TRACK_KEYS = "diameter", "track_length"
+_LOAD_ROUNDING = 1e-9  # relative error of loads in floating point
 _LENGTH_TOLERANCE = 0.01  # relative difference allowed between two lengths of one track
 # Least length of a track in contact widths, so that a pass is short compared with the time between
 # passes.
@@ -53,8 +56,8 @@ def track_faults(scene: Any, case: Case) -> Misfits:
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     if any(tracks.values()):
         # For smooth bodies, since measuring a surface is slow.
-        expected = expect_contacts(case.scene, scene.sweep.loads, scene.sweep.velocities)
-        width = float(expected["contact_width"].max())
+        highest = [max(scene.sweep.loads)], [max(scene.sweep.velocities)]
+        width = float(expect_contacts(case.scene, *highest)["contact_width"].max())
     for name, track in tracks.items():
         if track and track.length < _MIN_TRACK_WIDTHS * width:
             key = "diameter" if getattr(scene, name).diameter else "track_length"
@@ -103,13 +106,14 @@ def _loads_without_stage(scene: Any) -> Misfits:
     if scene.sweep.steps == "course":
         problem = "onset and end of each stage are stored, and no other step"
         yield "sweep.steps", f"{problem}; leave it out"
-    stages, _ = stages_of(scene.loading.stages, max(scene.sweep.loads))
-    for load in scene.sweep.loads:
-        if not any(math.isclose(load, stage, rel_tol=1e-9) for stage in stages):
-            listed = ", ".join(f"{stage:g}" for stage in stages)
-            problem = f"{display(load, 'N')} is not a load stage; choose from {listed} N"
-            yield "sweep.loads", problem
-            return
+    loads = np.array(scene.sweep.loads)
+    stages = np.array(stages_of(scene.loading.stages, loads.max())[0])
+    ascending = np.append(np.sort(stages), np.inf)
+    following = ascending[np.searchsorted(ascending, loads * (1 - _LOAD_ROUNDING))]
+    if (wrong := loads[following > loads * (1 + _LOAD_ROUNDING)]).size:
+        listed = ", ".join(f"{stage:g}" for stage in stages)
+        problem = f"{display(wrong[0], 'N')} is not a load stage; choose from {listed} N"
+        yield "sweep.loads", problem
 
 
 @_check("pin.length", "window.pixels", "window.pixel_size")

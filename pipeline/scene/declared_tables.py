@@ -285,7 +285,12 @@ class Table(Kind):
         return [key for key, entry in self.keys.items() if entry.is_needed]
 
     def read(self, value: Any, path: str, faults: Faults, allowed: object = None) -> Any:
-        """Read the entries of a table, and make an object of them; None if it is no table."""
+        """Read the entries of a table, and make an object of them; None if it is no table.
+
+        A table that was read already is returned.
+        """
+        if isinstance(value, Declared):
+            return value
         if not isinstance(value, dict):
             faults.refuse(path, f"{quoted(value)} is not a table; expected {allowed or self}")
             return None

@@ -9,9 +9,9 @@ from typing import Any
 
 from pipeline.limits import MOST_SCENES
 from pipeline.messages import quoted
-from pipeline.scene.build import Built, Files, build
+from pipeline.scene.build import Built, Files, build_case
 from pipeline.scene.declared_tables import table_of
-from pipeline.scene.entries import Entries, replace_values
+from pipeline.scene.entries import Entries
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile
 from pipeline.scene.format import Test as TestEntry
@@ -71,7 +71,6 @@ def read_tests(
 
     The scene is built once for each different `with`.
     """
-    bare = {key: value for key, value in entries.items() if key != "tests"}
     known, tests, base = dict[str, tuple[Built | None, Faults]](), list[SpecimenTest](), scene.case
     for number, entry in enumerate(scene.tables.tests or ()):
         path, changes, built = f"tests[{number}]", entry.with_ or {}, scene
@@ -79,7 +78,8 @@ def read_tests(
         if changes and not wrong:
             if (key := json.dumps(changes)) not in known:
                 case_faults = Faults()
-                known[key] = build(replace_values(bare, changes), files, case_faults), case_faults
+                built_case = build_case(scene, entries, changes, files, case_faults)
+                known[key] = built_case, case_faults
             other, case_faults = known[key]
             wrong = [f"{fault.key}: {fault.problem}" for fault in case_faults]
             faults.notes += [note for note in case_faults.notes if note.path in changes]

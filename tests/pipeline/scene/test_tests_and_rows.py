@@ -7,6 +7,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.sweep.plan import points
+from pipeline.units import exact_si
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import parse_sweep, sweep_text
 from tribo import Stages
@@ -166,6 +167,21 @@ def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
     assert sweep.case_table.column("pin_radius") == (3e-3, 4e-3)
+
+
+def test_the_quantities_read_for_a_row_do_not_depend_on_the_number_of_rows(tmp_path):
+    def count_reads(rows):
+        cells = [f"{200 + row},{1 + row / 100},{3 + row / 10}" for row in range(rows)]
+        table = "\n".join(["load [N],velocity [m/s],pin.radius [mm]", *cells])
+        (tmp_path / "rows.csv").write_text(table)
+        (tmp_path / "lab.toml").write_text('extends = "first_try"\nsweep.along = "rows.csv"')
+        before = exact_si.cache_info()
+        assert len(pipeline.load_scene(tmp_path / "lab.toml").cases) == rows
+        after = exact_si.cache_info()
+        return after.hits + after.misses - before.hits - before.misses
+
+    counts = [count_reads(rows) for rows in (10, 20, 40)]
+    assert counts[2] - counts[1] == 2 * (counts[1] - counts[0])
 
 
 def test_labels_are_words_and_names_stay_as_written(tmp_path):
