@@ -200,8 +200,6 @@ def _is_outside(
     if oil is None or not case.sweep.base.has_film or "film_inlet" not in columns:
         return False
     inlet, pressure = float(columns["film_inlet"]), float(columns["film_pressure"])
-    if not (inlet > 0 and pressure > 0):  # the film is not known
-        return False
     operating_point, bulk = (point.load, point.velocity), conditions.bulk_temperature
     return film_excess(test.case.scene, oil, *operating_point, bulk, inlet, pressure) > 0
 
