@@ -60,8 +60,8 @@ def window_heights(
     if heights.shape != pixels:
         notes.append(
             f"{heights.shape[0]} × {heights.shape[1]} heights were mirrored to fill the window of "
-            f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself: a single area "
-            "understates the error by surface sampling"
+            f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself and the error by "
+            "surface sampling is larger"
         )
         padding = np.subtract(pixels, heights.shape).tolist()
         heights = np.pad(heights, [(0, n) for n in padding], "symmetric")

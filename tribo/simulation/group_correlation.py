@@ -11,6 +11,9 @@ where ρ is the autocorrelation of the disk's heights. It gives the covariance o
 groups, and that of the means without each group. With the eigenvalues λ of the latter, about their
 mean and times 7/8, the jackknife's variance is Σλ in the mean. It scatters like one with
 (Σλ)²/Σλ² degrees of freedom (Satterthwaite, Biometrics Bull. 2, 1946).
+
+A scan that is mirrored at its edges fills the window more than once. The hot spots of an element
+and of its mirror images are the same, so that fewer groups are independent.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.surface_groups import surface_groups
 from tribo.surface import SelfAffineRoughness, block_average, self_affine_amplitude
 from tribo.thermal.sampling import GROUPS, JackknifeQuality
-from tribo.types import Array
+from tribo.types import Array, Indices
 
 
 def jackknife_quality(scene: Scene) -> JackknifeQuality:
@@ -79,7 +82,7 @@ def _quality_by_correlation(scene: Scene) -> JackknifeQuality:
     if scene.grid.periodic[1]:  # strips, which cross the window along x
         spots, groups = spots.sum(axis=0, keepdims=True), groups[:1]
     masks = groups == np.arange(GROUPS)[:, None, None]
-    modes = np.fft.fft2(masks).reshape(GROUPS, -1)
+    modes = np.fft.fft2(_without_mirror_images(scene, masks)).reshape(GROUPS, -1)
     covariance = ((modes * np.fft.fft2(spots).ravel()) @ modes.conj().T).real  # of sums over groups
     sizes = masks.sum(axis=(1, 2))
     weights = (1 - np.eye(GROUPS)) / np.maximum(sizes.sum() - sizes, 1)[:, None]
@@ -92,6 +95,32 @@ def _quality_by_correlation(scene: Scene) -> JackknifeQuality:
         return JackknifeQuality(freedom=0.0)
     freedom = np.clip(estimate**2 / np.square(deviations).sum(), 1.0, GROUPS - 1.0)
     return JackknifeQuality(float(freedom), math.sqrt(variance / estimate))
+
+
+def _without_mirror_images(scene: Scene, masks: Array) -> Array:
+    """Numbers of each element's images in each group, (GROUPS, nx, ny), at the element itself."""
+    if isinstance(scene.roughness, SelfAffineRoughness):
+        return masks
+    heights, block = np.asarray(scene.heights()), scene.fidelity.pixels_per_element
+    for axis, size in enumerate(masks.shape[1:]):
+        if size > 1:  # strips have one element along x
+            images = _mirrored_positions(heights.swapaxes(0, axis))
+            elements = images[block // 2 :: block][:size] // block
+            counts = np.zeros(masks.shape)
+            np.add.at(counts.swapaxes(0, 1 + axis), elements, masks.swapaxes(0, 1 + axis))
+            masks = counts
+    return masks
+
+
+def _mirrored_positions(heights: Array) -> Indices:
+    """Position along the first axis whose heights each position repeats; itself if unmirrored."""
+    positions = np.arange(len(heights))
+    is_edge = (heights[1:] == heights[:-1]).all(axis=1)  # of a scan that is mirrored there
+    for edge in (np.flatnonzero(is_edge) + 1).tolist():
+        images: Indices = np.pad(positions[:edge], (0, len(heights) - edge), "symmetric")
+        if (heights[images] == heights).all():
+            return images
+    return positions
 
 
 def _autocorrelation(scene: Scene) -> Array:

@@ -63,6 +63,41 @@ def test_a_scan_of_a_surface_has_about_the_quality_of_the_surface():
         )
 
 
+def mirrored(heights, shape):
+    """Heights that fill a window of this shape, mirrored at their far edges."""
+    padding = [(0, size - number) for size, number in zip(shape, heights.shape, strict=True)]
+    return MeasuredRoughness(np.pad(heights, padding, "symmetric"))
+
+
+def test_four_strips_and_their_mirror_images_count_as_four():
+    """Of eight values, which are four twice, the jackknife has 3/7 of the variance of the mean."""
+    scene = scene_of("line", (8, 8))
+    heights = scene.roughness.heights(scene.pixels)
+    freedom, factor = jackknife_quality(replace(scene, roughness=MeasuredRoughness(heights)))
+    half = mirrored(heights[:, :32], heights.shape)
+    expected = 3, pytest.approx(factor * np.sqrt(7 / 3), rel=0.2)
+    quality = jackknife_quality(replace(scene, roughness=half))
+    assert (round(quality.freedom), quality.factor) == expected
+    eighth = mirrored(heights[:, :8], heights.shape)
+    assert jackknife_quality(replace(scene, roughness=eighth)).freedom == 0
+    # Strips cross the window along x, and differ by as much as realizations do.
+    along_x = jackknife_quality(replace(scene, roughness=mirrored(heights[:24], heights.shape)))
+    assert along_x == pytest.approx((freedom, factor), rel=0.2)
+
+
+def test_mirror_images_under_a_ball_make_groups_alike_on_elements_of_any_size():
+    scene = scene_of("ball", (8, 8))
+    heights = scene.roughness.heights(scene.pixels)
+    scan = replace(scene, roughness=MeasuredRoughness(heights))
+    factor = jackknife_quality(scan).factor
+    quarter = replace(scene, roughness=mirrored(heights[:32, :32], heights.shape))
+    assert jackknife_quality(quarter).factor > 1.4 * factor
+    coarse = replace(quarter, fidelity=replace(scene.fidelity, pixels_per_element=2))
+    assert jackknife_quality(coarse).factor == pytest.approx(
+        jackknife_quality(quarter).factor, rel=0.3
+    )
+
+
 def test_grooves_through_the_window_leave_the_deviation_unknown():
     grooves = np.sin(np.arange(48.0))[:, None] * np.ones(64)
     scene = replace(scene_of("line", (4, 4)), roughness=MeasuredRoughness(1e-7 * grooves))
