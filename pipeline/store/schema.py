@@ -15,7 +15,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 41
+FORMAT = 42
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -60,7 +60,7 @@ COORDINATES = {
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
-    FIELD_REALIZATION: Variable((), "1", "realization that the fields are of", "int64"),
+    FIELD_REALIZATION: Variable((), "1", "surface realization of the fields", "int64"),
 }
 PROGRESS = {
     "time": Variable(_STEP, "s", "time since the start of the ramp"),
@@ -101,7 +101,9 @@ SAMPLING = {
 }
 """Variables estimated from the contact at the last step."""
 FILM = {
-    "film_inlet": Variable(PLANE, "1/m", "integral of the inlet, by which a film is judged"),
+    "film_inlet": Variable(
+        PLANE, "1/m", "integral over the inlet, from which the pressure of the oil film is computed"
+    ),
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth, worn contact"),
 }
 """Variables of the contact at the last step, from which answers compute the oil film."""

@@ -222,7 +222,7 @@ def run_point(
 
 
 def _film_of(scene: Scene, state: State) -> Mapping[str, Any]:
-    """Values by which a film is judged, by variable; NaN if its contact has no solution."""
+    """Values from which the oil film is computed, by variable; NaN without a solution."""
     try:
         return dict(zip(_NO_FILM, film_inlet(scene, state), strict=True))
     except TriboError:
