@@ -40,25 +40,13 @@ from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
-_FIGURE_SIZE = 8.0, 5.6  # width and height of a diagram [in]
-_COLOUR_MAP_END = 0.8  # end of the colour map used for several cases
-_MIN_NODES = 96, 48  # least numbers of velocities and loads of the drawn grid
-_MAX_LOG_RATIO = 50.0  # largest |y| of a figure
-_EDGE_OFFSET = 1e-6  # distance of a probability from the limit of a region
-_DOT_SIZE = 0.6  # size of the mark of a simulated point over that of other marks
-_ERROR_COLOUR = "#C8C8C8"
-_REGION_NAMES = (
-    (MILD, "mild wear\n(I and II)", BLUE),
-    (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
-)
-"""Name of each region and its colour, by verdict."""
+_FIGURE_SIZE = 8.0, 5.6  # width and height [in]
+_MIN_LOADS, _MIN_VELOCITIES = 48, 96  # least numbers of them on the drawn grid
+_MAX_LOG_RATIO = 50.0  # larger sizes of ln(rise ratio), also infinite ones, are drawn as this
+_ERROR_COLOUR = "#C8C8C8"  # band of the numerical error
 COMPUTED = "computed boundary, numerical error"
 """Label in legends."""
-_LABEL_WIDTH = 0.3  # width of the numbers of an operating point over that of a figure
-_EDGE_HEIGHT = 0.08  # distance from an edge within which numbers would cross it, over the height
 _MAX_LABELLED = 6  # most operating points that are labelled with their numbers
-_NAME_ASPECT = 3.0  # width of a name over its height
-_MIN_CLEARANCE = 0.1  # least distance of a name from the edge of its region, over the width
 
 Legend = dict[str, Any]
 """Handle of each entry of a legend, by its label; a tuple has several handles side by side."""
@@ -86,45 +74,47 @@ def diagram(
     operating_points = _operating_points(load, velocity)
     _require_plane(ds)
     ds = select_realization(ds, realization)
-    case = cases_of(ds)[0]
-    is_plane = min(len(case.loads), len(case.velocities)) > 1
-    figure, axes = style.canvas(_FIGURE_SIZE)
-    boundary = pipeline.boundary(ds, **conditions)
+    case, boundary = cases_of(ds)[0], pipeline.boundary(ds, **conditions)
     case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
+    is_plane = min(len(case.loads), len(case.velocities)) > 1
     if case_dimensions and not is_plane:
         raise InputError(
             "the diagram of several cases needs at least two loads and two velocities; irg "
             "boundary prints their transitions"
         )
-    bulk = float(boundary["bulk_temperature"].values.flat[0])
+    bulk_temperature = float(boundary["bulk_temperature"].values.flat[0])
     friction = float(boundary["friction"].values.flat[0])
     has_line = is_plane and not case_dimensions and friction > 0
-    moved = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
-    tests, tests_entry, caption = mark_tests(axes, case, bulk, friction, moved)
-    marked = [*tests, *operating_points]
+    moved_velocities = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
+    figure, axes = style.canvas(_FIGURE_SIZE)
+    tests, tests_legend, mark_notes = mark_tests(
+        axes, case, bulk_temperature, friction, moved_velocities
+    )
+    marked_points = [*tests, *operating_points]
     lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
     if case_dimensions:
-        x, y, plane = _plane(ds, case, conditions)
-        legend = _draw_cases(axes, plane, x, y, case_dimensions)
-        by = " and ".join(case_dimensions).replace("_", " ")
-        lines = [f"boundary by {by}; {lines[0]}" if len(lines) == 1 else f"boundary by {by}"]
+        legend = _draw_cases(axes, _margins(ds, case, conditions), case_dimensions)
+        names = " and ".join(case_dimensions).replace("_", " ")
+        lines = [f"boundary by {names}; {lines[0]}" if len(lines) == 1 else f"boundary by {names}"]
     elif is_plane:
-        x, y, plane = _plane(ds, case, conditions)
-        legend = _shade(axes, plane, x, y) | _draw_lines(axes, case, plane, x, y)
-        _name_regions(axes, x, y, plane["verdict"].values, marked)
-        lines += _captions(case, boundary, x, y, bulk)
-        caption[:0] = _mark_simulated(axes, ds, conditions)
+        margins = _margins(ds, case, conditions)
+        legend = _shade(axes, margins) | _draw_lines(axes, case, margins)
+        _name_regions(axes, margins, marked_points)
+        lines += error_lines(boundary)
+        lines += _film_lines(case, bulk_temperature)
+        lines += [*ruling_lines(boundary), *withheld_lines(boundary)]
+        mark_notes = [*_mark_simulated(axes, ds, conditions), *mark_notes]
     else:
         legend = _mark_points(axes, ds, case, conditions)
-        caption[:0] = _mark_simulated(axes, ds, conditions, has_dots=False)
-    _set_axes(axes, case, marked, log)
+        mark_notes = [*_mark_simulated(axes, ds, conditions, has_dots=False), *mark_notes]
+    _set_axes(axes, case, marked_points, log)
     _mark_operating_points(axes, operating_points)
     title = style.as_text(sweep_of(ds).title)
     if realization is not None:
         title = f"{title}, surface realization {realization}"
     style.write_title(axes, title)
-    legend |= tests_entry
-    lines.append("; ".join(caption))
+    legend |= tests_legend
+    lines.append("; ".join(mark_notes))
     lines += [*not_included_lines(boundary)][:1]
     lines += split_notes(attribute_texts(boundary, "notes"))[:1]
     style.legend_below(
@@ -154,71 +144,77 @@ def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[Operat
     return [*zip(loads, velocities, strict=True)]
 
 
-def _set_axes(axes: Axes, case: CaseResults, marked: Sequence[OperatingPoint], log: bool) -> None:
-    """Scale the axes to the sweep and to what is marked, and label them."""
+def _set_axes(
+    axes: Axes, case: CaseResults, marked_points: Sequence[OperatingPoint], log: bool
+) -> None:
+    """Scale the axes to the sweep and to the marked points, and label them."""
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    for limit, ends, values in (
-        (axes.set_ylim, case.loads[[0, -1]], [point[0] for point in marked]),
-        (axes.set_xlim, case.velocities[[0, -1]], [point[1] for point in marked]),
+    for set_limits, axis_values, marked_values in (
+        (axes.set_ylim, case.loads, [load for load, _ in marked_points]),
+        (axes.set_xlim, case.velocities, [velocity for _, velocity in marked_points]),
     ):
-        if ends[0] < ends[1]:
-            limit(min([ends[0], *values]), max([ends[1], *values]))
+        if axis_values[0] < axis_values[-1]:
+            drawn_values = [axis_values[0], axis_values[-1], *marked_values]
+            set_limits(min(drawn_values), max(drawn_values))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
-def _plane(
-    ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
-) -> tuple[Array, Array, xr.Dataset]:
-    """Velocities, loads, and the answers on this grid."""
-    x, y = map(_refined, (case.velocities, case.loads), _MIN_NODES)
-    grid_axes = xr.DataArray(y, dims="load"), xr.DataArray(x, dims="velocity")
-    return x, y, pipeline.margin(ds, *grid_axes, **conditions).transpose(..., *PLANE)
+def _margins(ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]) -> xr.Dataset:
+    """Answers of `pipeline.margin` (..., load, velocity) on a fine grid over the sweep."""
+    loads = xr.DataArray(_refined(case.loads, _MIN_LOADS), dims="load")
+    velocities = xr.DataArray(_refined(case.velocities, _MIN_VELOCITIES), dims="velocity")
+    margins = pipeline.margin(ds, loads, velocities, **conditions).transpose(..., *PLANE)
+    return margins.assign_coords(load=loads, velocity=velocities)
 
 
-def _refined(points: Array, count: int) -> Array:
-    """Fine axis with at least `count` values, equally many between any two `points`."""
-    division = max(2, math.ceil(count / (len(points) - 1)))
+def _refined(points: Array, min_count: int) -> Array:
+    """Axis of at least `min_count` values, equally many between any two `points`."""
+    division = max(2, math.ceil(min_count / (len(points) - 1)))
     return np.append(
         np.linspace(points[:-1], points[1:], division, False, axis=1).ravel(), points[-1]
     )
 
 
-def _captions(
-    case: CaseResults, boundary: xr.Dataset, x: Array, y: Array, bulk: float
-) -> Iterable[str]:
-    """Yield lines on errors, on the oil film, and on verdicts that tests rule out."""
-    yield from error_lines(boundary)
-    if oil := find_lubrication(case.sweep.scene, case.sweep.lubricant):
-        film = oil.film_parameter(y[:, None], x, bulk)
-        ends = float(film.min()), float(film.max())
-        regimes = " to ".join(dict.fromkeys(map(lubrication_regime, ends)))
-        yield f"film parameter Λ {ends[0]:.2f} to {ends[1]:.2f}: {regimes}"
-    yield from ruling_lines(boundary)
-    yield from withheld_lines(boundary)
+def _film_lines(case: CaseResults, bulk_temperature: float) -> list[str]:
+    """Line on the film parameter over the sweep; none without an oil."""
+    lubrication = find_lubrication(case.sweep.scene, case.sweep.lubricant)
+    if not lubrication:
+        return []
+    loads, velocities = case.loads[[0, -1], None], case.velocities[[0, -1]]
+    film = lubrication.film_parameter(loads, velocities, bulk_temperature)
+    low, high = float(film.min()), float(film.max())
+    regimes = " to ".join(dict.fromkeys(map(lubrication_regime, (low, high))))
+    return [f"film parameter Λ {low:.2f} to {high:.2f}: {regimes}"]
 
 
-def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
+def _shade(axes: Axes, margins: xr.Dataset) -> Legend:
     """Shade the plane by verdict, and hatch what is outside the model."""
-    verdict = plane["verdict"].values
-    low, high = plane["probability_low"].values, plane["probability_high"].values
+    loads, velocities = margins["load"].values, margins["velocity"].values
+    verdict = margins["verdict"].values
+    low, high = margins["probability_low"].values, margins["probability_high"].values
     mild, _, severe = DECIDED
-    # The edge of a region is the contour of its probability; a test may end the region at a node.
-    highest = np.where(verdict == MILD, high, np.maximum(high, mild + _EDGE_OFFSET))
-    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - _EDGE_OFFSET))
-    is_outside, legend = (verdict == OUTSIDE).astype(float), Legend()
-    for values, levels, gid in (
-        (highest, (-1.0, mild), "mild"),
-        (highest, (mild, 2.0), "undecided"),
-        (lowest, (severe, 2.0), "severe"),  # drawn over the undecided region
+    # The edge of a region is the contour of its probability. Where a test rules the verdict out,
+    # the probability is set just beyond its limit, so that the region ends there.
+    beyond = 1e-6
+    highest = np.where(verdict == MILD, high, np.maximum(high, mild + beyond))
+    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - beyond))
+    for region, probability, limits in (
+        ("mild", highest, (-1.0, mild)),
+        ("undecided", highest, (mild, 2.0)),
+        ("severe", lowest, (severe, 2.0)),  # drawn over the undecided region
     ):
-        if ((values > levels[0]) & (values < levels[1])).any():
-            region = axes.contourf(x, y, values, levels, colors=[TINTS[gid]], zorder=0)
-            region.set_gid(f"{gid} region")
+        if ((probability > limits[0]) & (probability < limits[1])).any():
+            shade = axes.contourf(
+                velocities, loads, probability, limits, colors=[TINTS[region]], zorder=0
+            )
+            shade.set_gid(f"{region} region")
+    legend, is_outside = Legend(), (verdict == OUTSIDE).astype(float)
     if is_outside.any():
-        look: dict[str, Any] = {"colors": ["white"], "hatches": ["///"], "zorder": 0.5}
-        hatched = axes.contourf(x, y, is_outside, [0.5, 1.5], **look)
+        hatched = axes.contourf(
+            velocities, loads, is_outside, [0.5, 1.5], colors=["white"], hatches=["///"], zorder=0.5
+        )
         hatched.set(gid="outside", edgecolor=GREY, linewidth=[0.0])
         legend["outside the model (oil film)"] = Patch(fc="none", ec=GREY, hatch="///")
     if (verdict == UNDECIDED).any():
@@ -226,74 +222,82 @@ def _shade(axes: Axes, plane: xr.Dataset, x: Array, y: Array) -> Legend:
     return legend
 
 
-def _draw_lines(axes: Axes, case: CaseResults, plane: xr.Dataset, x: Array, y: Array) -> Legend:
+def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
     """Draw the boundary with tests, as computed with its numerical error, and by friction.
 
     The heavy line is the answer: with tests, if there are any.
     """
-    legend, is_inside = Legend(), plane["verdict"] != OUTSIDE
-    has_tests = False
-    if plane.attrs["tests"]:
-        probability_excess = plane["probability"].where(is_inside).values - DECIDED[1]
-        has_tests = zero_line(
-            axes, x, y, probability_excess, "boundary with tests", **style.BOUNDARY
-        )
+    legend, has_tests = Legend(), False
+    names = "probability", "log_rise_ratio", "temperature_margin", "temperature_error"
+    in_model = margins[[*names, "critical_friction"]].where(margins["verdict"] != OUTSIDE)
+    if margins.attrs["tests"]:
+        excess = in_model["probability"] - DECIDED[1]
+        has_tests = _draw_zero(axes, excess, "boundary with tests", style.BOUNDARY)
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
-    severity = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).where(is_inside).values
+    log_ratio = in_model["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO)
     look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
-    if zero_line(axes, x, y, severity, "boundary", **look):
-        distance = abs(plane["temperature_margin"]) - plane["temperature_error"].fillna(0.0)
-        drawn_distance = distance.where(is_inside).values
-        if (drawn_distance < 0).any():
-            low = np.nanmin(drawn_distance) - 1.0
-            axes.contourf(x, y, drawn_distance, [low, 0.0], colors=[_ERROR_COLOUR]).set_gid("error")
-        band = [Stroke(linewidth=9, foreground=_ERROR_COLOUR), Normal()]
-        legend[COMPUTED] = Line2D([], [], path_effects=band, **look)
-    frictions = case.sweep.base.friction_band or (0.0, 0.0)
-    look = {"color": GREY, "lw": style.THIN, "ls": "--"}
-    critical = plane["critical_friction"].where(is_inside).values
-    ends = frictions if frictions[0] < frictions[1] else ()
-    is_drawn = [zero_line(axes, x, y, critical - friction, "friction", **look) for friction in ends]
-    if any(is_drawn):
-        legend[f"computed at friction {frictions[0]:g} and {frictions[1]:g}"] = Line2D(
-            [], [], **look
-        )
+    if _draw_zero(axes, log_ratio, "boundary", look):
+        margin, error = in_model["temperature_margin"], in_model["temperature_error"]
+        excess = (abs(margin) - error.fillna(0.0)).values
+        if (excess < 0).any():
+            band = axes.contourf(
+                margins["velocity"].values, margins["load"].values, excess,
+                [np.nanmin(excess) - 1.0, 0.0], colors=[_ERROR_COLOUR],
+            )  # fmt: skip
+            band.set_gid("error")
+        outline = [Stroke(linewidth=9, foreground=_ERROR_COLOUR), Normal()]
+        legend[COMPUTED] = Line2D([], [], path_effects=outline, **look)
+    friction_band = case.sweep.base.friction_band
+    if friction_band and friction_band[0] < friction_band[1]:
+        look = {"color": GREY, "lw": style.THIN, "ls": "--"}
+        are_drawn = [
+            _draw_zero(axes, in_model["critical_friction"] - friction, "friction", look)
+            for friction in friction_band
+        ]
+        if any(are_drawn):
+            label = f"computed at friction {friction_band[0]:g} and {friction_band[1]:g}"
+            legend[label] = Line2D([], [], **look)
     return legend
 
 
-def zero_line(
-    axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
-) -> bool:
-    """Draw the contour on which `plane` (load, velocity) is 0; return False if it is empty.
+def _draw_zero(axes: Axes, field: xr.DataArray, gid: str, look: Mapping[str, Any]) -> bool:
+    """Draw the contour on which `field` (load, velocity) is 0; return False if it is empty.
 
-    `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file, and `look`
-    has properties of Matplotlib's lines.
+    `gid` is the contour's name in an SVG file, and `look` has properties of Matplotlib's lines.
     """
-    if not ((plane < 0).any() and (plane > 0).any()):
+    values = field.values
+    if not ((values < 0).any() and (values > 0).any()):
         return False
-    axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
+    line_properties = {name: value for name, value in look.items() if name != "color"}
+    velocities, loads = field["velocity"].values, field["load"].values
+    contour = axes.contour(velocities, loads, values, [0.0], colors=[look["color"]])
+    contour.set(gid=gid, **line_properties)
     return True
 
 
-def _name_regions(
-    axes: Axes, x: Array, y: Array, verdicts: Array, marked: Iterable[OperatingPoint]
-) -> None:
+def _name_regions(axes: Axes, margins: xr.Dataset, marked_points: Iterable[OperatingPoint]) -> None:
     """Write the name of each region where it is widest and unmarked; none if it is too narrow."""
+    loads, velocities = margins["load"].values, margins["velocity"].values
+    verdicts = margins["verdict"].values
     is_free = np.ones(verdicts.shape, bool)
-    for load, velocity in marked:
-        is_free[np.abs(y - load).argmin(), np.abs(x - velocity).argmin()] = False
-    min_clearance = _MIN_CLEARANCE * (_FIGURE_SIZE[0] / style.wanted_width(_FIGURE_SIZE[0])) ** 0.5
-    for verdict, name, colour in _REGION_NAMES:
+    for load, velocity in marked_points:
+        is_free[np.abs(loads - load).argmin(), np.abs(velocities - velocity).argmin()] = False
+    name_aspect = 3.0  # width of a name over its height
+    # A tenth of the width of a diagram of the usual size; text shrinks less than narrow diagrams.
+    min_clearance = 0.1 * (_FIGURE_SIZE[0] / style.width_or(_FIGURE_SIZE[0])) ** 0.5
+    for verdict, name, colour in (
+        (MILD, "mild wear\n(I and II)", BLUE),
+        (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
+    ):
         # The edges of the diagram are edges of its regions, too.
         padded = np.pad((verdicts == verdict) & is_free, 1)
-        clearance = distance_transform_edt(padded, sampling=(_NAME_ASPECT / len(y), 1 / len(x)))[
-            1:-1, 1:-1
-        ]
+        spacing = name_aspect / len(loads), 1 / len(velocities)
+        clearance = distance_transform_edt(padded, sampling=spacing)[1:-1, 1:-1]
         row, column = np.unravel_index(int(clearance.argmax()), clearance.shape)
         if clearance[row, column] > min_clearance:
             axes.text(
-                x[column], y[row], name, ha="center", va="center", fontweight="bold",
+                velocities[column], loads[row], name, ha="center", va="center", fontweight="bold",
                 color=colour, gid="region", path_effects=style.HALO, zorder=3,
             )  # fmt: skip
 
@@ -302,59 +306,63 @@ def _mark_points(
     axes: Axes, ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
 ) -> Legend:
     """Mark the points of a single load or velocity, open where they are mild."""
-    plane_axes = (
-        xr.DataArray(case.loads, dims="load"),
-        xr.DataArray(case.velocities, dims="velocity"),
-    )
-    y = pipeline.margin(ds, *plane_axes, **conditions)["log_rise_ratio"].transpose(*PLANE).values
+    loads = xr.DataArray(case.loads, dims="load")
+    velocities = xr.DataArray(case.velocities, dims="velocity")
+    margins = pipeline.margin(ds, loads, velocities, **conditions)
+    log_ratio = margins["log_rise_ratio"].transpose(*PLANE).values
     legend = Legend()
-    for gid, is_marked, face in (("mild", y <= 0, "white"), ("severe", y > 0, VERMILION)):
+    for outcome, is_marked, face in (
+        ("mild", log_ratio <= 0, "white"),
+        ("severe", log_ratio > 0, VERMILION),
+    ):
         rows, columns = np.nonzero(is_marked)
         if rows.size:
-            look: dict[str, Any] = {"mfc": face, "mec": VERMILION, "gid": gid}
-            (marks,) = axes.plot(case.velocities[columns], case.loads[rows], "o", **look)
-            legend[f"{gid}, computed"] = marks
+            (marks,) = axes.plot(
+                case.velocities[columns], case.loads[rows], "o", mfc=face, mec=VERMILION,
+                gid=outcome,
+            )  # fmt: skip
+            legend[f"{outcome}, computed"] = marks
     return legend
 
 
 def _mark_simulated(
     axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any], has_dots: bool = True
-) -> Iterable[str]:
-    """Mark simulated points (`has_dots`), and those that are pending or failed; yield captions."""
+) -> list[str]:
+    """Mark simulated points (`has_dots`), and pending or failed ones; return notes on the marks."""
     state = pipeline.points(ds, **conditions)["state"]
     is_unfinished, is_done = (
         state.isin(kinds).any("realization").transpose(*PLANE).values
         for kinds in (("failed", "pending"), ("mild", "severe"))
     )
-    is_simulated = is_done & ~is_unfinished & has_dots
-    size = _DOT_SIZE * rcParams["lines.markersize"]
-    looks: dict[str, tuple[Array, dict[str, Any]]] = {
-        "simulated": (is_simulated, {"marker": ".", "ms": size, "zorder": 2.5}),
-        "lacking": (is_unfinished, {"marker": "x"}),
-    }
-    for gid, (is_marked, look) in looks.items():
+    is_dotted = is_done & ~is_unfinished & has_dots
+    dot_size = 0.6 * rcParams["lines.markersize"]
+    for gid, is_marked, look in (
+        ("simulated", is_dotted, {"marker": ".", "ms": dot_size, "zorder": 2.5}),
+        ("lacking", is_unfinished, {"marker": "x"}),
+    ):
         rows, columns = np.nonzero(is_marked)
         if rows.size:
-            coordinates = state["velocity"].values[columns], state["load"].values[rows]
             axes.plot(
-                *coordinates, ls="none", color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look
-            )
-    if is_simulated.any():
-        yield "dots: simulated points"
+                state["velocity"].values[columns], state["load"].values[rows], ls="none",
+                color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look,
+            )  # fmt: skip
+    notes = ["dots: simulated points"] if is_dotted.any() else []
     if is_unfinished.any():
-        yield f"×: {is_unfinished.sum()} points are pending or failed"
+        notes.append(f"×: {is_unfinished.sum()} points are pending or failed")
+    return notes
 
 
-def _draw_cases(axes: Axes, plane: xr.Dataset, x: Array, y: Array, dims: Sequence[str]) -> Legend:
+def _draw_cases(axes: Axes, margins: xr.Dataset, dimensions: Sequence[str]) -> Legend:
     """Draw the boundary of each case in another colour; return the entries of the legend."""
-    planes = plane["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO).stack(line=dims)
-    planes = planes.transpose("line", *PLANE)
-    shades = colormaps["viridis"](np.linspace(0.0, _COLOUR_MAP_END, planes.sizes["line"]))
+    log_ratios = margins["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO)
+    log_ratios = log_ratios.stack(line=dimensions).transpose("line", *PLANE)
+    # The end of the colour map is too bright for lines.
+    colours = colormaps["viridis"](np.linspace(0.0, 0.8, log_ratios.sizes["line"]))
     legend = Legend()
-    for case_plane, shade in zip(planes, shades, strict=True):
-        name = ", ".join(_name(plane[dim], case_plane[dim].item()) for dim in dims)
-        look: dict[str, Any] = style.BOUNDARY | {"color": shade}
-        if not zero_line(axes, x, y, case_plane.values, f"boundary {name}", **look):
+    for log_ratio, colour in zip(log_ratios, colours, strict=True):
+        name = ", ".join(_name(margins[dim], log_ratio[dim].item()) for dim in dimensions)
+        look: dict[str, Any] = style.BOUNDARY | {"color": colour}
+        if not _draw_zero(axes, log_ratio, f"boundary {name}", look):
             name, look = f"{name}: no boundary in the sweep", {"ls": "none"}
         legend[name] = Line2D([], [], **look)
     return legend
@@ -368,10 +376,13 @@ def _name(axis: xr.DataArray, value: Any) -> str:
 
 def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None:
     """Mark operating points; write the numbers of a few on the side away from the boundary."""
-    look: dict[str, Any] = {"mfc": OPERATING, "mec": "white", "zorder": 5, "clip_on": False}
+    label_width = 0.3  # of the numbers of a point over the width of the figure
+    edge_height = 0.08  # distance from an edge within which numbers would cross it, over the height
     for load, velocity in points:
-        size = 2.4 * rcParams["lines.markersize"]
-        axes.plot(velocity, load, "P", ms=size, gid="operating point", **look)
+        axes.plot(
+            velocity, load, "P", ms=2.4 * rcParams["lines.markersize"], gid="operating point",
+            mfc=OPERATING, mec="white", zorder=5, clip_on=False,
+        )  # fmt: skip
         if len(points) > _MAX_LABELLED:
             continue
         x_fraction, y_fraction = axes.transAxes.inverted().transform(
@@ -379,8 +390,8 @@ def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None
         )
         # Boundaries fall from the upper left to the lower right.
         is_low = x_fraction + y_fraction < 1
-        to_left = x_fraction > _LABEL_WIDTH if is_low else x_fraction > 1 - _LABEL_WIDTH
-        is_below = y_fraction > 1 - _EDGE_HEIGHT or (is_low and y_fraction > _EDGE_HEIGHT)
+        to_left = x_fraction > label_width if is_low else x_fraction > 1 - label_width
+        is_below = y_fraction > 1 - edge_height or (is_low and y_fraction > edge_height)
         axes.annotate(
             f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
             (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",

@@ -31,7 +31,9 @@ QuantityLike = float | str | Iterable[float | str] | None
 """Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
 PointIndex = tuple[int, int]
 """Indices of a point along load and velocity."""
-LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
+_EXAMPLES = {"load": "600 N", "velocity": "1.5 m/s"}
+_COLOUR_BAR_HEIGHT = 0.12  # height of a colour bar, and of the gap below it [in]
+_STACKING_WIDTH = 4.7  # width of a figure below which its panels are stacked [in]
 
 
 class DrawnCase(NamedTuple):
@@ -49,17 +51,17 @@ class DrawnCase(NamedTuple):
         names = [name for name in COLUMNS if name in self.case.ds]
         return corrected_columns({name: self.values(name) for name in names}, self.conditions)
 
-    def words(self, point: PointIndex) -> str:
-        """The point in words, such as "750 N, 1.25 m/s"."""
+    def point_text(self, point: PointIndex) -> str:
+        """Load and velocity of a point, such as "750 N, 1.25 m/s"."""
         return f"{self.case.loads[point[0]]:g} N, {self.case.velocities[point[1]]:g} m/s"
 
     def rises(self, conditions: Conditions) -> Array:
         """Rises at the points (load, velocity) [K]; NaN at points that are not done."""
         return np.asarray(np.exp(self.case.log_rises(conditions)[0]))
 
-    def title(self, *more: str) -> str:
-        """Title of the figure."""
-        return "\n".join([style.as_text(self.case.sweep.title), *more])
+    def title(self, *lines: str) -> str:
+        """Title of the sweep, with further lines below it."""
+        return "\n".join([style.as_text(self.case.sweep.title), *lines])
 
 
 def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int | None) -> DrawnCase:
@@ -99,23 +101,24 @@ def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) 
     case, conditions = drawn.case, drawn.conditions
     rises = drawn.rises(conditions)
     is_done = np.isfinite(rises)
-    done_loads = np.flatnonzero(is_done.any(axis=1))
-    has_limit = conditions.critical_temperature is not None
-    limit, points = allowable_rise(conditions) if has_limit else math.inf, list[PointIndex]()
-    for i in nearest_indices(case, "load", load) or done_loads[-1:].tolist() or [0]:
-        if not is_done[i].any():
+    highest_done_load = np.flatnonzero(is_done.any(axis=1))[-1:].tolist()
+    limit, points = math.inf, list[PointIndex]()
+    if conditions.critical_temperature is not None:
+        limit = allowable_rise(conditions)
+    for row in nearest_indices(case, "load", load) or highest_done_load or [0]:
+        if not is_done[row].any():
             raise InputError(
-                f"no point at {case.loads[i]:g} N is done; choose another load, or continue with "
+                f"no point at {case.loads[row]:g} N is done; choose another load, or continue with "
                 "irg run"
             )
-        distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
+        distance = np.abs(rises[row] - min(limit, np.nanmax(rises[row])))
         columns = nearest_indices(case, "velocity", velocity) or [int(np.nanargmin(distance))]
-        points += [(i, j) for j in columns]
+        points += [(row, column) for column in columns]
     for point in points:
         if not is_done[point]:
             raise InputError(
-                f"the point {drawn.words(point)} is not done; choose another load or velocity, or "
-                "continue with irg run; irg status prints why a point failed"
+                f"the point {drawn.point_text(point)} is not done; choose another load or "
+                "velocity, or continue with irg run; irg status prints why a point failed"
             )
     return points
 
@@ -124,10 +127,11 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     """Loads or velocities of an option, in SI; an empty list without any."""
     if values is None or not np.size(values):
         return []
-    read = functools.partial(in_si, axis, like=LIKE[axis])
+    read = functools.partial(in_si, axis, like=_EXAMPLES[axis])
     numbers: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
-    if unusable := [number for number in numbers if not math.isfinite(number)]:
-        raise InputError(f"{axis} is {unusable[0]}; give a number")
+    for number in numbers:
+        if not math.isfinite(number):
+            raise InputError(f"{axis} is {number}; give a number")
     return numbers
 
 
@@ -136,25 +140,21 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
 
     Warns of a value that is not simulated.
     """
-    axis_values, indices = case.loads if axis == "load" else case.velocities, list[int]()
+    simulated = case.loads if axis == "load" else case.velocities
+    ends = {axis: (simulated[0].item(), simulated[-1].item())}
+    indices, unit = list[int](), UNITS[axis]
     for value in wanted_values(axis, values):
-        ends = {axis: (axis_values[0].item(), axis_values[-1].item())}
         if refusal := outside_reason(case, ends, **{axis: value}):
             raise InputError(refusal)
-        indices.append(int(np.abs(axis_values - value).argmin()))
-        nearest, unit = axis_values[indices[-1]].item(), UNITS[axis]
+        index = int(np.abs(simulated - value).argmin())
+        indices.append(index)
+        nearest = simulated[index].item()
         if not math.isclose(nearest, value, rel_tol=ROUNDING):
             warnings.warn(
                 f"{axis} {value:g} {unit} is not simulated; the figure shows {nearest:g} {unit}",
                 stacklevel=2,
             )
     return indices
-
-
-_COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
-_COLOUR_BAR_HEIGHT = 0.12  # height of a colour bar, and of the gap below it [in]
-_AT_ONE_POSITION = "at one position of the disk; verdicts use the mean over several positions"
-_STACKING_WIDTH = 4.7  # width of a figure below which its panels are stacked [in]
 
 
 @style.house_style
@@ -174,7 +174,7 @@ def fields(
     counts back from the end of the point, which is 0. In a figure as narrow as a journal's column
     the panels are stacked.
     """
-    if (stored := fields_of(ds)) is None:
+    if (stored_fields := fields_of(ds)) is None:
         raise InputError(
             "the store has no fields; set 'fields = true' under [sweep], and run the scene into "
             "another store"
@@ -183,16 +183,28 @@ def fields(
     point, *more_points = chosen_points(drawn, load, velocity)
     if more_points:
         raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
-    _require_step(drawn, stored, point, step)
-    images = _surface_fields(drawn, _point_fields(drawn, stored, point, step), point, step)
-    x, y = (shown_in(stored[axis].values, "µm") for axis in "xy")
-    is_stacked = style.wanted_width(_STACKING_WIDTH) < _STACKING_WIDTH
+    _require_step(drawn, stored_fields, point, step)
+    pressure, temperature, wear_depth = _fields_at(drawn, stored_fields, point, step)
+    x, y = (shown_in(stored_fields[axis].values, "µm") for axis in "xy")
+    is_stacked = style.width_or(_STACKING_WIDTH) < _STACKING_WIDTH
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
-    panel = 1.4 + height
-    figure = style.Picture((4.6, 1.0 + 3 * panel) if is_stacked else (11.0, 0.5 + panel))
-    grid = figure.subplots(*((3, 1) if is_stacked else (1, 3)), sharex=True, sharey=True)
-    labels = "contact pressure [GPa]", "contact temperature [°C]", "wear depth of the pin [µm]"
-    for axes, label, field, colours in zip(grid, labels, images, _COLOURS, strict=True):
+    panel_height = 1.4 + height
+    if is_stacked:
+        figure = style.Picture((4.6, 1.0 + 3 * panel_height))
+        panels = figure.subplots(3, 1, sharex=True, sharey=True)
+    else:
+        figure = style.Picture((11.0, 0.5 + panel_height))
+        panels = figure.subplots(1, 3, sharex=True, sharey=True)
+    temperature_label = "contact temperature [°C]"
+    for axes, (label, field, colours) in zip(
+        panels,
+        (
+            ("contact pressure [GPa]", pressure, "viridis_r"),  # dark where high
+            (temperature_label, temperature, "inferno"),  # bright where hot
+            ("wear depth of the pin [µm]", wear_depth, "cividis_r"),  # dark where deep
+        ),
+        strict=True,
+    ):
         image = axes.pcolormesh(x, y, field.T, cmap=colours, shading="nearest", rasterized=True)
         axes.set_aspect("equal" if len(y) > 1 else "auto")
         axes.grid(visible=False)
@@ -202,24 +214,31 @@ def fields(
         figure.colorbar(image, cax=bar, label=label, location="top")
     if (critical := drawn.conditions.critical_temperature) is not None and len(y) > 1:
         limit = shown_in(critical, "°C")
-        if images[1].min() < limit < images[1].max():
-            grid[1].contour(x, y, images[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
-            grid[1].child_axes[0].set_xlabel(f"{labels[1]}; outline at {limit:g}")
-    step_words = (
-        f", step {step} at {drawn.values('normal_load')[point][step - 1]:g} N" if step else ""
-    )
-    where = f"{drawn.words(point)}{step_words}, {heating_words(drawn.conditions)}"
-    scene = drawn.case.sweep.scene
-    notes = [_AT_ONE_POSITION] if scene.wears_by_strips or scene.sweeps_over else []
-    style.write_title(figure, drawn.title(where, *notes))
+        if temperature.min() < limit < temperature.max():
+            axes = panels[1]
+            axes.contour(x, y, temperature.T, [limit], colors=style.SKY, linewidths=style.THIN)
+            axes.child_axes[0].set_xlabel(f"{temperature_label}; outline at {limit:g}")
+    description = f"{drawn.point_text(point)}, {heating_words(drawn.conditions)}"
+    if step:
+        load_at_step = drawn.values("normal_load")[point][step - 1]
+        description = (
+            f"{drawn.point_text(point)}, step {step} at {load_at_step:g} N, "
+            f"{heating_words(drawn.conditions)}"
+        )
+    lines, scene = [description], drawn.case.sweep.scene
+    if scene.wears_by_strips or scene.sweeps_over:
+        lines.append("at one position of the disk; verdicts use the mean over several positions")
+    style.write_title(figure, drawn.title(*lines))
     return figure
 
 
-def _require_step(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step: int) -> None:
+def _require_step(
+    drawn: DrawnCase, stored_fields: xr.Dataset, point: PointIndex, step: int
+) -> None:
     """Raise an `InputError` unless the fields at a `step` of a point are stored."""
     known_steps = np.flatnonzero(np.isfinite(drawn.values("contact_fraction")[point]))
     steps = (known_steps - drawn.case.ds.sizes["step"] + 1).tolist()
-    if "step" not in stored["pressure"].dims and step:
+    if "step" not in stored_fields["pressure"].dims and step:
         raise InputError(
             f"step is {step}, and the store has only the fields at the end of each point; set "
             "'fields = \"steps\"' under [sweep] in the scene, and run it into another store"
@@ -228,9 +247,14 @@ def _require_step(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step:
         raise InputError(f"step is {step}; the point has the steps {steps[0]} to 0")
 
 
-def _point_fields(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step: int) -> xr.Dataset:
-    """Fields (x, y) at a step of a point; `InputError` if they are not stored."""
-    case, coords = drawn.case, drawn.case.ds.coords
+def _fields_at(
+    drawn: DrawnCase, stored_fields: xr.Dataset, point: PointIndex, step: int
+) -> tuple[Array, Array, Array]:
+    """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point.
+
+    Raises an `InputError` if they are not stored.
+    """
+    case, coords, conditions = drawn.case, drawn.case.ds.coords, drawn.conditions
     surface = case.sweep.surface_with_fields
     if any(dim in coords and coords[dim].item() != label for dim, label in surface):
         raise InputError(
@@ -239,30 +263,25 @@ def _point_fields(drawn: DrawnCase, stored: xr.Dataset, point: PointIndex, step:
         )
     load, velocity = case.loads[point[0]], case.velocities[point[1]]
     labels = {**dict(case.name), "load": load, "velocity": velocity, "step": step}
-    dims = stored["pressure"].dims
+    stored_labels = {dim: labels[dim] for dim in stored_fields["pressure"].dims if dim in labels}
     try:
-        fields = stored[[*FIELDS]].sel({dim: labels[dim] for dim in dims if dim in labels})
+        arrays = stored_fields[[*FIELDS]].sel(stored_labels)
     except KeyError as error:
         raise InputError(
-            f"no fields are stored for {drawn.words(point)}; choose a load and a velocity of the "
-            "sweep"
+            f"no fields are stored for {drawn.point_text(point)}; choose a load and a velocity of "
+            "the sweep"
         ) from error
-    return fields.squeeze([dim for dim in fields.dims if dim not in ("x", "y")]).transpose("x", "y")
-
-
-def _surface_fields(
-    drawn: DrawnCase, step_fields: xr.Dataset, point: PointIndex, step: int
-) -> tuple[Array, ...]:
-    """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at a step of a point."""
-    conditions = drawn.conditions
-    rise = step_fields["rise"].values
+    arrays = arrays.squeeze([dim for dim in arrays.dims if dim not in ("x", "y")])
+    arrays = arrays.transpose("x", "y")
+    rise = arrays["rise"].values
     if conditions.corrections:
+        # A correction is linear in the rise, so two of its values give those of all elements.
         columns = {name: drawn.values(name)[point] for name in columns_needed(conditions)}
-        line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-        lowest, highest = corrected_columns(columns | line, conditions)["rise_quantile"][step - 1]
-        rise = lowest + (highest - lowest) * rise
+        columns["rise_quantile"] = np.tile([0.0, 1.0], (len(columns["time"]), 1))
+        at_zero, at_one = corrected_columns(columns, conditions)["rise_quantile"][step - 1]
+        rise = at_zero + (at_one - at_zero) * rise
     return (
-        np.ma.masked_equal(shown_in(step_fields["pressure"].values, "GPa"), 0.0),
+        np.ma.masked_equal(shown_in(arrays["pressure"].values, "GPa"), 0.0),
         shown_in(conditions.contact_temperature(rise), "°C"),
-        np.ma.masked_equal(shown_in(step_fields["wear_depth"].values, "µm"), 0.0),
+        np.ma.masked_equal(shown_in(arrays["wear_depth"].values, "µm"), 0.0),
     )

@@ -111,31 +111,29 @@ def plot(
     >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
     'diagram.svg'
     """
-    study = getattr(ds, "drawn_by", None)
-    study_kind = study.rpartition("draw_")[2] if study else ""
-    kinds = {study_kind: pkgutil.resolve_name(study)} if study else KINDS
+    drawn_by = getattr(ds, "drawn_by", None)  # of the result of a study
+    inputs: tuple[Any, ...]
+    kinds: dict[str, Callable[..., Figure]]
+    kind_options: dict[str, Any] = {**options}
+    if drawn_by:
+        default_kind = drawn_by.rpartition("draw_")[2]
+        kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
+    else:
+        conditions = {name: kind_options.pop(name) for name in NAMES if name in kind_options}
+        kinds, inputs = KINDS, (dataset_of(ds), conditions)
+        table = sweep_of(inputs[0]).case_table
+        is_listed = any(table.column(name) for name in PLANE)
+        default_kind = "rows" if is_listed else "diagram"
     if kind and kind not in kinds:
         raise InputError(f"unknown kind {kind!r}; choose one of {', '.join(kinds)}")
-    kind_options: dict[str, Any] = {**options}
-    conditions = (
-        {} if study else {name: kind_options.pop(name) for name in {*NAMES} & kind_options.keys()}
-    )
-    ds = ds if study else dataset_of(ds)
-    drawn_kind: str = kind or study_kind or ("rows" if _is_listed(ds) else "diagram")
-    # The first parameters are the data, and for a sweep the conditions.
-    allowed = [*inspect.signature(kinds[drawn_kind]).parameters][1 if study else 2 :]
+    drawn_kind = kind or default_kind
+    allowed = [*inspect.signature(kinds[drawn_kind]).parameters][len(inputs) :]
     for name in kind_options:
         if name not in allowed:
             available = ", ".join(allowed) or "none"
             raise InputError(f"{drawn_kind} has no option {name!r}; available: {available}")
     path = None if out is None else writable_path(out, FIGURES)
-    metres = None if width is None else in_si("width", width, "1 m")
-    with style.fitted(metres, plain, title, dpi):
-        figure: Figure = kinds[drawn_kind](ds, *[conditions] * (not study), **kind_options)
+    width_in_si = None if width is None else in_si("width", width, "1 m")
+    with style.fitted(width_in_si, plain, title, dpi):
+        figure = kinds[drawn_kind](*inputs, **kind_options)
         return figure if path is None else style.save_figure(figure, path)
-
-
-def _is_listed(ds: Any) -> bool:
-    """True if each row of the sweep of a dataset has its own load and velocity."""
-    table = sweep_of(ds).case_table
-    return any(table.column(name) for name in PLANE)

@@ -23,7 +23,6 @@ from pipeline.figures.fields_figure import (
 )
 from pipeline.figures.style import BLACK, GREY
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import Conditions
 from tribo.types import Array
 
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
@@ -53,38 +52,37 @@ def ramp(
     drawn = drawn_case(ds, conditions, realization)
     points, columns = chosen_points(drawn, load, velocity), drawn.columns()
     figure = style.Picture((8.0, 8.4))
-    top, *below = figure.subplots(3, sharex=True)
-    _temperatures(top, drawn, columns, points)
-    for axes, panel in zip(below, (_CONTACT_PANEL, _WEAR_PANEL), strict=True):
+    temperature_axes, *lower_axes = figure.subplots(3, sharex=True)
+    _draw_temperatures(temperature_axes, drawn, columns, points)
+    for axes, panel in zip(lower_axes, (_CONTACT_PANEL, _WEAR_PANEL), strict=True):
         handles = []
         # The right axis has more room, so that proportional curves do not coincide.
         for (label, name), look, headroom in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=True):
-            panel_axes = axes if look is _SOLID else axes.twinx()
-            panel_axes.grid(visible=look is _SOLID)
-            words, unit = label.rstrip("]").split(" [")
+            side_axes = axes if look is _SOLID else axes.twinx()
+            side_axes.grid(visible=look is _SOLID)
+            quantity, unit = label.rstrip("]").split(" [")
             values = shown_in(columns[name].astype(float), unit.split()[0])
-            _draw(panel_axes, columns, values, points, look)
-            panel_axes.ticklabel_format(axis="y", scilimits=(-2, 3))
-            panel_axes.set(
-                ylabel=label, ylim=(0, headroom * panel_axes.get_ylim()[1])
-            )  # room for the legend
-            handles.append(Line2D([], [], color=BLACK, label=words, **look))
+            _draw_curves(side_axes, columns, values, points, look)
+            side_axes.ticklabel_format(axis="y", scilimits=(-2, 3))
+            top = headroom * side_axes.get_ylim()[1]  # room for the legend
+            side_axes.set(ylabel=label, ylim=(0, top))
+            handles.append(Line2D([], [], color=BLACK, label=quantity, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
-    below[-1].set_xlabel("time [s]")
-    below[-1].set_xlim(left=0)
-    _load_axis(top, columns, max(points))
+    lower_axes[-1].set_xlabel("time [s]")
+    lower_axes[-1].set_xlim(left=0)
+    _add_load_axis(temperature_axes, columns, max(points))
     style.write_title(figure, drawn.title())
-    names = [
-        Line2D([], [], color=f"C{k}", lw=3, label=drawn.words(point))
-        for k, point in enumerate(points)
+    handles = [
+        Line2D([], [], color=f"C{index}", lw=3, label=drawn.point_text(point))
+        for index, point in enumerate(points)
     ]
     caption_lines = [heating_words(drawn.conditions)]
     caption_lines += warning_lines(drawn.case.sweep, max_count=1, answered=True)
-    style.legend_below(figure, handles=names, caption="\n".join(caption_lines))
+    style.legend_below(figure, handles=handles, caption="\n".join(caption_lines))
     return figure
 
 
-def _draw(
+def _draw_curves(
     axes: Axes, columns: Mapping[str, Any], values: Array, points: list[PointIndex], look: Any
 ) -> None:
     """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
@@ -94,47 +92,40 @@ def _draw(
         axes.plot(time, known_values, color=f"C{index}", markevery=[-1], **look)
 
 
-def _temperatures(
+def _draw_temperatures(
     axes: Axes, drawn: DrawnCase, columns: Mapping[str, Any], points: list[PointIndex]
 ) -> None:
     """Draw the highest, the governing and the critical temperature of points over time."""
-    handles, conditions = [], drawn.conditions
-    shares = drawn.case.ds["area_fraction_below"].values
-    for line_conditions, look in _line_styles(conditions):
-        rise = line_conditions.governing_rise({**columns, "quantile": shares})
+    conditions, handles = drawn.conditions, list[Line2D]()
+    area_fractions = drawn.case.ds["area_fraction_below"].values
+    highest = replace(conditions, critical_area_fraction=0.0)
+    curves = [(highest, _DASHED)]
+    if conditions != highest:
+        curves.append((conditions, _SOLID))
+    for curve_conditions, look in curves:
+        rise = curve_conditions.governing_rise({**columns, "quantile": area_fractions})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
-        _draw(axes, columns, temperature, points, look)
-        words = governing_words(line_conditions.critical_area_fraction)
-        handles.append(Line2D([], [], color=BLACK, label=words, **look))
-    handles += _critical_line(axes, conditions)
+        _draw_curves(axes, columns, temperature, points, look)
+        label = governing_words(curve_conditions.critical_area_fraction)
+        handles.append(Line2D([], [], color=BLACK, label=label, **look))
+    if conditions.critical_temperature is not None:
+        critical = shown_in(conditions.critical_temperature, "°C")
+        label = f"critical temperature, {critical:g} °C"
+        handles.append(axes.axhline(critical, color=GREY, ls=":", label=label))
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.17 * (top - bottom))  # room for the legend
     style.fitting_legend(axes, 3, handles=handles, loc="upper left")
 
 
-def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Conditions and line style of the highest and, if different, the governing temperature."""
-    highest = replace(conditions, critical_area_fraction=0.0)
-    return [(highest, _DASHED), *[(conditions, _SOLID)] * (conditions != highest)]
-
-
-def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
-    """Draw a line at the critical temperature, if known; return its legend entry."""
-    if conditions.critical_temperature is None:
-        return []
-    critical = shown_in(conditions.critical_temperature, "°C")
-    return [
-        axes.axhline(critical, color=GREY, ls=":", label=f"critical temperature, {critical:g} °C")
-    ]
-
-
-def _load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> None:
+def _add_load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) -> None:
     """Add an upper axis with the load of `point` at each time, if this load grows at every step."""
     time, load = (np.append(0.0, columns[name][point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
-        pairs = (time, load), (load, time)
-        to_load, to_time = (lambda x, pair=pair: np.interp(x, *pair) for pair in pairs)
-        axes.secondary_xaxis("top", functions=(to_load, to_time)).set_xlabel("normal load [N]")
+        load_axis = axes.secondary_xaxis(
+            "top",
+            functions=(lambda t: np.interp(t, time, load), lambda f: np.interp(f, load, time)),
+        )
+        load_axis.set_xlabel("normal load [N]")

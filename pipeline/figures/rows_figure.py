@@ -29,8 +29,6 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
 }
 """Label and mark of a row by its verdict."""
 _USUAL_WIDTH = 8.0  # [in]
-_LETTERS_PER_INCH = 6  # letters of a row's label, for each inch of the figure's width
-_LINE_HEIGHT = 0.32  # height of a line of a label in a figure of few rows [in]
 _MAX_LABELS = 40  # most rows that are all labelled
 
 
@@ -55,13 +53,11 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     if np.isnan(margin).all():
         raise InputError(f"no row has a verdict: {margins['reason'].values[0]}")
     names = [style.as_text(label) for label in row_labels(margins, *map(str, margins.sizes))]
-    labels = [
-        textwrap.fill(name, int(_LETTERS_PER_INCH * style.wanted_width(_USUAL_WIDTH)))
-        for name in names
-    ]
+    letters_per_line = int(6 * style.width_or(_USUAL_WIDTH))
+    labels = [textwrap.fill(name, letters_per_line) for name in names]
     lines_per_row = 1 + max(label.count("\n") for label in labels)
     positions = np.arange(len(names))
-    height = 1.6 + _LINE_HEIGHT * min(len(names), _MAX_LABELS) * lines_per_row
+    height = 1.6 + 0.32 * min(len(names), _MAX_LABELS) * lines_per_row
     figure, axes = style.canvas((_USUAL_WIDTH, height))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
     low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
@@ -77,16 +73,16 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
             axes.plot(
                 margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
             )
-    deciding = deciding_row(margins)
-    _label_rows(axes, margins, labels, deciding)
-    axes.axhspan(deciding - 0.5, deciding + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
+    critical_row = most_critical_row(margins)
+    _label_rows(axes, margins, labels, critical_row)
+    axes.axhspan(critical_row - 0.5, critical_row + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
     axes.set(
         xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
         xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
     style.write_title(axes, title)
     lines = [
-        f"most critical: {names[deciding]}",
+        f"most critical: {names[critical_row]}",
         "at the right: probability of severe wear, safety factor of friction",
     ]
     lines += conditions_lines(margins)
@@ -95,36 +91,33 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     return figure
 
 
-def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], deciding: int) -> None:
+def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical_row: int) -> None:
     """Write labels at the left of rows, and at their right the probability and the safety factor.
 
-    Those of the `deciding` row are bold. Of many rows, only some are labelled.
+    Those of the most critical row are bold. Of many rows, only some are labelled.
     """
-    ticks = np.union1d(np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [deciding])
-    axis_ticks = axes.set_yticks(ticks, [labels[k] for k in ticks])
-    temperature_margins, probabilities, factors, factor_errors = (
-        values.values.tolist()
-        for values in (
-            margins["temperature_margin"],
-            margins["probability"],
-            margins["friction_safety_factor"],
-            error_of(margins, "friction_safety_factor"),
-        )
+    labelled_rows = np.union1d(
+        np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [critical_row]
     )
-    for row in ticks:
-        probability, factor = probabilities[row], rounded(factors[row], factor_errors[row])
-        text = f"{probability_text(probability)}, {factor}" if factor else ""
+    ticks = axes.set_yticks(labelled_rows, [labels[row] for row in labelled_rows])
+    factor_errors = error_of(margins, "friction_safety_factor").values.tolist()
+    temperature_margins, probabilities, factors = (
+        margins[name].values.tolist()
+        for name in ("temperature_margin", "probability", "friction_safety_factor")
+    )
+    for tick, row in zip(ticks, labelled_rows, strict=True):
+        weight = "bold" if row == critical_row else "normal"
+        tick.label1.set_fontweight(weight)
+        factor = rounded(factors[row], factor_errors[row])
+        text = f"{probability_text(probabilities[row])}, {factor}" if factor else ""
         axes.annotate(
             "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
-            annotation_clip=False, fontsize="small",
-            fontweight="bold" if row == deciding else "normal",
+            annotation_clip=False, fontsize="small", fontweight=weight,
         )  # fmt: skip
-    for tick, position in zip(axis_ticks, ticks, strict=True):
-        tick.label1.set_fontweight("bold" if position == deciding else "normal")
 
 
-def deciding_row(margins: xr.Dataset) -> int:
+def most_critical_row(margins: xr.Dataset) -> int:
     """Index of the row with the highest probability; of equal rows, that with the least margin."""
     probability = np.nan_to_num(margins["probability"].values, nan=-1.0)
     return int(np.lexsort((-margins["temperature_margin"].values, probability))[-1])

@@ -44,16 +44,8 @@ HALO = [withStroke(linewidth=2.5, foreground="white")]
 _HOUSE_STYLE = rc_params_from_file(
     Path(__file__).with_name("irg.mplstyle"), use_default_template=False
 )
-_SIZE_SETTINGS = [name for name, value in _HOUSE_STYLE.items() if name.endswith(("size", "width"))
-          and isinstance(value, float)]  # fmt: skip
 _USUAL_WIDTH = 8.0  # width of a figure for which the style's sizes are meant [in]
-_MIN_SIZE_FACTOR = 0.66  # least factor on these sizes that is readable
-_INCH = 0.0254  # [m]
-_MIN_WIDTH, _MAX_WIDTH = 0.04, 1.0  # limits of the width of a figure [m]
 _MIN_DPI, _MAX_DPI = 30, 1200  # limits of the resolution of a figure [dpi]
-_LETTER_WIDTH = 0.55  # mean width of a letter over the font size
-_MAX_CAPTION_LINES = 8  # in a figure of usual width
-_MAX_LEGEND_SHARE = 0.2  # share of the height for the legend, above which the figure grows
 
 _style_lock = threading.RLock()  # Matplotlib's settings belong to all threads
 
@@ -70,8 +62,7 @@ class Look(NamedTuple):
     dpi: float | None = None  # dots per inch
 
 
-_USUAL_LOOK = Look()
-_LOOK = ContextVar("look", default=_USUAL_LOOK)
+_LOOK = ContextVar("look", default=Look())  # noqa: B039, as a Look is immutable
 
 
 @contextmanager
@@ -86,7 +77,7 @@ def fitted(
     If `plain`, they have neither titles nor captions. Text and marks shrink less than the figure,
     at most to two thirds. So narrow figures are taller in proportion.
     """
-    if width is not None and not _MIN_WIDTH <= width <= _MAX_WIDTH:
+    if width is not None and not 0.04 <= width <= 1.0:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
     if dpi is not None:
         require_number(dpi=dpi)
@@ -94,16 +85,17 @@ def fitted(
         raise InputError(f"dpi is {dpi:g}; it must be from {_MIN_DPI} to {_MAX_DPI}")
     if plain and title is not None:
         raise InputError("a plain figure has no title; leave out one of plain and title")
-    token = _LOOK.set(Look(width and width / _INCH, plain, title, dpi))
+    width_inches = None if width is None else width / 0.0254
+    token = _LOOK.set(Look(width_inches, plain, title, dpi))
     try:
         yield
     finally:
         _LOOK.reset(token)
 
 
-def wanted_width(usual: float) -> float:
-    """Width to draw a figure at [in]: the width set by `fitted`, else `usual`."""
-    return _LOOK.get().width or usual
+def width_or(usual_width: float) -> float:
+    """Width to draw a figure at [in]: the width set by `fitted`, else `usual_width`."""
+    return _LOOK.get().width or usual_width
 
 
 class Picture(Figure):
@@ -111,8 +103,8 @@ class Picture(Figure):
 
     def __init__(self, figsize: tuple[float, float] | None = None) -> None:
         width, height = figsize or rcParams["figure.figsize"]
-        target_width = wanted_width(width)
-        super().__init__(figsize=(target_width, height * (target_width / width) ** 0.5))
+        fitted_width = width_or(width)
+        super().__init__(figsize=(fitted_width, height * (fitted_width / width) ** 0.5))
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure, in the house's style, also where a notebook or window asks for it."""
@@ -140,14 +132,16 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
-        factor = min(max(wanted_width(_USUAL_WIDTH) / _USUAL_WIDTH, _MIN_SIZE_FACTOR), 1.0)
-        look: dict[Any, Any] = {**_HOUSE_STYLE} | {
-            name: factor * _HOUSE_STYLE[name] for name in _SIZE_SETTINGS
-        }
+        size_factor = min(max(width_or(_USUAL_WIDTH) / _USUAL_WIDTH, 0.66), 1.0)
+        settings: dict[Any, Any] = {**_HOUSE_STYLE}
+        for name, value in _HOUSE_STYLE.items():
+            if name.endswith(("size", "width")) and isinstance(value, float):
+                settings[name] = size_factor * value
         for name in ("figure.dpi", "savefig.dpi"):  # as set by the user, for example in a notebook
             resolution = _LOOK.get().dpi or rcParams[name]
-            look[name] = look[name] if resolution == rcParamsDefault[name] else resolution
-        with _style_lock, context(look, after_reset=True):
+            if resolution != rcParamsDefault[name]:
+                settings[name] = resolution
+        with _style_lock, context(settings, after_reset=True):
             return draw(*args, **kwargs)
 
     return styled
@@ -158,23 +152,25 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
     The legend has at most `ncols` columns. `options` are passed to Matplotlib's `Figure.legend`.
     """
-    width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
-    letters = int(width / (_LETTER_WIDTH * rcParams["legend.title_fontsize"]))
-    max_lines = math.ceil(_MAX_CAPTION_LINES * max(1.0, 72 * _USUAL_WIDTH / width))
+    width, height = figure.get_size_inches()
+    letter_width = 0.55 * rcParams["legend.title_fontsize"] / 72  # mean of a text [in]
+    max_lines = math.ceil(8 * max(1.0, _USUAL_WIDTH / width))
     paragraphs = map(printable, caption.split("\n"))
-    lines = [line for text in paragraphs for line in textwrap.wrap(text, letters)]
-    title = "\n".join(lines[:max_lines]) + " …" * (len(lines) > max_lines)
-    title = "" if _LOOK.get().plain else title
+    lines = [line for text in paragraphs for line in textwrap.wrap(text, int(width / letter_width))]
+    title = "\n".join(lines[:max_lines])
+    if len(lines) > max_lines:
+        title = f"{title} …"
+    if _LOOK.get().plain:
+        title = ""
     handles = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
     options = {"handles": [*itertools.chain(*handles)]} | options  # no warning if there are none
     if labels := options.get("labels"):
-        texts = map(as_text, labels)
+        texts = map(as_text, labels)  # Matplotlib leaves out labels that begin with "_"
         options["labels"] = [f" {text}" if text.startswith("_") else text for text in texts]
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
-    width_inches, height = figure.get_size_inches()
-    growth = legend.get_window_extent().height / figure.dpi - _MAX_LEGEND_SHARE * height
-    figure.set_size_inches(width_inches, height + max(0.0, growth))
+    growth = legend.get_window_extent().height / figure.dpi - 0.2 * height
+    figure.set_size_inches(width, height + max(0.0, growth))
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
@@ -200,8 +196,9 @@ def save_figure(figure: Figure, out: Path) -> Path:
 
 def plain_numbers(axes: Axes) -> None:
     """Label logarithmic axes with plain numbers, at enough ticks."""
-    scaled = (axis for axis in (axes.xaxis, axes.yaxis) if axis.get_scale() == "log")
-    for axis in scaled:
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() != "log":
+            continue
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
@@ -209,22 +206,26 @@ def plain_numbers(axes: Axes) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def write_title(owner: Axes | Figure, words: str) -> None:
-    """Write a title over axes or a figure (`owner`), wrapped: `words`, or the user's title."""
-    write, look = owner.set_title if isinstance(owner, Axes) else owner.suptitle, _LOOK.get()
-    words = words if look.title is None else as_text(look.title)
-    write("" if look.plain else words, wrap=True)
+def write_title(owner: Axes | Figure, title: str) -> None:
+    """Write a title over axes or a figure (`owner`), wrapped: `title`, or that of the user."""
+    look = _LOOK.get()
+    if look.plain:
+        title = ""
+    elif look.title is not None:
+        title = as_text(look.title)
+    write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
+    write(title, wrap=True)
 
 
-def as_text(words: str) -> str:
+def as_text(text: str) -> str:
     """Prepare text of a user for a figure: `printable`, and shortened to 240 letters."""
-    return textwrap.shorten(printable(words[:1000]), 240, placeholder=" …")
+    return textwrap.shorten(printable(text[:1000]), 240, placeholder=" …")
 
 
-def printable(words: str) -> str:
+def printable(text: str) -> str:
     """Prepare text for a figure: without control characters, and never set as a formula.
 
     For this, each $ is escaped, unless it is already.
     """
-    text = "".join(character for character in words if character.isprintable())
-    return text.replace(r"\$", "$").replace("$", r"\$")
+    without_controls = "".join(character for character in text if character.isprintable())
+    return without_controls.replace(r"\$", "$").replace("$", r"\$")

@@ -27,7 +27,7 @@ from pipeline.answers.point_lines import headline, margin_facts, to_decide
 from pipeline.answers.readable import code_text, row_labels, verdict_text
 from pipeline.answers.results import refuse_cases
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
-from pipeline.figures.rows_figure import deciding_row, draw_rows
+from pipeline.figures.rows_figure import draw_rows, most_critical_row
 from pipeline.page import elements
 from pipeline.page.sections import Conditions, error_sentences, plane_sections
 from pipeline.store.schema import PLANE
@@ -117,7 +117,7 @@ def rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> 
         refuse_cases(ds)
         raise InputError(f"a report has rows along one dimension, not along {[*margins.sizes]}")
     (row,) = margins.sizes
-    deciding, names = deciding_row(margins), row_labels(margins, str(row))
+    deciding, names = most_critical_row(margins), row_labels(margins, str(row))
     codes = margins["verdict"].values.tolist()
     verdicts = code_text(margins["verdict"]).tolist()
     verdict, critical = verdicts[deciding], f"the most critical operating point: {names[deciding]}"

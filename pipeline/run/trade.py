@@ -54,7 +54,7 @@ class Measured:
 class Trade:
     """Measured processor time and error of the boundary of a scene."""
 
-    drawn_by: ClassVar = "pipeline.figures.trade_figure:draw_trade"
+    drawn_by: ClassVar = "pipeline.figures.study_figures:draw_trade"
     title: str  #: Title of the scene.
     runs: tuple[Measured, ...]  #: Runs with a goal, each on the points of those before.
     planes: tuple[Measured, ...]  #: The whole plane by each preset; its time is that of one point.

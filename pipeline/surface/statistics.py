@@ -51,7 +51,7 @@ class SurfaceStatistics:
     fitted_heights: Array = field(repr=False)  #: Those of the random surface [m].
     scan_tables: str = field(repr=False)  #: Tables of a scene that simulates the scan itself.
     notes: tuple[str, ...] = ()  #: On holes, doubtful units, and arguments that override the file.
-    drawn_by: ClassVar = "pipeline.figures.surface_figure:draw_surface"
+    drawn_by: ClassVar = "pipeline.figures.study_figures:draw_surface"
 
     @property
     def faults_of_fit(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from pipeline.answers.digits import error_of, rounded
 from pipeline.answers.readable import row_labels
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
-from pipeline.figures.rows_figure import deciding_row, draw_rows
+from pipeline.figures.rows_figure import draw_rows, most_critical_row
 from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
@@ -169,7 +169,7 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     assert drawn_margins == pytest.approx(
         dict(enumerate(row_margins["temperature_margin"].values[:3]))
     )
-    assert deciding_row(row_margins) == 2
+    assert most_critical_row(row_margins) == 2
     weights = [tick.label1.get_fontweight() for tick in axes.yaxis.get_major_ticks()]
     assert weights == ["normal", "normal", "bold", "normal"]
     texts = [text.get_text() for text in axes.texts]

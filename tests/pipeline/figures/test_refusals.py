@@ -94,7 +94,7 @@ refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refu
     "figures",
     REFUSALS,
     {
-        "fields_figure._point_fields InputError": "tests/pipeline/run/test_goal.py",
+        "fields_figure._fields_at InputError": "tests/pipeline/run/test_goal.py",
         "fields_figure._require_step InputError": "tests/pipeline/store/test_dataset.py, by steps",
     },
 )

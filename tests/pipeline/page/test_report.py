@@ -11,7 +11,7 @@ import pipeline
 from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.readable import probability_text, verdict_text
 from pipeline.answers.results import sweep_of
-from pipeline.figures.rows_figure import deciding_row
+from pipeline.figures.rows_figure import most_critical_row
 from pipeline.frames import cells_of
 from pipeline.page import elements
 from pipeline.page.report_answers import HEADLINES
@@ -188,7 +188,7 @@ def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):
     points = {"case": ["idle", "full"], "load [N]": [200, 700], "velocity [m/s]": [1, 4]}
     table = pipeline.margin(sweep, points)
-    assert deciding_row(table) == 1
+    assert most_critical_row(table) == 1
     page = pipeline.report(sweep, points=points)
     assert "Severe wear (scuffing) at the most critical operating point: full" in page
     assert re.search(r'<tr class="bold"><th scope="row">full</th>', page)

@@ -1,4 +1,7 @@
-"""A scan and the random surface that fits it best: heights, spectra along x and y, numbers."""
+"""Figures of studies: computing time against error, and a scan beside its random surface.
+
+`pipeline.plot` finds the figure of a study by its attribute ``drawn_by``.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +13,45 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from pipeline.figures import style
+from pipeline.figures.style import BLUE, VERMILION
 from pipeline.quantities import display_sides, shown_in
+from pipeline.run.trade import Trade
 from pipeline.surface.statistics import SurfaceStatistics
 from tribo.types import Array
 
-_HEIGHT_RANGE = 3.0  # heights shown on each side of the mean, over Sq
-_MAX_PIXELS = 800  # most pixels along a side of a map; more cannot be seen
-_MAX_ASPECT = 2.0  # length over width of a scan above which the maps are stacked
 _STACKING_WIDTH = 6.0  # width of a figure below which its panels are stacked [in]
-_BINS = 30  # of the spectrum, in which frequencies are equally wide on the logarithmic axis
+
+
+@style.house_style
+def draw_trade(trade: Trade) -> Figure:
+    """Draw the whole error of the boundary over processor time, of runs and of whole planes."""
+    figure, axes = style.canvas((8.0, 5.6))
+    axes.set(xscale="log", yscale="log")
+    for costs, label, marker, colour in (
+        (trade.runs, "runs with a goal, measured", "D", VERMILION),
+        (trade.planes, "whole plane, time from some points", "s", BLUE),
+    ):
+        times, errors = [cost.seconds for cost in costs], [cost.error for cost in costs]
+        axes.plot(times, errors, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
+        for cost in costs:
+            name = str(cost.preset)
+            if cost.has_steps:
+                name = f"{cost.preset}, all steps"
+            if cost.accuracy is not None:
+                name = f"{100 * cost.accuracy:g} %: {cost.points} points"
+            offset = (8, -14) if cost.has_steps else (8, 4)  # planes have nearly the same error
+            axes.annotate(
+                name, (cost.seconds, cost.error), offset, textcoords="offset points",
+                path_effects=style.HALO,
+            )  # fmt: skip
+    axes.margins(0.15)
+    style.plain_numbers(axes)
+    axes.set_xlabel("processor time [s]")
+    axes.set_ylabel("error of the boundary velocity (95 %)")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
+    style.write_title(axes, style.as_text(f"Speed against accuracy: {trade.title}"))
+    style.legend_below(figure)
+    return figure
 
 
 @style.house_style
@@ -28,7 +61,7 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
     The spectrum along an axis is the mean over all lines along it, each with a Hann window. Its
     integral over the spatial frequency, of both signs, is Sq².
     """
-    is_stacked = style.wanted_width(_STACKING_WIDTH) < _STACKING_WIDTH
+    is_stacked = style.width_or(_STACKING_WIDTH) < _STACKING_WIDTH
     figure = style.Picture((4.6, 10.0) if is_stacked else (11.0, 5.2))
     if is_stacked:
         grid = figure.add_gridspec(3, 1, height_ratios=(4, 4, 2))
@@ -38,7 +71,7 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
     _draw_spectra(figure.add_subplot(grid[1]), statistics)
     _write_numbers(figure.add_subplot(grid[-1, :]), statistics, is_stacked)
     sides = display_sides(
-        n * side for n, side in zip(statistics.shape, statistics.pixel_size, strict=True)
+        count * side for count, side in zip(statistics.shape, statistics.pixel_size, strict=True)
     )
     style.write_title(figure, style.as_text(f"{Path(statistics.file).name}: {sides}"))
     style.legend_below(figure, 4, caption=statistics.words_on_fit)
@@ -47,18 +80,19 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
 
 def _draw_maps(figure: Figure, subplot: SubplotSpec, statistics: SurfaceStatistics) -> None:
     """Draw the heights of scan and random surface, in one scale of colours."""
-    limit = shown_in(_HEIGHT_RANGE * statistics.roughness.sq, "µm")
+    max_height = shown_in(3 * statistics.roughness.sq, "µm")
     x, y = (
-        shown_in(n * d, "µm") for n, d in zip(statistics.shape, statistics.pixel_size, strict=True)
+        shown_in(count * side, "µm")
+        for count, side in zip(statistics.shape, statistics.pixel_size, strict=True)
     )
-    rows, columns = (2, 1) if x > _MAX_ASPECT * y else (1, 2)
-    inner = subplot.subgridspec(rows, columns)
-    panels = [figure.add_subplot(inner[k]) for k in range(2)]
+    grid = subplot.subgridspec(2, 1) if x > 2 * y else subplot.subgridspec(1, 2)
+    panels = [figure.add_subplot(grid[k]) for k in range(2)]
     surfaces = {"scan": statistics.heights, "random surface": statistics.fitted_heights}
     for axes, (name, heights) in zip(panels, surfaces.items(), strict=True):
-        every_nth = tuple(slice(None, None, -(-n // _MAX_PIXELS)) for n in heights.shape)
+        # More than 800 pixels along a side cannot be seen.
+        every_nth = tuple(slice(None, None, -(-count // 800)) for count in heights.shape)
         image = axes.imshow(
-            shown_in(heights[every_nth].T, "µm"), cmap="cividis", vmin=-limit, vmax=limit,
+            shown_in(heights[every_nth].T, "µm"), cmap="cividis", vmin=-max_height, vmax=max_height,
             extent=(0, x, 0, y), origin="lower", interpolation="nearest",
         )  # fmt: skip
         axes.grid(visible=False)
@@ -73,7 +107,7 @@ def _draw_spectra(axes: Axes, statistics: SurfaceStatistics) -> None:
         ("random surface", statistics.fitted_heights, "--"),
     )
     for name, heights, line in surfaces:
-        for axis, colour in enumerate((style.BLUE, style.VERMILION)):
+        for axis, colour in enumerate((BLUE, VERMILION)):
             frequency, density = _spectrum(heights, statistics.pixel_size[axis], axis)
             axes.plot(
                 shown_in(1 / frequency, "µm"), 1e18 * density, line, color=colour,
@@ -92,7 +126,7 @@ def _spectrum(heights: Array, step: float, axis: int) -> tuple[Array, Array]:
     power = np.abs(np.fft.rfft((lines - lines.mean()) * window)) ** 2
     density = power.mean(axis=0) * step / np.square(window).sum()
     # The first two frequencies have the mean and its leakage.
-    begins = np.unique(np.geomspace(2, len(density), _BINS).astype(int))[:-1]
+    begins = np.unique(np.geomspace(2, len(density), 30).astype(int))[:-1]
     counts = np.diff([*begins, len(density)])
     frequencies = np.fft.rfftfreq(lines.shape[1], step)
     return np.add.reduceat(frequencies, begins) / counts, np.add.reduceat(density, begins) / counts
