@@ -1,7 +1,7 @@
 """Pages of Markdown with the results: the gallery, and the comparison with the paper.
 
 A block of a page stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``. Kinds are
-``figure``, a result with its figure and command; ``table``, the table of a result; and
+``figure``, a result with its figure; ``table``, the table of a result; and
 ``findings``, statements named as ``table4.width``, with their numbers.
 """
 
@@ -59,7 +59,7 @@ def pages(reports: Sequence[Report]) -> dict[str, str]:
 def _figure(report: Report) -> Iterator[str]:
     name, words = report.name, WORDS[report.name]
     yield f"\n## {name}\n"
-    yield f"**{words['paper']}**: {report.title}. `irg paper {name}`\n"
+    yield f"**{words['paper']}**: {report.title}.\n"
     yield f"![{name}]({name}.png)\n"
     yield f"*{words['see']}*\n"
 
