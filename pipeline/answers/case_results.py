@@ -27,7 +27,7 @@ from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.constants import SLOWEST
-from tribo.simulation.severity import (
+from tribo.simulation.verdict import (
     columns_needed,
     relative_sampling,
     worst_rises,

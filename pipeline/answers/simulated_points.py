@@ -22,7 +22,7 @@ from pipeline.store.schema import FAILED, PENDING, PLANE
 from pipeline.sweep.condition_entries import allowable_rise
 from tribo import QUANTILES, InputError, WarningKind
 from tribo.simulation.point_warnings import SLOW
-from tribo.simulation.severity import columns_needed, corrected_columns
+from tribo.simulation.verdict import columns_needed, corrected_columns
 from tribo.thermal.quantiles import failed_share
 
 _MEANINGS = {

@@ -24,7 +24,7 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.field import TWINS, Field
 from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.condition_entries import Conditions
-from tribo.thermal.sampling import GROUPS
+from tribo.thermal.quantiles import GROUPS
 from tribo.types import Array, Indices, Mask
 
 _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %

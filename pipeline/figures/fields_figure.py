@@ -24,7 +24,7 @@ from pipeline.store.dataset import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.condition_entries import Conditions, allowable_rise
 from tribo import InputError
-from tribo.simulation.severity import columns_needed, corrected_columns
+from tribo.simulation.verdict import columns_needed, corrected_columns
 from tribo.types import Array
 
 QuantityLike = float | str | Iterable[float | str] | None

@@ -32,7 +32,7 @@ from tests.promises.front import drawn
 from tribo import PRESETS, TriboError, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation import RampCache
-from tribo.simulation.severity import worst_rises
+from tribo.simulation.verdict import worst_rises
 
 CRITERIA = {f"share {share:g}": share for share in (0.0, 0.01, 0.1, 0.5)}
 """Critical area fractions by name; 0 is the highest temperature."""

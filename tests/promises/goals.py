@@ -34,7 +34,7 @@ from tests.helpers.search_in_memory import Told
 from tests.promises.families import cases
 from tribo import TriboError
 from tribo.simulation import jackknife_quality
-from tribo.simulation.severity import relative_sampling, worst_rises
+from tribo.simulation.verdict import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
 REALIZATIONS = 64  # of the truth

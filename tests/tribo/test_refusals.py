@@ -41,7 +41,7 @@ from tribo.thermal import (
     rise_exceeded,
 )
 from tribo.wear import RollingWear
-from tribo.wear.laws import evaluate_wear, require_wear
+from tribo.wear.archard import evaluate_wear, require_wear
 from workflows.paper.rig import critical_temperature_rig
 
 GRID, FREE = Grid((6, 5), (1e-6, 1e-6)), Grid((6, 5), (1e-6, 1e-6), (False, False))
@@ -267,7 +267,7 @@ ELSEWHERE = {
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
-    "judge._states InputError": "a point always touches; for the type checker",
+    "point._states InputError": "a point always touches; for the type checker",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""
 

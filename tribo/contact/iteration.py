@@ -5,7 +5,7 @@ may cycle. A *projected gradient step* (`gradient`) is slower, but always lowers
 starts the iteration where much of the contact is still to change, and takes over for longer each
 time that the active-set steps stop making progress. The iteration therefore converges from any
 start. If the elements of a row displace each other much, both kinds of steps use the metric of
-`rows`. `problem` computes the error of an iterate, and `rounding` the digits that it has lost.
+`soft_rows`. `problem` computes the error of an iterate, and `rounding` the digits that it has lost.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from tribo.contact.active_set import ActiveSet, active_set_step
-from tribo.contact.correction import correct_guess
 from tribo.contact.gradient import Gradient, first_length, gradient_step
-from tribo.contact.problem import Evaluation, Iterate, Problem, evaluate
+from tribo.contact.problem import Evaluation, Iterate, Problem, evaluate, mean_approach
 from tribo.contact.rounding import LowestResidual, restore_digits, transform_error
-from tribo.contact.simplex import scaled_to_load
+from tribo.contact.simplex import scaled_to_load, shifted_to_load
 from tribo.numerics import largest
 from tribo.types import Array
 
@@ -27,6 +28,7 @@ _SETTLED_SHARE = 0.3  # largest share of nodes at a wrong bound at which active-
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 _FIRST_GRADIENT_STEPS = 8  # at the first such change, doubled at each further change
 _GOAL_SHARE = 0.5  # share of the tolerance that active-set steps aim at
+_LOCAL_STEPS = 2
 
 
 class Limits(NamedTuple):
@@ -166,3 +168,32 @@ def _iteration_result(
         converged=converged,
         stalled=stalled,
     )
+
+
+def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
+    """Improve a guess of the pressure [Pa] using only influences between neighbouring elements.
+
+    `guess` causes the `displacement` [m], and carries the load. It may exceed the bounds, 0 and the
+    hardness; the result carries the load within the bounds. `separation` is the distance of the
+    undeformed surfaces [m].
+    """
+    neighbourhood, hardness = problem.neighbourhood, problem.hardness
+    gap = displacement + separation
+    loaded = guess > 0
+    gap -= mean_approach(gap, loaded, np.flatnonzero(loaded & (guess < hardness)))
+    nodes = np.flatnonzero((guess != 0) | (gap < 0))
+    stencil = neighbourhood.stencil_on(nodes)
+    known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
+    pressure = known_pressure.clip(0.0, hardness)
+    for _ in range(_LOCAL_STEPS):
+        gap = known_gap + stencil(neighbourhood.influence, pressure - known_pressure)
+        loaded, elastic = pressure > 0, pressure < hardness
+        free = loaded & elastic
+        gap -= mean_approach(gap, loaded, np.flatnonzero(free))
+        moving = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
+        gap -= float((gap * moving).sum()) / max(1, int(np.count_nonzero(moving)))
+        change = moving * stencil(neighbourhood.inverse, moving * gap)
+        pressure = shifted_to_load(pressure - change, problem.total, hardness)
+    result = np.zeros(guess.shape)
+    result.reshape(-1)[nodes] = pressure
+    return result

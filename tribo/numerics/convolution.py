@@ -37,19 +37,6 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
     return nx, ny
 
 
-def wrapped_offsets(grid: Grid, axis: int) -> Array:
-    """Offsets along `axis` at which a kernel is sampled [m], in the order of the transform.
-
-    They are 0, 1, 2, … times the spacing, then the negative offsets.
-
-    Examples
-    --------
-    >>> wrapped_offsets(Grid((3, 1), (1.0, 1.0)), axis=0)
-    array([ 0.,  1.,  2., -2., -1.])
-    """
-    return _wrapped_indices(grid, axis).astype(np.float64) * grid.spacing[axis]
-
-
 def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     """Offsets along `axis` in elements, in the order of the transform: 0, 1, 2, …, −2, −1."""
     n = padded_shape(grid)[axis]
@@ -72,8 +59,8 @@ class Convolution:
     grid : Grid
         The grid of both fields.
     spectrum : ndarray, shape (mx, my//2 + 1), real or complex
-        Discrete Fourier transform of the kernel in the order of `wrapped_offsets`, with
-        ``(mx, my) = padded_shape(grid)``.
+        Discrete Fourier transform of the kernel at the offsets 0, 1, 2, …, −2, −1 elements along
+        each axis, with ``(mx, my) = padded_shape(grid)``.
 
     Notes
     -----

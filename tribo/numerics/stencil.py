@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tribo.numerics.convolution import Convolution, padded_shape
-from tribo.numerics.sizes import largest
+from tribo.numerics.grid import largest
 from tribo.types import Array, Nodes
 
 # Coupling within rows, relative to an element's influence on itself. Above this value, the exact

@@ -12,7 +12,6 @@ from tribo.simulation.element_size import fit_elements as fit_elements
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
 from tribo.simulation.group_correlation import jackknife_quality as jackknife_quality
-from tribo.simulation.judge import judge as judge
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
 from tribo.simulation.motion import Motion as Motion
@@ -23,6 +22,7 @@ from tribo.simulation.pins import Crowned as Crowned
 from tribo.simulation.pins import Cylinder as Cylinder
 from tribo.simulation.pins import Pin as Pin
 from tribo.simulation.point import add_temperature as add_temperature
+from tribo.simulation.point import judge as judge
 from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point import stages_of as stages_of
 from tribo.simulation.point_warnings import PointWarning as PointWarning
@@ -35,6 +35,6 @@ from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.stage_window import widen_window as widen_window
 from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State
-from tribo.simulation.step_measures import measures as measures
+from tribo.simulation.state import measures as measures
 from tribo.simulation.temperature import heat as heat
 from tribo.simulation.verdict import Verdict as Verdict

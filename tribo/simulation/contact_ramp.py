@@ -26,13 +26,12 @@ from tribo.loading import LoadStep, Stages
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
-from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.loading_step import advance, start
-from tribo.simulation.parts_of_steps import step_parts
-from tribo.simulation.passing import solve_positions
 from tribo.simulation.ramp_cache import RampCache, Recorder
+from tribo.simulation.requested_state import refine_step, solve_positions
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.step_wear import step_parts
 
 
 def mechanics(scene: Scene) -> Scene:

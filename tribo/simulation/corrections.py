@@ -23,8 +23,7 @@ from tribo.material import Material
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
-from tribo.simulation.state import State
-from tribo.simulation.step_measures import measures
+from tribo.simulation.state import State, measures
 from tribo.thermal import Disc, circuit_rise, track_warming
 from tribo.types import Array
 
@@ -141,14 +140,6 @@ class Corrections:
     def keeps_heat(self) -> bool:
         """True if a body gets warmer the longer its load is held."""
         return bool(self.track or self.pin_track)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the corrections that are set, by name, as values of built-in types."""
-        plain = asdict(self)
-        for name, track in (("track", self.track), ("pin_track", self.pin_track)):
-            if track and track.disc:
-                plain[name] |= {"disc": track.disc.as_dict()}
-        return {name: value for name, value in plain.items() if value}
 
     @property
     def text(self) -> str:

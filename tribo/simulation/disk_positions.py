@@ -51,7 +51,7 @@ from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.surface_groups import surface_lengths
-from tribo.thermal.sampling import GROUPS
+from tribo.thermal.quantiles import GROUPS
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 

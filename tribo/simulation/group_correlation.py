@@ -1,6 +1,6 @@
 """How well a jackknife of one contact estimates how surface realizations differ.
 
-The jackknife (`tribo.thermal.sampling`) takes the groups of elements (`surface_groups`) for
+The jackknife (`tribo.thermal.quantiles`) takes the groups of elements (`surface_groups`) for
 independent samples of the surface. Grooves that run through several groups make these alike, and
 then they differ less than realizations do. Hot spots are taken to be a random field with the
 correlation
@@ -34,7 +34,7 @@ from tribo.constants import (
 from tribo.simulation.scene import Scene
 from tribo.simulation.surface_groups import surface_groups
 from tribo.surface import SelfAffineRoughness, block_average, self_affine_amplitude
-from tribo.thermal.sampling import GROUPS, JackknifeQuality
+from tribo.thermal.quantiles import GROUPS, JackknifeQuality
 from tribo.types import Array, Indices
 
 

@@ -31,8 +31,7 @@ from tribo.simulation.elapsed_heat import elapsed_heat_excess
 from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.scene import Scene
-from tribo.simulation.state import State
-from tribo.simulation.step_measures import touching_elements
+from tribo.simulation.state import State, touching_elements
 from tribo.simulation.usual_values import unusual_values
 from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
@@ -69,8 +68,6 @@ class WarningKind(IntFlag):
     SLOW_RISE
         The rise hardly grows with velocity. Found from neighbouring points of a sweep; for a worn
         ball at a single point, too.
-    MOLTEN
-        The contact is so hot that steel would melt. Found in a sweep only.
 
     Examples
     --------
@@ -87,7 +84,6 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
-    MOLTEN = 512
 
     @property
     def label(self) -> str:

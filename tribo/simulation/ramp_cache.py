@@ -90,12 +90,6 @@ class RampCache:
         self._lock = threading.Lock()
         self._last: tuple[Hashable, dict[Hashable, Any]] = None, {}
 
-    def clear(self) -> None:
-        """Drop all ramps."""
-        with self._lock:
-            self._trunks.clear()
-            self._last = None, {}
-
     def memo(self, key: Hashable) -> dict[Hashable, Any]:
         """Memo of the last point's contact; a new dictionary if `key` is not that of this point."""
         with self._lock:

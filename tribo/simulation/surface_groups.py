@@ -1,4 +1,4 @@
-"""Groups of elements, for the sampling error of a contact; see `tribo.thermal.sampling`.
+"""Groups of elements, for the sampling error of a contact; see `tribo.thermal.quantiles`.
 
 Each group is a sample of the surface. Under a line contact, strips across the whole contact are
 equivalent. Under a ball they are not: the strip in the middle has most of the contact, and eight
@@ -15,7 +15,7 @@ import numpy as np
 
 from tribo.simulation.scene import Scene
 from tribo.surface import SelfAffineRoughness, correlation_lengths
-from tribo.thermal.sampling import GROUPS
+from tribo.thermal.quantiles import GROUPS
 from tribo.types import Indices
 
 _CELL = 4.0  # side of a cell in correlation lengths

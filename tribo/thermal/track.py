@@ -1,19 +1,31 @@
-"""Warming of the disk's track by earlier passes under the pin."""
+"""Warming of a body's track by earlier passes, on a half-space or a disc, and its effect.
+
+Two half-spaces share the heat Q, with the share φ into the pin, so that the contact gets warmer by
+θ. They act as two resistances to ground, θ/(φQ) and θ/((1 − φ)Q). A warm track is a further
+resistance in series. The rise then follows without solving the contact again.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from tribo.thermal.disc import Disc
+from tribo.errors import require_positive
 from tribo.types import Array
 
 _SUMMED_PASSES = 400  # number of latest passes summed one by one; earlier passes are integrated
 # For an error of 1e-11; modes are used once heat has spread over a quarter of a body.
 _IMAGE_COUNT, _MODE_COUNT = 3, 4
 _PANEL_RATIO, _PANEL_NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
+_ROOT_COUNT = 120
+# Value of κt/a² below which the rim is computed as a curved half-space. Its error there is below
+# 1e-4, while the series would need more than `_ROOT_COUNT` roots.
+_EARLY_FOURIER = 4e-4
+Values = float | Array
 
 
 def track_warming(
@@ -148,3 +160,102 @@ def strip_response(width: float, body_width: float, spread: Array) -> Array:
         spread.shape
     )
     return response
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disc:
+    """A disc that keeps all its heat.
+
+    Parameters
+    ----------
+    diameter, width : float
+        Diameter of the rim, and width of the disc across the track [m].
+
+    Examples
+    --------
+    >>> print(Disc(diameter=0.1, width=0.01))
+    100 × 10 mm
+    """
+
+    diameter: float
+    width: float
+
+    def __post_init__(self) -> None:
+        require_positive(diameter=self.diameter, width=self.width)
+
+    def __str__(self) -> str:
+        return f"{1e3 * self.diameter:.4g} × {1e3 * self.width:.4g} mm"
+
+    def rim_response(self, age: Array, diffusivity: float) -> Array:
+        """Impulse response of the temperature of the rim [1/m], one value for each age.
+
+        Heat Q per area [J/m²] that is spread over the rim at once warms the rim, after the time t,
+        by Q/(ρc) times the response. This is a sum over the modes of a cylinder (Carslaw & Jaeger,
+        *Conduction of Heat in Solids*, 2nd ed., 1959, §7.7),
+
+            2/a Σ exp(−βₙ² κt/a²),   J₁(βₙ) = 0.
+
+        Here a is the radius of the rim. At early times the response is 1/√(πκt), as of a
+        half-space, corrected for the curvature of the rim.
+
+        Parameters
+        ----------
+        age : ndarray
+            Times t since the heat was spread over the rim, above 0 [s].
+        diffusivity : float
+            Thermal diffusivity κ [m²/s].
+
+        Examples
+        --------
+        A disc of 100 × 10 mm, after a tenth of a second and when it has one temperature:
+
+        >>> disc = Disc(diameter=0.1, width=0.01)
+        >>> disc.rim_response(np.array([0.1, 600.0]), 1.2275e-5).round(1).tolist()
+        [519.4, 40.0]
+        """
+        radius = self.diameter / 2
+        fourier = diffusivity * age / radius**2
+        is_early = fourier < _EARLY_FOURIER
+        late_fourier = np.where(is_early, 1.0, fourier)[..., None]
+        late_response = 2 * np.exp(-(_roots() ** 2) * late_fourier).sum(axis=-1)
+        root = np.sqrt(np.where(is_early, fourier, 1.0))
+        early_response = 1 / (math.sqrt(math.pi) * root) + 0.5 * scipy.special.erfcx(-0.5 * root)
+        response: Array = np.where(is_early, early_response, late_response) / radius
+        return response
+
+
+@functools.cache
+def _roots() -> Array:
+    """Roots βₙ of J₁, beginning with 0."""
+    return np.append(0.0, scipy.special.jn_zeros(1, _ROOT_COUNT))
+
+
+def circuit_rise(
+    rise: Values,
+    pin_share: Values,
+    heat: Values,
+    pin_resistance: Values = 0.0,
+    disk_resistance: Values = 0.0,
+) -> Values:
+    """Mean rise of the contact between bodies with resistances in series [K].
+
+    `rise` is the mean rise θ [K] between half-spaces without these resistances, where the pin takes
+    the share φ, `pin_share`, of the `heat` Q [W]. The resistances Rᵢ are in K/W. With the
+    conductances h₁ = φQ/θ, h₂ = (1 − φ)Q/θ and hᵢ' = hᵢ/(1 + Rᵢhᵢ), the rise is
+
+        θ' = Q/(h₁' + h₂')
+
+    This is exact if the rises of both bodies are uniform over the contact. For an insulated pin (R₁
+    → ∞) the result is θ/(1 − φ).
+
+    Examples
+    --------
+    A pin that takes a tenth of the heat is then insulated from its holder:
+
+    >>> f"{circuit_rise(90.0, 0.1, 100.0, pin_resistance=1e9):.3f} K"
+    '100.000 K'
+    """
+    into_pin, into_disk = pin_share * heat, (1 - pin_share) * heat
+    pin = into_pin / (rise + pin_resistance * into_pin)
+    disk = into_disk / (rise + disk_resistance * into_disk)
+    return heat / (pin + disk)

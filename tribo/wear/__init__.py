@@ -5,8 +5,8 @@ from tribo.wear.archard import WEAR_SCHEMES as WEAR_SCHEMES
 from tribo.wear.archard import RollingWear as RollingWear
 from tribo.wear.archard import Stage as Stage
 from tribo.wear.archard import Wear as Wear
+from tribo.wear.archard import WearLaw as WearLaw
 from tribo.wear.archard import WearPattern as WearPattern
 from tribo.wear.archard import WearScheme as WearScheme
-from tribo.wear.laws import WearLaw as WearLaw
-from tribo.wear.laws import evaluate_wear as evaluate_wear
-from tribo.wear.laws import require_wear as require_wear
+from tribo.wear.archard import evaluate_wear as evaluate_wear
+from tribo.wear.archard import require_wear as require_wear

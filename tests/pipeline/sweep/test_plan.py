@@ -16,7 +16,7 @@ from tests.helpers.entries import rows
 from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
 from tribo.simulation import RampCache, contact_ramp, disk_positions, heat
-from tribo.simulation.finer_grids import refine_step
+from tribo.simulation.requested_state import refine_step
 
 SWEEP = tiny.sweep()
 

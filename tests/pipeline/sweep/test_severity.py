@@ -12,8 +12,7 @@ from pipeline.sweep.condition_entries import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
 from tribo.simulation import heat
-from tribo.simulation.severity import relative_sampling, worst_rises
-from tribo.simulation.verdict import verdict
+from tribo.simulation.verdict import relative_sampling, verdict, worst_rises
 from tribo.thermal import failed_share
 
 CONDITIONS = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)

@@ -11,7 +11,7 @@ UNIT = 1 / np.pi  # contact modulus with which the influence is ∫∫ 1/r
 
 
 def elastic_influence(grid, contact_modulus, kernel="periodic"):
-    """Displacement under unit pressure on one element [m/Pa], in the order of `wrapped_offsets`."""
+    """Displacement under unit pressure on one element [m/Pa], in the order of the transform."""
     solid = ElasticHalfSpace(grid, contact_modulus, kernel)
     return np.fft.irfft2(solid.spectrum, s=padded_shape(grid))
 

@@ -10,7 +10,7 @@ from tribo import Ball, Fidelity, Grid, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import loading_step
 from tribo.simulation.disk_positions import passes
 from tribo.simulation.loading_step import start
-from tribo.simulation.parts_of_steps import step_parts
+from tribo.simulation.step_wear import step_parts
 
 RATE, VELOCITY = 150.0, 1.5
 

@@ -165,5 +165,4 @@ def test_kinds_keep_the_bits_that_stores_have():
         "beyond shape": 64,
         "few turns": 128,
         "slow rise": 256,
-        "molten": 512,
     }

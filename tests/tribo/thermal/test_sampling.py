@@ -1,4 +1,4 @@
-"""The sampling error of one contact (tribo/thermal/sampling.py) against other seeds."""
+"""The sampling error of one contact (tribo/thermal/quantiles.py) against other seeds."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A wear law and a surface of one's own (tribo/wear/laws.py)."""
+"""A wear law and a surface of one's own (tribo/wear/archard.py)."""
 
 import math
 from dataclasses import dataclass, field, replace
