@@ -14,11 +14,9 @@ from matplotlib.figure import Figure
 from pipeline.figures import style
 from pipeline.frames import cells_of, without_columns
 
-_NARROW_WIDTH = 0.075  # width of figures on a telephone [m]
-
 
 class Table(NamedTuple):
-    """A table of a page; the row number `bold` stands out."""
+    """A table of a page; the row with the index `bold` stands out."""
 
     caption: str
     headings: list[str]
@@ -40,7 +38,7 @@ Section = tuple[str, list[str | Table | PageFigure | list[str]]]
 
 
 def table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Table:
-    """Table with the values of a data frame; the row number `bold` stands out."""
+    """Table with the values of a data frame; the row with the index `bold` stands out."""
     frame = without_columns(frame.replace("", None))
     headings = [str(column).replace("_", " ") for column in frame]
     return Table(caption, headings, cells_of(frame, "–", digits=3), bold)
@@ -48,14 +46,13 @@ def table_of(frame: pd.DataFrame, caption: str, bold: int = -1) -> Table:
 
 def figure_of(draw: Callable[[], Figure], caption: str, description: str) -> PageFigure:
     """Draw a figure twice, for usual and for narrow screens; a table must stand below it."""
-    urls = []
-    for width in (None, _NARROW_WIDTH):
+    urls = list[str]()
+    for width in (None, 0.075):  # the second on a telephone [m]
         with style.fitted(width, plain=True):
-            buffer = io.BytesIO()
-            draw().savefig(buffer, format="svg", metadata={"Date": None})
-        text = base64.b64encode(buffer.getvalue()).decode()
-        urls.append(f"data:image/svg+xml;base64,{text}")
-    return PageFigure(urls[0], urls[1], f"{description} The table below has the numbers.", caption)
+            svg = io.BytesIO()
+            draw().savefig(svg, format="svg", metadata={"Date": None})
+        urls.append(f"data:image/svg+xml;base64,{base64.b64encode(svg.getvalue()).decode()}")
+    return PageFigure(*urls, f"{description} The table below has the numbers.", caption)
 
 
 def as_sentence(line: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
@@ -36,7 +37,6 @@ _LIBRARY_NAMES = {
     "pressure_coefficient": "pressure_viscosity_coefficient",
 }
 """Entries of the library, if they have other names than the quantities of the objects."""
-_MAX_LISTED_NUMBERS = 8  # numbers of a quantity that are all listed
 
 Part = Mapping[str, str]
 """Values of a part of the inputs as text, by quantity."""
@@ -93,29 +93,28 @@ def _parts(case: Case) -> Iterator[tuple[str, Part]]:
             **({"critical temperature": "from tests"} if case.critical_from_tests else {}),
         },
     )
-    errors = {name: getattr(case, name) for name in ("model_bias", "model_scatter")}
-    yield "model error", {name: _text(name, value) for name, value in errors.items()}
+    errors = "model_bias", "model_scatter"
+    yield "model error", {name: _text(name, getattr(case, name)) for name in errors}
 
 
 def _texts(physics: Any, without: Iterable[str] = ()) -> Part:
     """Values of an object's fields as text; for an object of a user, its own text."""
     if not is_dataclass(physics) or isinstance(physics, UserObject | UnknownHeights):
         return {"": str(physics)}
-    values = {field.name: getattr(physics, field.name) for field in fields(physics)}
     return {
         name: _text(name, value)
-        for name, value in values.items()
-        if name not in without and not (value is None or name == "digest")
+        for name in (field.name for field in fields(physics))
+        if (value := getattr(physics, name)) is not None and name not in (*without, "digest")
     }
 
 
 def _text(name: str, value: Any) -> str:
-    """A value with its unit; several are listed, or counted if they are many."""
+    """A value with its unit; up to eight are listed, more are counted."""
     unit = _UNITS.get(name, "")
     if isinstance(value, str | bool):
         return str(value)
     numbers = np.asarray(value)
-    if numbers.size > _MAX_LISTED_NUMBERS:
+    if numbers.size > 8:
         return f"{' × '.join(map(str, numbers.shape))} values"
     texts = [display(number, unit, 5).rstrip() for number in numbers.ravel().tolist()]
     return ", ".join(dict.fromkeys(texts))
@@ -140,34 +139,36 @@ def _source(part: str, sweep: Sweep) -> str:
         names = [_LIBRARY_NAMES.get(field.name, field.name) for field in fields(Oil)]
     else:
         return "scene"
-    quantities = dict[str, list[str]]()
+    names_by_source = dict[str, list[str]]()
     for value in values:
-        quantities.setdefault(value.source, []).append(value.key.rpartition(".")[2])
-    library_names = {name for group in quantities.values() for name in group}
+        names_by_source.setdefault(value.source, []).append(value.key.rpartition(".")[2])
+    library_names = {*itertools.chain(*names_by_source.values())}
     if scene_names := [name for name in names if name not in library_names]:
-        quantities["scene"] = scene_names
-    if [*quantities] == ["scene"]:
+        names_by_source["scene"] = scene_names
+    if [*names_by_source] == ["scene"]:
         return "scene"
     return "; ".join(
-        f"{', '.join(group).replace('_', ' ')}: {source}" for source, group in quantities.items()
+        f"{', '.join(group).replace('_', ' ')}: {source}"
+        for source, group in names_by_source.items()
     )
 
 
 def _library_values(material: Material, sources: Iterable[FromLibrary]) -> list[FromLibrary]:
     """Values of the material of the library that agrees with `material` in most values."""
-    tables = dict[str, list[FromLibrary]]()
+    by_material = dict[str, list[FromLibrary]]()
     for value in sources:
-        tables.setdefault(value.key.rpartition(".")[0], []).append(value)
+        path = value.key.rpartition(".")[0]
+        if path.startswith("materials."):
+            by_material.setdefault(path, []).append(value)
     matches = [
         values
-        for name, values in tables.items()
-        if name.startswith("materials.") and all(_agrees(material, value) for value in values)
+        for values in by_material.values()
+        if all(_has_value(material, value) for value in values)
     ]
     return max(matches, key=len, default=[])
 
 
-def _agrees(material: Material, value: FromLibrary) -> bool:
+def _has_value(material: Material, value: FromLibrary) -> bool:
     """True if a material has a value of the library."""
-    name = value.key.rpartition(".")[2]
-    stored = getattr(material, name, None)
-    return stored is not None and bool(np.isclose(to_si(value.value, value.value), stored))
+    quantity = getattr(material, value.key.rpartition(".")[2], None)
+    return quantity is not None and bool(np.isclose(to_si(value.value, value.value), quantity))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -32,19 +31,17 @@ _MODEL = (
     "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
     "not part of it."
 )
-_NUMERICAL_ERROR = (
+_CAUSES_OF_NUMERICAL_ERROR = (
     "Its causes are the elements and load steps, interpolation between simulated points, and "
-    "the small number of simulated surfaces; more computing makes it smaller"
+    "the small number of simulated surfaces; more computing makes it smaller."
 )
-_MODEL_ERROR = (
-    "Its causes are the physics that is left out, and the inputs; only tests make it smaller"
+_CAUSES_OF_MODEL_ERROR = (
+    "Its causes are the physics that is left out, and the inputs; only tests make it smaller."
 )
 _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
-_WITH_TESTS = "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
-_WITHOUT_TESTS = "Critical velocity as computed, and where severe wear is 5 and 95 % probable"
 
 Conditions = Mapping[str, Any]
 """Conditions of an answer, by name."""
@@ -55,25 +52,33 @@ def plane_sections(
 ) -> list[elements.Section]:
     """Sections with the diagram, the boundary, tests compared with the computation, and errors."""
     boundary = pipeline.boundary(ds, **conditions)
-    ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]
-    points_inside = [
-        point
-        for point in points
-        if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
-    ]
     caption = elements.as_sentence(conditions_lines(boundary)[0])
     if not case_dims(ds):
         caption += " Dots: simulated points."
     if missing := boundary.attrs["missing_points"]:
         caption += f" ×: {missing} points that are pending or failed."
-    loads, velocities = ([point[axis] for point in points_inside] for axis in (0, 1))
+    (min_load, max_load), (min_velocity, max_velocity) = (
+        ds[axis].values[[0, -1]].tolist() for axis in PLANE
+    )
+    points_inside = [
+        (load, velocity)
+        for load, velocity in points
+        if min_load <= load <= max_load and min_velocity <= velocity <= max_velocity
+    ]
+    loads, velocities = [load for load, _ in points_inside], [speed for _, speed in points_inside]
     figure = elements.figure_of(
         lambda: diagram(ds, conditions, load=loads, velocity=velocities), caption,
         "Transition diagram over sliding velocity and normal load.",
     )  # fmt: skip
-    table_caption, omitted_columns = _WITH_TESTS, list[str]()
+    omitted_columns = list[str]()
+    table_caption = (
+        "Critical velocity as computed; with tests: where severe wear is 5, 50, 95 % probable"
+    )
     if not has_counted_tests(boundary):
-        table_caption, omitted_columns = _WITHOUT_TESTS, ["50 % [m/s]"]
+        omitted_columns.append("50 % [m/s]")
+        table_caption = (
+            "Critical velocity as computed, and where severe wear is 5 and 95 % probable"
+        )
     all_cross = bool(boundary["critical_velocity"].notnull().all())
     if all_cross and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1:
         omitted_columns.append("outcome")
@@ -90,12 +95,15 @@ def plane_sections(
 
 def error_sentences(*lines: str) -> list[str]:
     """Sentences on errors: the size of each, and its origin."""
-    origins = {"numerical": f" {_NUMERICAL_ERROR}.", "model error": f" {_MODEL_ERROR}."}
-    return [
-        elements.as_sentence(line)
-        + "".join(text for begin, text in origins.items() if line.startswith(begin))
-        for line in lines
-    ]
+    sentences = list[str]()
+    for line in lines:
+        sentence = elements.as_sentence(line)
+        if line.startswith("numerical"):
+            sentence = f"{sentence} {_CAUSES_OF_NUMERICAL_ERROR}"
+        elif line.startswith("model error"):
+            sentence = f"{sentence} {_CAUSES_OF_MODEL_ERROR}"
+        sentences.append(sentence)
+    return sentences
 
 
 def _test_elements(
@@ -106,8 +114,8 @@ def _test_elements(
     caption = "Computed rise ratio of each test, next to its outcome."
     yield elements.figure_of(lambda: draw_tests(ds, conditions), caption, caption)
     table = tests_frame(tests)
-    y = tests["log_rise_ratio"].values
-    computed = ["" if math.isnan(value) else "severe" if value > 0 else "mild" for value in y]
+    log_ratios = tests["log_rise_ratio"].values
+    computed = np.select([log_ratios > 0, log_ratios <= 0], ["severe", "mild"], "")
     table.insert(2, "computed", computed)
     yield elements.table_of(
         table, "Tests, each at its own conditions, and what is computed for them"
@@ -121,12 +129,15 @@ def common_sections(
 ) -> Iterator[elements.Section]:
     """Yield the last sections of each report: inputs, limits that are not yet `stated`, origin."""
     sweep = sweep_of(ds)
-    inputs = elements.Table(
-        "Inputs and their sources", ["part", "values", "source"], [*input_rows(sweep)]
-    )
+    tables: list[Any] = [
+        elements.Table(
+            "Inputs and their sources", ["part", "values", "source"], [*input_rows(sweep)]
+        )
+    ]
     headings, rows = case_rows(sweep)
-    cases = [elements.Table("Cases of the sweep", headings, rows)] if rows else []
-    yield "Conditions and inputs", [inputs, *cases]
+    if rows:
+        tables.append(elements.Table("Cases of the sweep", headings, rows))
+    yield "Conditions and inputs", tables
     single_conditions = {name: value for name, value in conditions.items() if not np.ndim(value)}
     notes = split_notes(attribute_texts(pipeline.points(ds, **single_conditions), "notes"))
     limits = elements.without_help([*notes, *pipeline.points_with_warnings(ds).lines()])

@@ -14,7 +14,7 @@ from pipeline.answers.results import sweep_of
 from pipeline.figures.rows_figure import most_critical_row
 from pipeline.frames import cells_of
 from pipeline.page import elements
-from pipeline.page.report_answers import HEADLINES
+from pipeline.page.report import HEADLINES
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
