@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tests.helpers.closed_forms import ramped_flux_rise, uniform_flux_rise
+from tests.helpers.closed_forms import uniform_flux_rise
 from tests.helpers.scenes import STEEL, last, small_scene
 from tests.promises import duhamel
 from tribo import Ball, Grid, Material, MeasuredLoad, Ramp, Wear
@@ -62,10 +62,10 @@ def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
     corners = np.concatenate(([0.0], times))
     slopes = np.diff(np.concatenate(([0.0], strengths / 2))) / np.diff(corners)
     exact = sum(  # each change of slope begins a ramp, which lasts to the end
-        ramped_flux_rise(
-            change * (times[-1] - corner), times[-1] - corner, STEEL.thermal_effusivity
+        2 / 3 * uniform_flux_rise(change * age, age, STEEL.thermal_effusivity)
+        for age, change in zip(
+            times[-1] - corners[:-1], np.diff(np.concatenate(([0.0], slopes))), strict=True
         )
-        for corner, change in zip(corners, np.diff(np.concatenate(([0.0], slopes))), strict=False)
     )
     scale = uniform_flux_rise(1e6, times[-1], STEEL.thermal_effusivity)
     np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-4 * scale)

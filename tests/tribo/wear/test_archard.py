@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from tests.helpers.closed_forms import archard_wear_depth
 from tribo import Grid, Wear
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.wear.archard import WEAR_SCHEMES, Stage
@@ -13,7 +12,7 @@ def test_swept_wear_is_uniform_along_y_and_local_wear_follows_the_pressure():
     pressure = 1e9 * np.random.default_rng(0).uniform(size=GRID.shape)
     swept, local = (Wear(1e-15, pattern).depth(pressure, 1.0) for pattern in ("swept", "local"))
     assert np.ptp(swept, axis=1).max() == 0
-    assert local == pytest.approx(archard_wear_depth(1e-15, pressure, 1.0))
+    assert local == pytest.approx(1e-15 * pressure * 1.0)  # Archard: h = kpS
     assert swept.mean(axis=1) == pytest.approx(local.mean(axis=1))
 
 
