@@ -285,8 +285,7 @@ class VerdictModel:
         """
         line_values = points.load if axis == "velocity" else points.velocity
         levels = self.limits(points)
-        keys = np.stack([line_values, levels, points.bulk_temperature])
-        _, first, inverse = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        first, inverse = _distinct(line_values, levels, points.bulk_temperature)
         points, line_values, levels = points.take(first), line_values[first], levels[first]
         if axis == "velocity":
             lines, nodes = self.field.along_velocity(line_values, levels), self.field.velocities
@@ -306,7 +305,7 @@ class VerdictModel:
             f"critical_{axis}": np.where(is_outside, np.nan, lines.critical),
             f"outcome_along_{axis}": outcomes.astype(np.int8),
         }
-        return {name: column[inverse.ravel()] for name, column in columns.items()}
+        return {name: column[inverse] for name, column in columns.items()}
 
     def velocity_of_probability(self, points: QueryPoints, probability: float = 0.5) -> Array:
         """Velocities (k,) [m/s] at which severe wear has this probability, at the loads of points.
@@ -314,11 +313,13 @@ class VerdictModel:
         NaN for none among the velocities of the sweep, or if a film carries too much load.
         """
         levels = self._levels(points, probability)
+        first, inverse = _distinct(points.load, levels, points.bulk_temperature)
+        points, levels = points.take(first), levels[first]
         velocities = self.field.along_velocity(points.load, levels, FARTHEST).critical
         low, high = self.ranges["velocity"]
         is_inside = (low <= velocities) & (velocities <= high)
         is_inside &= ~self.films(points._replace(velocity=velocities))[0]
-        return np.where(is_inside, velocities, np.nan)
+        return np.where(is_inside, velocities, np.nan)[inverse]
 
     def _levels(self, points: QueryPoints, probability: float) -> Array:
         """ln(rise) at which severe wear has this probability, at the conditions of points (k,)."""
@@ -363,6 +364,12 @@ class VerdictModel:
         """Relative errors of critical velocities by part (4, k)."""
         parts = rise_errors(self.specimen, self.promised, loads, velocities)
         return velocity_errors(self.field, parts, loads, velocities)
+
+
+def _distinct(*columns: Array) -> tuple[Indices, Indices]:
+    """Indices of the distinct rows of columns (k,), and for each row its number among them."""
+    _, first, inverse = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)
+    return first, inverse.ravel()
 
 
 def outside_reason(
