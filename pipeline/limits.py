@@ -1,9 +1,9 @@
 """Limits of a scene or a table, so that a small file cannot take all memory."""
 
 MOST_ON_AXIS = 5000
-"""Most loads or velocities of a range, since `irg check` looks at each, for 3 s in all."""
+"""Most loads or velocities, and rows of `along`, which `irg check` reads in some 4 s."""
 MOST_SCENES = 10_000
-"""Most combinations of `over`, rows of `along`, or surfaces: each is a scene, read in 0.5 ms."""
+"""Most combinations of `over`, tests or surfaces: each is a scene, read in 0.5 ms."""
 MOST_VARIED = 100
 """Most entries that vary in a sweep."""
 MOST_POINTS = 10_000_000
@@ -48,3 +48,7 @@ MOST_MARKS_OF_STYLES = 30_000
 """Most tags and attributes in the other parts of a workbook, which take five times as long."""
 MOST_CELLS_OF_SHEET = 1_000_000
 """Most cells of a sheet; empty cells before the last filled one count, since they are read."""
+MOST_BYTES_OF_ROOT = 10_000_000
+"""Most bytes of a document of a store. 5000 rows with six entries take 2.5 MB."""
+MOST_MARKS_OF_ROOT = 600_000
+"""Most brackets and commas in a document of a store: 5000 rows with six entries take 220 000."""

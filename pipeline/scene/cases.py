@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pipeline.limits import MOST_SCENES, MOST_VARIED
+from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
 from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import Built, Files, build_case, realizations_of
 from pipeline.scene.declared_tables import Entry, Table, keys_of, number_at, table_of
@@ -95,7 +95,7 @@ def with_first_case(
 
 def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
-    if isinstance(written, list) and len(written) > MOST_SCENES:
+    if isinstance(written, list) and len(written) > MOST_ON_AXIS:
         return []  # refused by the format
     if isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
@@ -125,7 +125,7 @@ def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
     with faults.at("sweep.along"):
         path = files.path("sweep.along", table_file.file)
         advice = _CASE_ADVICE if isinstance(written, str) else SCENE
-        sheet = read_table(path, MOST_SCENES, table_file.decimal, table_file.ignore, advice)
+        sheet = read_table(path, MOST_ON_AXIS, table_file.decimal, table_file.ignore, advice)
         entries, words = _read_columns(sheet, tuple(_POINT.keys))
         return [
             {column.name: column.entry(k) for column in entries}

@@ -297,7 +297,8 @@ class SweepTable(Declared):
         'Entries with several values, such as `{ "pin.radius" = ["1 mm", "2 mm"] }`; each '
         "combination has a sweep."] = None
     along: A[Any, Either(
-            Text(), table_of(TableFile), List(ByPath(Scalar(), "paths of other entries"))),
+            Text(), table_of(TableFile),
+            List(ByPath(Scalar(), "paths of other entries"), max_length=MOST_ON_AXIS)),
         "Cases, each with its own load and velocity: a table as CSV or Excel, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or words."] = None

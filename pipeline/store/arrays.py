@@ -6,6 +6,7 @@ The metadata on the disk are for other programs; this program opens its arrays w
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,6 +20,7 @@ from zarr.core.buffer import Buffer, default_buffer_prototype
 from zarr.core.sync import sync
 from zarr.storage import StorePath
 
+from pipeline.limits import MOST_BYTES_OF_ROOT, MOST_MARKS_OF_ROOT
 from pipeline.store.folder_store import FolderStore
 from pipeline.store.location import Location
 from pipeline.store.schema import Variable, attributes_of, path_of
@@ -131,9 +133,32 @@ def write_documents(location: Location, documents: Mapping[str, Document]) -> No
 
 
 def read_document(location: Location, key: str) -> bytes | None:
-    """Content of the document `key`; None if there is none."""
-    content = sync(location.zarr.get(key, default_buffer_prototype()))
-    return None if content is None else content.to_bytes()
+    """Content of the document `key`; None if there is none.
+
+    Raises a ValueError for a document that would take too much time and memory to parse.
+    """
+    try:
+        buffer = sync(location.zarr.get(key, default_buffer_prototype()))
+    except OSError as error:
+        if error.errno != errno.EFBIG:
+            raise
+        raise ValueError(error.strerror) from error
+    if buffer is None:
+        return None
+    content: bytes = buffer.to_bytes()
+    if problem := find_excess(content):
+        raise ValueError(problem)
+    return content
+
+
+def find_excess(content: bytes, proportion: float = 1.0) -> str:
+    """What a document has more of than a `proportion` of the limits; else empty."""
+    max_bytes, max_marks = proportion * MOST_BYTES_OF_ROOT, proportion * MOST_MARKS_OF_ROOT
+    if len(content) > max_bytes:
+        return f"it has {len(content) / 1e6:.4g} MB; at most {max_bytes / 1e6:.4g} MB are read"
+    if (marks := sum(map(content.count, (b"[", b"{", b",")))) > max_marks:
+        return f"it has {marks} brackets and commas; at most {max_marks:.0f} are read"
+    return ""
 
 
 async def _all(tasks: Iterable[Any]) -> None:

@@ -105,6 +105,7 @@ def _open(
     joined = join(before.sweep if before else None, sweep)
     history = [*(before.history if before else ()), f"{WRITER}{versions()}", *notes]
     root = Root.from_sweep(joined, history, before.growths if before else (0, 0))
+    root.require_small()
     if before and before.layout == root.layout:
         store = _update(location, root, lock, progress)
     elif isinstance(location, Folder):

@@ -18,6 +18,7 @@ from pipeline.paths import path_hint, store_hint
 from pipeline.store.arrays import (
     Document,
     array_document,
+    find_excess,
     growths_of,
     open_arrays,
     read_document,
@@ -52,7 +53,7 @@ from pipeline.store.schema import (
 from pipeline.sweep.codec import ArrayError
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.points_of_tests import judges_holds, sweep_of_tests
-from pipeline.sweep.stored import plain_sweep, sweep_of_plain
+from pipeline.sweep.stored import plain_sweep, require_few, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
 from tribo.types import Array
@@ -63,8 +64,11 @@ GOAL = "run with --accuracy "
 """Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
 """Key of the document with the data of the sweep, which makes a folder a store."""
+_MAX_PROPORTION = 0.75  # of the limits of documents that are read, up to which they are written
 _COPY = "consolidated_metadata"
 _SOURCE = "simulated by irg-transition"
+_WRONG_KIND = AttributeError, LookupError, OverflowError, TypeError, ValueError
+"""Errors of data of another kind than this version reads, such as text in place of a number."""
 _LOST = (
     "irg run restores it with the scene of all its points; otherwise restore it from a backup, or "
     "run the scene into another store"
@@ -138,6 +142,18 @@ class Root:
             "stored_steps": choose_stored_steps(self.sweep).steps,
         }
 
+    def require_small(self) -> None:
+        """Raise an `InputError` if the documents of the store would be too large to be read.
+
+        Some room is left for arrays that users add.
+        """
+        require_few(self.plain)
+        if problem := find_excess(json.dumps(self.documents()[ROOT]).encode(), _MAX_PROPORTION):
+            raise InputError(
+                f"the data of the sweep are too large for a store: {problem}; give fewer rows, "
+                "tests or columns, or shorter words"
+            )
+
     def documents(self) -> dict[str, Document]:
         """Documents of all arrays and groups, by key; the last is that of the group ``about``."""
         facts: Document = {
@@ -208,7 +224,10 @@ def find_root(location: Location) -> Root | None:
     for key in (FACTS, ROOT):
         try:
             with io_errors(location):
-                content = read_document(location, key)
+                try:
+                    content = read_document(location, key)
+                except ValueError as error:
+                    raise _damaged(location, key, error) from error
             if content is not None:
                 return _parse(location, key, content)
         except StoreError as error:
@@ -278,7 +297,7 @@ def _parse(location: Location, key: str, content: bytes) -> Root:
         raise
     except ArrayError as error:
         raise _damaged(location, key, error) from error
-    except TriboError as error:  # the digest shows that the facts are as they were written
+    except (TriboError, *_WRONG_KIND) as error:  # the digest shows that the facts are as written
         raise _of_other_version(location, writer, error) from error
 
 

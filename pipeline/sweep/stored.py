@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import tribo
+from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.sweep.case import Case, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, change, changed, decode, encode
@@ -54,6 +55,11 @@ _CLASSES: dict[str, type] = {
     )
 }  # fmt: skip
 """Classes whose objects a store may contain; no others are built from its data."""
+_MOST = {
+    "loads": MOST_ON_AXIS, "velocities": MOST_ON_AXIS, "cases": MOST_SCENES,
+    "tests": 2 * MOST_SCENES, "former": 2 * MOST_SCENES,
+}  # fmt: skip
+"""Most items in the lists of a sweep; a specimen that passes load stages has two tests."""
 
 
 def require_stored_classes(sweep: Sweep) -> None:
@@ -64,6 +70,15 @@ def require_stored_classes(sweep: Sweep) -> None:
             raise InputError(
                 f"{name} is {part!r:.200}, of a class that a store cannot keep; set wear laws and "
                 "surfaces by sweep.with_scene(wear=..., roughness=...)"
+            )
+
+
+def require_few(plain: Mapping[str, Any]) -> None:
+    """Raise an `InputError` if plain data of a sweep have more of something than is read."""
+    for name, most in _MOST.items():
+        if (count := len(plain.get(name, ()))) > most:
+            raise InputError(
+                f"the sweep of the store has {count} {name}; at most {most} can be kept"
             )
 
 
@@ -86,6 +101,7 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
     """
     try:
         base = plain["base"]
+        require_few(plain)
         cases = [changed(base, case) for case in plain["cases"]]
         tests = {
             name: [test | {"case": changed(base, test["case"])} for test in plain[name]]

@@ -238,7 +238,7 @@ ENTRIES = {
     "row name": (along("number,load [N],velocity [m/s]\n\x1b[31mA,300,3\n"),
                  '[31mA" has a line break or a control character; leave it out'),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
-        f"{300 + n / 100},1\n" for n in range(10_001))), "has 10001 rows; at most 10000 are read"),
+        f"{300 + n / 100},1\n" for n in range(5001))), "has 5001 rows; at most 5000 are read"),
 }  # fmt: skip
 
 TEXTS = {
