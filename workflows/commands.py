@@ -3,31 +3,24 @@
 from __future__ import annotations
 
 from pipeline.cli import values
-from pipeline.cli.options import AddCommand
+from pipeline.cli.command_table import Command, flag, with_value
 from pipeline.paths import user_path
 
-
-def add_paper(add: AddCommand) -> None:
-    """Add the command ``irg paper``."""
-    paper = add(
-        "paper",
-        f"{__package__}.paper.answer:recompute",
-        "recompute a figure or table of the paper, and compare it with the print",
-        "table4 --surfaces 2",
-    )
-    paper.add_argument("name", metavar="NAME", nargs="?", help="one of --list, or all")
-    paper.add_argument("--list", action="store_true", help="list the figures and tables")
-    paper.add_argument(
-        "-o",
-        "--output",
-        metavar="PATH",
-        type=user_path,
-        help="figure to draw, or the folder for it; all results need a folder",
-    )
-    paper.add_argument("--preset", metavar="NAME", help="preset of the numerical choices")
-    paper.add_argument(
-        "--surfaces", metavar="N", type=values.count, help="number of random surfaces"
-    )
-    paper.add_argument(
-        "-j", "--workers", metavar="N", type=values.count, help="workers for the diagram"
-    )
+PAPER = Command(
+    "paper",
+    f"{__package__}.paper.answer:recompute",
+    "recompute a figure or table of the paper, and compare it with the print",
+    "table4 --surfaces 2",
+    [
+        with_value("name NAME", "one of --list, or all", nargs="?"),
+        flag("--list", "list the figures and tables"),
+        with_value(
+            "-o --output PATH",
+            "figure to draw, or the folder for it; all results need a folder",
+            user_path,
+        ),
+        with_value("--preset NAME", "preset of the numerical choices"),
+        with_value("--surfaces N", "number of random surfaces", values.count),
+        with_value("-j --workers N", "workers for the diagram", values.count),
+    ],
+)

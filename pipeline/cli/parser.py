@@ -13,8 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from pipeline.cli.command_parsers import add_commands
-from pipeline.cli.options import add_flag
+from pipeline.cli.command_table import COMMANDS, Group, Option, flag
 from pipeline.messages import did_you_mean
 
 _BEGIN = """Begin with:
@@ -25,6 +24,10 @@ _BEGIN = """Begin with:
   irg help first-hour
 Options of a command:
   irg COMMAND --help"""
+_OPTIONS_OF_ALL = (
+    flag("--json", "print one JSON document"),
+    flag("-q --quiet", "suppress progress and notes; show errors only"),
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -105,27 +108,43 @@ def _refuse_to_overwrite_an_input(options: argparse.Namespace) -> None:
 
 def whole_parser() -> argparse.ArgumentParser:
     """Parser of all commands."""
-    raw = argparse.RawDescriptionHelpFormatter
-    description = "Predict when a lubricated sliding contact changes from mild to severe wear."
-    irg = _Parser(prog="irg", description=description, epilog=_BEGIN, formatter_class=raw)
+    irg = _Parser(
+        prog="irg",
+        description="Predict when a lubricated sliding contact changes from mild to severe wear.",
+        epilog=_BEGIN,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     irg.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    commands = irg.add_subparsers(metavar="COMMAND", title="commands")
-    irg.set_defaults(parser=irg, commands=commands.choices)
-
-    def add(name: str, function: str, purpose: str, example: str) -> argparse.ArgumentParser:
-        description = textwrap.fill(f"{purpose[0].upper()}{purpose[1:]}.")
-        example = f"example:\n  irg {name} {example}"
-        command = commands.add_parser(
-            name, help=purpose, description=description, epilog=example, formatter_class=raw
-        )
-        command.set_defaults(command=name, function=function, parser=command)
-        add_flag(command, "--json", "print one JSON document")
-        add_flag(command, "-q --quiet", "suppress progress and notes; show errors only")
-        return command
-
-    add_commands(add)
+    parsers = irg.add_subparsers(metavar="COMMAND", title="commands")
+    irg.set_defaults(parser=irg, commands=parsers.choices)
+    commands = [*COMMANDS]
     for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
         if find_spec(package) and find_spec(f"{package}.commands"):
-            import_module(f"{package}.commands").add_paper(add)
+            commands.append(import_module(f"{package}.commands").PAPER)
             break
+    for command in commands:
+        parser = parsers.add_parser(
+            command.name,
+            help=command.purpose,
+            description=textwrap.fill(f"{command.purpose[0].upper()}{command.purpose[1:]}."),
+            epilog=f"example:\n  irg {command.name} {command.example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        parser.set_defaults(command=command.name, function=command.function, parser=parser)
+        for option in (*_OPTIONS_OF_ALL, *command.options):
+            _add(parser, option)
     return irg
+
+
+def _add(parser: argparse.ArgumentParser, option: Option | Group) -> None:
+    """Add an option, or all of a group, to the parser of a command."""
+    if isinstance(option, Option):
+        parser.add_argument(*option.names, **option.settings)
+        return
+    group: Any = (
+        parser.add_argument_group(option.title)
+        if option.title
+        else parser.add_mutually_exclusive_group()
+    )
+    for member in option.options:
+        group.add_argument(*member.names, **member.settings)

@@ -1,9 +1,10 @@
-"""The commands on a store that print: ``irg status``, ``verify``, ``boundary`` and ``margin``."""
+"""The commands on a store: status, verify, margin, boundary, plot and report."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
+import sys
 from pathlib import Path
 from typing import Any, cast
 
@@ -34,7 +35,13 @@ from pipeline.answers.readable import code_text
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.verdict_model import UNKNOWN
-from pipeline.cli.inputs import conditions_in, dataset_in, operating_points_in
+from pipeline.cli.inputs import (
+    conditions_in,
+    dataset_in,
+    operating_points_in,
+    path_beside,
+    values_in,
+)
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.frames import frame_of, records, some_rows, without_columns
 from pipeline.messages import pluralized, quoted
@@ -221,3 +228,26 @@ def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:
     tests = () if ds.attrs.get("without_tests") else sweep_of(ds).tests
     values = [test.normal_load if by == "load" else test.velocity for test in tests]
     return np.isin(rows[_AXIS_HEADINGS[by]], values)
+
+
+def plot(options: argparse.Namespace) -> Result:
+    """Answer ``irg plot``: draw a figure of a store, and print its path."""
+    names = "load", "velocity", "realization", "log", "step", "width", "plain", "title", "dpi"
+    figure_options = values_in(options, *names)
+    ds = dataset_in(options)
+    out = options.output or path_beside(options.store, f"_{options.kind or 'diagram'}.png")
+    path = pipeline.plot(ds, options.kind, out, **figure_options, **conditions_in(options))
+    document = {"kind": options.kind, "file": str(path)}
+    return Result(document, [str(path)], pipeline.points_with_warnings(ds))
+
+
+def report(options: argparse.Namespace) -> Result:
+    """Answer ``irg report``: write a page on a store, and print its path."""
+    report_options = values_in(options, "load", "velocity", "title", "author")
+    report_options["points"] = operating_points_in(options)
+    ds, conditions = dataset_in(options), conditions_in(options)
+    out = options.output or path_beside(options.store, ".html")
+    command = shlex.join(["irg", *sys.argv[1:]])
+    with working("writing the report"):
+        path = pipeline.report(ds, out=out, command=command, **report_options, **conditions)
+    return Result({"file": str(path)}, [str(path)], pipeline.points_with_warnings(ds))
