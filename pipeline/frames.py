@@ -16,15 +16,11 @@ from typing import Any, TypeGuard
 import numpy as np
 import pandas as pd
 
-from pipeline.paths import user_path
 from pipeline.quantities import DIMENSIONS, SIZES, shown_in
 from pipeline.store.files import store_file, sync
 from tribo import InputError
 from tribo.types import Mask
 
-TABLES = (".csv", ".md", ".json")
-FIGURES = (".pdf", ".png", ".svg")
-"""Suffixes of the files that a table, or a figure, may be written to."""
 _HEADING = re.compile(r"(.+) \[(.+)\]")
 _MARKDOWN_MARK, _ESCAPED = re.compile(r"[\\|<]"), r"\\\g<0>"  # of Markdown
 _LONG_WORD, _SHORT_WORD = re.compile(r"(\S{99})\S\S+"), r"\1…"  # words of more than 100 letters
@@ -194,24 +190,3 @@ def write_bytes(content: bytes, out: Path) -> Path:
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out
-
-
-def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Check the path of a file to write, and return it.
-
-    Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
-    """
-    path = user_path(out)
-    if path.suffix.lower() not in suffixes:
-        allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
-        raise InputError(f"cannot write {out}: the file name must end in {allowed}")
-    try:
-        if not path.parent.is_dir():
-            raise InputError(f"cannot write {out}: the folder {path.parent} does not exist")
-        targets = (path.parent, path) if path.exists() else (path.parent,)
-        if path.is_dir() or not all(os.access(target, os.W_OK) for target in targets):
-            problem = "it is a folder, or it or its folder is not writable"
-            raise InputError(f"cannot write {out}: {problem}")
-    except OSError as error:  # such as a name that is too long
-        raise InputError(f"cannot write {out}: {error.strerror}") from error
-    return path

@@ -3,12 +3,17 @@
 import errno
 import os
 import stat
+from collections.abc import Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
 from tribo import InputError
+
+TABLES = (".csv", ".md", ".json")
+FIGURES = (".pdf", ".png", ".svg")
+"""Suffixes of the files that a table, or a figure, may be written to."""
 
 
 def user_path(path: str | PathLike[str]) -> Path:
@@ -30,6 +35,27 @@ def require_path(path: object) -> None:
     """Raise an `InputError` for what is no path, such as a number."""
     if not isinstance(path, str | PathLike):
         raise InputError(f"a path is of type {type(path).__name__}; give text or a Path")
+
+
+def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
+    """Check the path of a file to write, and return it.
+
+    Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
+    """
+    path = user_path(out)
+    if path.suffix.lower() not in suffixes:
+        allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
+        raise InputError(f"cannot write {out}: the file name must end in {allowed}")
+    try:
+        if not path.parent.is_dir():
+            raise InputError(f"cannot write {out}: the folder {path.parent} does not exist")
+        targets = (path.parent, path) if path.exists() else (path.parent,)
+        if path.is_dir() or not all(os.access(target, os.W_OK) for target in targets):
+            problem = "it is a folder, or it or its folder is not writable"
+            raise InputError(f"cannot write {out}: {problem}")
+    except OSError as error:  # such as a name that is too long
+        raise InputError(f"cannot write {out}: {error.strerror}") from error
+    return path
 
 
 def found_store(path: str | PathLike[str]) -> str | PathLike[str]:

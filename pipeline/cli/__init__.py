@@ -25,9 +25,6 @@ import pipeline
 from pipeline import interrupts
 from pipeline.cli.parser import parse
 
-_DASK_SETTINGS = "~/.config/dask, DASK_CONFIG or DASK_…"
-_MAX_REASON = 200  # most characters of an error of Dask
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command that `arguments` name, by default `sys.argv`; return its exit code."""
@@ -72,7 +69,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             note = functools.cache(lambda text: output.print_note(f"note: {text}"))  # once each
             warnings.showwarning = lambda message, *_: note(str(message))
             result = function(options)
-            output.show(options, result)
+            output.print_result(options, result)
             if sys.stdout is not None:
                 sys.stdout.flush()  # here, so that a failure is reported
             return int(result.code)
@@ -82,8 +79,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         return output.INTERRUPTED
     except TriboError as error:
         output.print_error(str(error))
-        is_of_other = isinstance(error, pipeline.StoreMismatchError)
-        return output.OTHER_SCENE if is_of_other else output.WRONG_USE
+        is_other_scene = isinstance(error, pipeline.StoreMismatchError)
+        return output.OTHER_SCENE if is_other_scene else output.WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()
         return output.DONE
@@ -109,8 +106,10 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         *_, (frame, _) = walk_tb(error.__traceback__)
         if not frame.f_globals["__name__"].startswith("dask."):
             raise
-        reason = textwrap.shorten(" ".join(map(str, error.args)), _MAX_REASON, placeholder=" …")
-        output.print_error(f"a setting of Dask ({_DASK_SETTINGS}) is wrong: {reason}{saved}")
+        reason = textwrap.shorten(" ".join(map(str, error.args)), 200, placeholder=" …")
+        output.print_error(
+            f"a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…) is wrong: {reason}{saved}"
+        )
         return output.WRONG_USE
     finally:
         output.QUIET.clear()

@@ -6,6 +6,7 @@ import argparse
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, astuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -42,13 +43,13 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    cases, has_table = single_cases(sweep, _MAX_CASES), sweep.case_table.column("load") is not None
+    cases, is_listed = single_cases(sweep, 200), sweep.case_table.column("load") is not None
     for _, case in cases:
-        key = "sweep.along" if has_table else "sweep.loads"
+        key = "sweep.along" if is_listed else "sweep.loads"
         require_admissible_load(case, max(case.loads), key)
     require_free_names(sweep)
-    contact = estimate_contacts(cases) if has_table else estimate_contact(sweep)
-    case_estimates = [estimate_case(*case) for case in cases] if has_table else []
+    contact = estimate_contacts(cases) if is_listed else estimate_contact(sweep)
+    case_estimates = [estimate_case(*case) for case in cases] if is_listed else []
     needed_bytes, available = worker_bytes(sweep), machine_memory()
     required = f"about {display(needed_bytes, 'MB', '.0f')} of memory per worker"
     if needed_bytes > available:
@@ -67,7 +68,7 @@ def check(options: argparse.Namespace) -> Result:
     frame = frame_of(("subject", "meaning"), rows)
     statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     sources_hint = ["for library values with their sources: -o TABLE.md"] if sweep.sources else []
-    table = [_case_frame(case_estimates), ""] if has_table else []
+    case_table = [_case_frame(case_estimates), ""] if is_listed else []
     document = {
         "title": sweep.title,
         "preset": sweep.preset,
@@ -76,26 +77,11 @@ def check(options: argparse.Namespace) -> Result:
         "cases": [asdict(estimate) for estimate in case_estimates],  # in SI
         "statements": records([frame]),
     }
-    return Result(document, [sweep.title, "", *table, statements, *sources_hint], frames=[frame])
+    return Result(
+        document, [sweep.title, "", *case_table, statements, *sources_hint], frames=[frame]
+    )
 
 
-_MAX_CASES = 200  # most cases that are described, of a sweep along a table
-_MIN_FORM_RATIO = 0.01  # a mean height or tilt below it, relative to Rq, is not mentioned
-_LOAD_CARRYING_FILM = 0.35  # film parameter above which the film carries a share of the load
-_MAX_LISTED_TESTS = 3  # most numbers of tests in a note
-_HEATING_NOT_MODELLED = (
-    "heating through pin holder and surface films is not modelled; model.rise adds it (irg help "
-    "physics)"
-)
-_ERROR_UNKNOWN = "unknown for custom numerical settings; --accuracy 2% replaces them by a preset"
-_OTHER_LOADING_OF_A_TEST = (
-    "test {}: its loading differs from that of the sweep, and so do its wear before the end and "
-    "its temperature"
-)
-_OTHER_LOADING_OF_TESTS = (
-    "tests {}: their loading differs from that of the sweep, and so do their wear before the end "
-    "and their temperature"
-)
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -106,10 +92,11 @@ def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
-    rows = (astuple(case) for case in cases)
-    return frame_of(
-        headings, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
-    )
+    rows = list[tuple[Any, ...]]()
+    for case in cases:
+        label, load, *values = astuple(case)
+        rows.append((label, load, *(float(f"{value:.4g}") for value in values)))
+    return frame_of(headings, rows)
 
 
 def _meaning_rows(
@@ -144,22 +131,20 @@ def _meaning_rows(
     if added := added_rise_words(conditions):
         yield "", added
     elif scene.friction_heat and not sweep.tests:
-        yield "", _HEATING_NOT_MODELLED
+        yield (
+            "",
+            "heating through pin holder and surface films is not modelled; model.rise adds it "
+            "(irg help physics)",
+        )
     if conditions.corrections:
         yield "corrections", conditions.corrections.text
 
 
 def _wider_window(pixels: tuple[int, ...], scene: Scene) -> str:
     """Size and cost of the window if it is wider than one with `pixels`; else empty."""
-    share = _pixel_count(scene) / math.prod(pixels)
-    if share <= 1:
-        return ""
     nx, ny = scene.pixels.shape
-    return f"{nx} × {ny} pixels; each step costs {share:.2g} times as much"
-
-
-def _pixel_count(scene: Scene) -> int:
-    return math.prod(scene.pixels.shape)
+    ratio = nx * ny / math.prod(pixels)
+    return f"{nx} × {ny} pixels; each step costs {ratio:.2g} times as much" if ratio > 1 else ""
 
 
 def _film_rows(sweep: Sweep, film_parameters: Sequence[float]) -> Iterator[_Row]:
@@ -184,7 +169,8 @@ def _film_rows(sweep: Sweep, film_parameters: Sequence[float]) -> Iterator[_Row]
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
     yield "oil", f"{viscosity}; Λ {_span_text(span)}: {regime}"
-    if sweep.scene.pin.length is None and span.high >= _LOAD_CARRYING_FILM:
+    load_carrying_film = 0.35  # film parameter above which the film carries a share of the load
+    if sweep.scene.pin.length is None and span.high >= load_carrying_film:
         yield "", "the fraction of the load that the oil film carries is unknown (irg help physics)"
 
 
@@ -207,15 +193,20 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
-        widest = max((test.case.scene for test in sweep.tests), key=_pixel_count)
-        if wider := _wider_window(sweep.scene.pixels.shape, widest):
+        scenes = (test.case.scene for test in sweep.tests)
+        widest_scene = max(scenes, key=lambda scene: math.prod(scene.pixels.shape))
+        if wider := _wider_window(sweep.scene.pixels.shape, widest_scene):
             yield "", f"tests with load stages need wider windows, up to {wider}"
-    workers, size = pluralized(cost.workers, "worker", "workers"), cost.disk_bytes
-    disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
-    time = f"about {duration(cost.seconds)} on {workers} of an idle machine"
-    yield "time", f"{time}; {disk} of disk space"
+    time, workers = duration(cost.seconds), pluralized(cost.workers, "worker", "workers")
+    disk = "less than 1 MB"
+    if cost.disk_bytes >= 1e6:
+        disk = f"about {display(cost.disk_bytes, 'MB', '.0f')}"
+    yield "time", f"about {time} on {workers} of an idle machine; {disk} of disk space"
     if has_unknown_error(sweep):
-        yield "error", _ERROR_UNKNOWN
+        yield (
+            "error",
+            "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",
+        )
 
 
 def _surface_words(surface: SurfaceSummary) -> str:
@@ -227,10 +218,10 @@ def _surface_words(surface: SurfaceSummary) -> str:
     heights = f"Ra {display(surface.ra, 'µm', 3)}, Rq {display(surface.rq, 'µm', 3)}, {slope}{lay}"
     if not surface.measured:
         return f"random: {heights}"
-    radii = form_words(surface.radii)
-    heights += f"; Ra and Rq exclude the curvature, R {radii}" if radii else ""
+    if radii := form_words(surface.radii):
+        heights = f"{heights}; Ra and Rq exclude the curvature, R {radii}"
     plane_heights = surface.mean_height, *surface.rise
-    if all(abs(height) < _MIN_FORM_RATIO * surface.rq for height in plane_heights):
+    if all(abs(height) < 0.01 * surface.rq for height in plane_heights):
         return f"measured: {heights}; level"
     mean, x, y = (shown_in(height, "µm") for height in plane_heights)
     return (
@@ -247,9 +238,17 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
     tests = [test for test in sweep.tests if not _has_loading_of(test.case.scene.loading, sweep)]
     if not tests:
         return sweep.notes
-    names = [*dict.fromkeys(str(test.number) for test in tests)]
-    template = _OTHER_LOADING_OF_A_TEST if len(names) == 1 else _OTHER_LOADING_OF_TESTS
-    return *sweep.notes, SceneNote("", template.format(listed(names, _MAX_LISTED_TESTS)))
+    numbers = [*dict.fromkeys(str(test.number) for test in tests)]
+    words = (
+        f"tests {listed(numbers, 3)}: their loading differs from that of the sweep, and so do "
+        "their wear before the end and their temperature"
+    )
+    if len(numbers) == 1:
+        words = (
+            f"test {numbers[0]}: its loading differs from that of the sweep, and so do its wear "
+            "before the end and its temperature"
+        )
+    return *sweep.notes, SceneNote("", words)
 
 
 def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from pipeline.cli import values
-from pipeline.paths import user_path
+from pipeline.paths import FIGURES, TABLES, user_path
 
 
 class Option(NamedTuple):
@@ -75,7 +75,8 @@ def _entries(syntax: str, help_text: str, convert: Convert) -> Option:
 
 def _quantity(syntax: str, help_text: str, like: str, **settings: Any) -> Option:
     """Option for a quantity above 0 with a unit."""
-    return with_value(syntax, f'{help_text}, like "{like}"', values.quantity(like), **settings)
+    convert = partial(values.quantity, like=like)
+    return with_value(syntax, f'{help_text}, like "{like}"', convert, **settings)
 
 
 def _load_and_velocity(**settings: Any) -> list[Option]:
@@ -104,7 +105,9 @@ _WORKERS = with_value(
 )
 _STORE = with_value("store OUT.zarr", "results store, or name of its scene", values.stored)
 _TABLE = with_value(
-    "-o --output TABLE.csv", "file of the table, .csv, .md or .json", values.writable("table")
+    "-o --output TABLE.csv",
+    "file of the table, .csv, .md or .json",
+    partial(values.writable, suffixes=TABLES),
 )
 _POINTS = (
     with_value(
@@ -225,7 +228,7 @@ COMMANDS = (
             _WORKERS,
             with_value(
                 "-o --output FILE.png", "file of a figure; or of the table, .csv, .md or .json",
-                values.writable("figure", "table"),
+                partial(values.writable, suffixes=(*FIGURES, *TABLES)),
             ),
         ],
     ),
@@ -277,7 +280,7 @@ COMMANDS = (
             _quantity("--rsm RSM", "RSm of a profile or data sheet", "60 um"),
             with_value(
                 "-o --output FILE.png", "figure of the scan and of the random surface",
-                values.writable("figure"),
+                partial(values.writable, suffixes=FIGURES),
             ),
         ],
     ),

@@ -37,7 +37,11 @@ _CONDITION_OF = {path: name for name, path in PATHS.items()}
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Values by name of the options in `names` that the user gave."""
     values = {name: getattr(options, name, None) for name in names}
-    return {k: v for k, v in values.items() if not (v is None or v is False or v == [])}
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None and value is not False and value != []
+    }
 
 
 def path_beside(store: Path | str, ending: str) -> Path:

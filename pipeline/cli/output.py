@@ -14,10 +14,11 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from pipeline.paths import TABLES
 from pipeline.progress import Progress, Report
 
 if TYPE_CHECKING:
@@ -30,8 +31,7 @@ DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 QUIET = threading.Event()
 """Set by --quiet: no progress and no notes are printed."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_MAX_LINE_LENGTH = 2000  # most characters of a line
-_WRAPPED_LENGTH = 100  # most characters of a line of wrapped text
+_REPORT_DELAY = 2.0  # time before a slow command reports that it is working [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Result:
     code: int = DONE
 
 
-def show(options: argparse.Namespace, result: Result) -> None:
+def print_result(options: argparse.Namespace, result: Result) -> None:
     """Print a result as text or as one JSON document, and write its table or figure to a file.
 
     With --json, and without a `Result.document`, sentences are printed as notes on stderr.
@@ -54,7 +54,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
     text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
     out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
-        from pipeline.frames import TABLES, write_frames  # pandas is slow to import
+        from pipeline.frames import write_frames  # pandas is slow to import
 
         if result.draw is None or out.suffix.lower() in TABLES:
             write_frames(result.frames, out)
@@ -88,7 +88,7 @@ def _lines(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
 def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
     """Text with its lines wrapped at 100 characters, continued lines indented; frames stay."""
     wrap = textwrap.TextWrapper(
-        _WRAPPED_LENGTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        100, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     ).wrap
     paragraphs = ((wrap(item) or [""]) if isinstance(item, str) else [item] for item in text)
     return [*itertools.chain(*paragraphs)]
@@ -113,12 +113,8 @@ def print_error(message: str) -> None:
 
 def _printable(line: str) -> str:
     """A line with control characters escaped, and cut at 2000 characters."""
-    line = line if len(line) <= _MAX_LINE_LENGTH else f"{line[:_MAX_LINE_LENGTH]} …"
+    line = line if len(line) <= 2000 else f"{line[:2000]} …"
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
-
-
-_LINE_INTERVAL = 10.0  # time between lines of progress if stderr is no terminal [s]
-_REPORT_DELAY = 2.0  # time before a slow command reports that it is working [s]
 
 
 @contextmanager
@@ -128,34 +124,53 @@ def run_line(quiet_time: float = 0.0) -> Iterator[Report]:
     A message (`Progress.words`) is printed at once. Counts are not shown for the first `quiet_time`
     seconds.
     """
-    shows_from = time.monotonic() + quiet_time
-    has_bar = sys.stderr.isatty() and not QUIET.is_set()
-    bar: Any = None
-    latest, printed, printed_at = "", "", -math.inf
-    with ExitStack() as stack:
+    progress_line = _ProgressLine(time.monotonic() + quiet_time)
+    try:
+        yield progress_line.update
+        progress_line.print_latest()
+    finally:
+        progress_line.close()
 
-        def show(progress: Progress) -> None:
-            nonlocal bar, latest, printed, printed_at
-            if progress.words:
-                print_note(progress)
-            elif not progress.total or time.monotonic() < shows_from:
-                return
-            elif has_bar:
-                if bar is None:
-                    from tqdm import tqdm
 
-                    bar = stack.enter_context(tqdm(bar_format="{desc} |{bar:20}|"))
-                bar.n, bar.total = progress.done, progress.total
-                bar.set_description_str(str(progress))
-            else:
-                latest = str(progress)
-                if time.monotonic() - printed_at >= _LINE_INTERVAL:
-                    print_note(latest)
-                    printed, printed_at = latest, time.monotonic()
+class _ProgressLine:
+    """Progress as a bar on a terminal, else as a line every ten seconds, from a time on."""
 
-        yield show
-        if latest != printed:
-            print_note(latest)
+    def __init__(self, shows_from: float) -> None:
+        self.shows_from = shows_from
+        self.has_bar = sys.stderr.isatty() and not QUIET.is_set()
+        self.bar: Any = None
+        self.latest = self.printed = ""
+        self.printed_at = -math.inf
+
+    def update(self, progress: Progress) -> None:
+        """Show progress."""
+        if progress.words:
+            print_note(progress)
+        elif not progress.total or time.monotonic() < self.shows_from:
+            return
+        elif self.has_bar:
+            if self.bar is None:
+                from tqdm import tqdm
+
+                self.bar = tqdm(bar_format="{desc} |{bar:20}|")
+            self.bar.n, self.bar.total = progress.done, progress.total
+            self.bar.set_description_str(str(progress))
+        else:
+            self.latest = str(progress)
+            if time.monotonic() - self.printed_at >= 10.0:
+                self.print_latest()
+                self.printed_at = time.monotonic()
+
+    def print_latest(self) -> None:
+        """Print the latest line, unless it was printed."""
+        if self.latest != self.printed:
+            print_note(self.latest)
+            self.printed = self.latest
+
+    def close(self) -> None:
+        """Close the bar, if there is one."""
+        if self.bar is not None:
+            self.bar.close()
 
 
 @contextmanager

@@ -27,8 +27,6 @@ from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
-_NEIGHBOUR_RATIOS = (0.8, 1.2)  # velocities of two neighbours over that of the point
-_MAX_UNANNOUNCED = 8  # most points that are simulated without a note
 _OTHER_MODEL = (
     "infer it again for another one, which may differ by more than this standard deviation; the "
     "tests of two rigs gave 5 to 7 K more on a random surface than on a measured one, and 18 to "
@@ -52,20 +50,20 @@ def point(options: argparse.Namespace) -> Result:
     load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
     require_admissible_load(sweep, load, "--load")
-    velocities = (_NEIGHBOUR_RATIOS[0] * velocity, velocity, _NEIGHBOUR_RATIOS[1] * velocity)
+    lower, higher = 0.8 * velocity, 1.2 * velocity
     point_sweep = replace(
         sweep._take_surface(options.realization)._single_case(),
         steps="end",
         loads=(load,),
-        velocities=velocities,
+        velocities=(lower, velocity, higher),
         tests=() if options.without_tests else sweep.tests,
     )
     source = stored_tests_of(sweep) if point_sweep.tests else None
-    count = len(velocities) + sum(len(test.points) for test in point_sweep.tests)
-    if source is None and count > _MAX_UNANNOUNCED:
+    count = 3 + sum(len(test.points) for test in point_sweep.tests)
+    if source is None and count > 8:
         print_note(f"{count} points will be simulated, including those of tests")
     with working("simulating") as progress, writing(None, point_sweep) as store:
-        ordered_points = [Point(load, speed) for speed in (velocity, velocities[0], velocities[2])]
+        ordered_points = [Point(load, speed) for speed in (velocity, lower, higher)]
         run_serial(store, ordered_points, source, progress)
     ds = computed_dataset(store)
     contact = _contact_frame(ds.sel(load=[load], velocity=[velocity]))
@@ -144,10 +142,10 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     with working("searching for the wear rate, one simulation at a time"):
         rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
     value, lowest, highest = (shown_in(limit, "mm³/(N m)") for limit in astuple(rate))
-    longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
+    fraction_per_second = end.normal_load / (end.impulse + end.normal_load)
     basis = (
         f"for {end.time:.3g} s of sliding before the width was measured; each further second at "
-        f"full load lowers the rate by about {100 * longer:.2g} %"
+        f"full load lowers the rate by about {100 * fraction_per_second:.2g} %"
     )
     if options.duration is None:
         basis = f"{basis}; use --duration if the test ran longer"
@@ -157,18 +155,18 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         basis,
     ]
     document = asdict(rate) | {"duration": end.time}
-    heads = *(f"{name} [mm³/(N m)]" for name in asdict(rate)), "duration [s]"
-    return Result(document, text, frames=[frame_of(heads, [tuple(document.values())])])
+    headings = *(f"{name} [mm³/(N m)]" for name in asdict(rate)), "duration [s]"
+    return Result(document, text, frames=[frame_of(headings, [tuple(document.values())])])
 
 
 def _hold_for(sweep: Sweep, load: float, duration: float) -> Sweep:
     """Sweep whose tests at `load` [N] last `duration` [s], by a hold."""
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("--duration applies to load ramps; a recorded load has its own duration")
-    ramp = load / sweep.scene.loading.rate
-    if duration < ramp:
+    ramp_time = load / sweep.scene.loading.rate
+    if duration < ramp_time:
         raise InputError(
             f"--duration is {duration:g} s, shorter than the ramp to {load:g} N, which takes "
-            f"{ramp:g} s"
+            f"{ramp_time:g} s"
         )
-    return replace(sweep._single_case(), base=sweep.base.with_hold(duration - ramp), tests=())
+    return replace(sweep._single_case(), base=sweep.base.with_hold(duration - ramp_time), tests=())

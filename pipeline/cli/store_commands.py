@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import shlex
 import sys
 from pathlib import Path
@@ -55,24 +56,19 @@ from tribo import InputError, TriboError
 from tribo.types import Mask
 
 _MAX_ROWS = 8  # rows of a printed table, and those of tests; --all, --json and files have all
-_AXIS_HEADINGS = {"load": "load [N]", "velocity": "velocity [m/s]"}
 
 
 def status(options: argparse.Namespace) -> Result:
     """Answer ``irg status``: count the points of a store."""
     state, sweep = states(options.store)
-    test_states = [state.tests] if state.tests else []
-    failed = [point for summary in (state, *test_states) for point in summary.failed]
+    failed = [*state.failed, *(state.tests.failed if state.tests else ())]
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
-    running = [f"running: {state.running}"] if state.running else []
-    text = [
-        state.title,
-        f"{state.total} points: {counts}",
-        *(f"tests: {summary.done} of {summary.total} points done" for summary in test_states),
-        *running,
-        error_in_words(sweep),
-        *(f"failed: {point}" for point in failed),
-    ]
+    text = [state.title, f"{state.total} points: {counts}"]
+    if state.tests:
+        text.append(f"tests: {state.tests.done} of {state.tests.total} points done")
+    if state.running:
+        text.append(f"running: {state.running}")
+    text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]
     warned = None
     try:
         warned = pipeline.points_with_warnings(options.store)
@@ -92,15 +88,15 @@ def verify(options: argparse.Namespace) -> Result:
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
     text, rows, document = list[str](), list[tuple[object, ...]](), dict[str, object]()
-    for kind, group in {"points": check, "tests": check.tests}.items():
-        if group:
-            document[kind] = {"done": group.done, "damaged": len(group.damaged)}
-            text.append(f"{kind}: {group.done} done and undamaged, {len(group.damaged)} damaged")
-            text += [f"damaged: {damage}" for damage in (*group.damaged, *group.shared)]
-            rows += [
-                (point.load, point.velocity, point.location, point.message)
-                for point in group.damaged
-            ]
+    for kind, group in (("points", check), ("tests", check.tests)):
+        if group is None:
+            continue
+        document[kind] = {"done": group.done, "damaged": len(group.damaged)}
+        text.append(f"{kind}: {group.done} done and undamaged, {len(group.damaged)} damaged")
+        text += [f"damaged: {damage}" for damage in (*group.damaged, *group.shared)]
+        rows += [
+            (point.load, point.velocity, point.location, point.message) for point in group.damaged
+        ]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     document |= {"damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:
@@ -133,11 +129,11 @@ def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
     sweep, settings = sweep_of(ds), dict[str, Any]()
     if not {*PLANE} <= {*ds["status"].dims}:
         return ""
-    for path, unit, value, values in (
+    for path, unit, value, simulated in (
         ("sweep.loads", "N", options.load, sweep.loads),
         ("sweep.velocities", "m/s", options.velocity, sweep.velocities),
     ):
-        if not values[0] <= value <= values[-1]:
+        if not simulated[0] <= value <= simulated[-1]:
             settings[path] = [f"{value:.10g} {unit}"]
     name = typed_name(sweep.name)
     try:
@@ -151,35 +147,33 @@ def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
     is_usual = Path(options.store).absolute() == Path("results", f"{sweep.name}.zarr").absolute()
     history = str(ds.attrs.get("history", "")).splitlines()
     goals = [line.removeprefix(GOAL) for line in history if line.startswith(GOAL)]
-    choices = [] if is_usual else ["-o", str(options.store)]
+    choices = list[str]() if is_usual else ["-o", str(options.store)]
     if goals:
         choices += ["--accuracy", goals[-1]]
     elif sweep.preset and sweep.preset != scene.preset:
         choices += ["--preset", sweep.preset]
-    for path, new_values in settings.items():
-        choices += ["--set", f"{path}={quoted(new_values)}"]
+    choices += itertools.chain(*(("--set", f"{p}={quoted(v)}") for p, v in settings.items()))
     return shlex.join(["irg", "run", name, *choices])
 
 
 def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
     """Lines on one point, for each of several conditions."""
-    lines, sizes = list[str | pd.DataFrame](), margins.sizes
-    for index in np.ndindex(*sizes.values()):
-        margin = margins.isel(dict(zip(sizes, index, strict=True)))
-        conditions = [named_value(margin[dim]) for dim in sizes]
-        if conditions:
-            lines.append(f"{', '.join(conditions)}:")
-        lines += margin_lines(margin)
+    lines = list[str | pd.DataFrame]()
+    for index in np.ndindex(*margins.sizes.values()):
+        point = margins.isel(dict(zip(margins.sizes, index, strict=True)))
+        if index:
+            lines.append(f"{', '.join(named_value(point[dim]) for dim in margins.sizes)}:")
+        lines += margin_lines(point)
     return [*lines, *common_lines(margins)]
 
 
 def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame]:
     """The rows with the least margins, and lines on all of them."""
     verdicts, counts = np.unique(code_text(margins["verdict"]).astype(str), return_counts=True)
-    verdict_counts = ", ".join(
-        f"{n} {verdict}" for verdict, n in zip(verdicts, counts, strict=True)
+    count_of_each = ", ".join(
+        f"{count} {verdict}" for verdict, count in zip(verdicts, counts, strict=True)
     )
-    count = pluralized(int(counts.sum()), "operating point", "operating points")
+    total = pluralized(int(counts.sum()), "operating point", "operating points")
     frame = margin_frame(margins)
     numbers = answer_frame(margins, "temperature_margin")
     order = numbers.sort_values("temperature margin [K]").index
@@ -187,7 +181,7 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
     omitted = len(frame) - len(printed)
     hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     return [
-        f"{count}: {verdict_counts}",
+        f"{total}: {count_of_each}",
         *conditions_lines(margins),
         *not_included_lines(margins),
         "",
@@ -226,8 +220,9 @@ def boundary(options: argparse.Namespace) -> Result:
 def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:
     """Mask of the rows of a boundary that are at the load, or at the velocity, of a test."""
     tests = () if ds.attrs.get("without_tests") else sweep_of(ds).tests
-    values = [test.normal_load if by == "load" else test.velocity for test in tests]
-    return np.isin(rows[_AXIS_HEADINGS[by]], values)
+    if by == "load":
+        return np.isin(rows["load [N]"], [test.normal_load for test in tests])
+    return np.isin(rows["velocity [m/s]"], [test.velocity for test in tests])
 
 
 def plot(options: argparse.Namespace) -> Result:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from contextlib import nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
@@ -40,14 +40,7 @@ def run(options: argparse.Namespace) -> Result:
         output.print_error(line)  # with --quiet, too
     require_admissible_load(sweep, min(sweep.loads), "sweep.loads")
     choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
-    remote_client = None
-    if options.scheduler or options.scheduler_file:
-        from pipeline.run.cluster import PATIENCE, client_of  # Dask, which irg check does without
-
-        address = options.scheduler or options.scheduler_file
-        print_note(f"connecting to the Dask scheduler at {address}, for at most {PATIENCE:g} s")
-        remote_client = client_of(options.scheduler, options.scheduler_file)
-    with remote_client or nullcontext() as client, output.run_line() as progress:
+    with _remote_client(options) as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     ds, tests = pipeline.open_sweep(out), outcome.tests
     failed = *outcome.failed, *(tests.failed if tests else ())
@@ -72,8 +65,10 @@ def run(options: argparse.Namespace) -> Result:
         goals = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
         text += [line for goal in goals for line in goal.lines(options.accuracy, fixed)]
         is_reached = all(goal.is_below(options.accuracy) for goal in goals)
-        scenes = [goal._asdict() for goal in goals]
-        document["accuracy"] = {"goal": options.accuracy, "scenes": scenes}
+        document["accuracy"] = {
+            "goal": options.accuracy,
+            "scenes": [goal._asdict() for goal in goals],
+        }
     elif has_unknown_error(sweep_of(ds)):
         text.append(error_in_words(sweep_of(ds)))
     if failed:
@@ -84,14 +79,29 @@ def run(options: argparse.Namespace) -> Result:
     return Result(document, text, pipeline.points_with_warnings(ds), code=code)
 
 
+def _remote_client(options: argparse.Namespace) -> AbstractContextManager[Any]:
+    """Client of the Dask scheduler that the user names; a context with None if there is none."""
+    if not (options.scheduler or options.scheduler_file):
+        return nullcontext()
+    from pipeline.run.cluster import PATIENCE, client_of  # Dask, which irg check does without
+
+    address = options.scheduler or options.scheduler_file
+    print_note(f"connecting to the Dask scheduler at {address}, for at most {PATIENCE:g} s")
+    client: AbstractContextManager[Any] = client_of(options.scheduler, options.scheduler_file)
+    return client
+
+
 def _refuse_numerical_settings(options: argparse.Namespace) -> None:
     """Raise an `InputError` for numerical settings, which an accuracy goal would replace."""
     names = {"preset", *(field.name for field in fields(Fidelity))}
     keys = (key for key in options.set if key.removeprefix("fidelity.") in names)
-    settings = ["--preset"] * (options.preset is not None) + [f"--set {key}" for key in keys]
+    settings = [f"--set {key}" for key in keys]
+    if options.preset is not None:
+        settings.insert(0, "--preset")
     if settings:
-        listed = ", ".join(settings)
-        raise InputError(f"--accuracy chooses the numerical settings; leave out {listed}")
+        raise InputError(
+            f"--accuracy chooses the numerical settings; leave out {', '.join(settings)}"
+        )
 
 
 def _next_steps(ds: xr.Dataset, store: str) -> list[str]:
@@ -102,12 +112,12 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[str]:
         return [f"next: irg margin {store}, irg plot {store}"]
     if max(ds.sizes[axis] for axis in PLANE) == 1:
         return [f"one point has no boundary; next: irg margin {store}"]
-    boundary_lines = list[str]()
-    if not case_dims(ds):  # one scene; irg boundary has a table of several
+    lines = list[str]()
+    if not case_dims(ds):  # irg boundary has a table of several cases
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            boundary_lines = [*wrapped(closing_lines(pipeline.boundary(ds)))]
-    return [*boundary_lines, f"next: irg boundary {store}, irg plot {store}"]
+            lines += wrapped(closing_lines(pipeline.boundary(ds)))
+    return [*lines, f"next: irg boundary {store}, irg plot {store}"]
 
 
 def trade(options: argparse.Namespace) -> Result:

@@ -6,11 +6,11 @@ import functools
 import math
 import tomllib
 from argparse import ArgumentTypeError
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pipeline.paths import found_store, user_path
+from pipeline.paths import found_store, user_path, writable_path
 
 # Modules that import NumPy are imported inside functions, as --help does not need them.
 
@@ -30,28 +30,23 @@ def _refusing(read: Callable[..., T]) -> Callable[..., T]:
     return read_or_refuse
 
 
-def quantity(like: str) -> Callable[[str], float]:
-    """Return a function that converts text such as `like`, a quantity above 0, to SI."""
+def quantity(text: str, like: str) -> float:
+    """Convert text such as `like`, a quantity above 0, to SI."""
+    from pipeline.units import to_si
 
-    def read(text: str) -> float:
-        from pipeline.units import to_si
-
-        try:
-            value = to_si(text, like)
-        except ValueError as error:
-            raise ArgumentTypeError(f'{error}; example: "{like}"') from error
-        if not 0 < value < math.inf:
-            raise ArgumentTypeError(f'"{text}" must be above 0, such as "{like}"')
-        return value
-
-    return read
+    try:
+        value = to_si(text, like)
+    except ValueError as error:
+        raise ArgumentTypeError(f'{error}; example: "{like}"') from error
+    if not 0 < value < math.inf:
+        raise ArgumentTypeError(f'"{text}" must be above 0, such as "{like}"')
+    return value
 
 
 def sides(text: str) -> tuple[float, float]:
     """Read the sides of a pixel [m] from ``DX,DY``, or from one length for a square pixel."""
-    read = quantity("0.8 um")
-    first, comma, second = text.partition(",")
-    return read(first), read(second if comma else first)
+    side_x, comma, side_y = text.partition(",")
+    return quantity(side_x, "0.8 um"), quantity(side_y if comma else side_x, "0.8 um")
 
 
 @_refusing
@@ -91,8 +86,7 @@ def setting(text: str) -> tuple[str, Any]:
     Both are written as in a scene file, but text needs no quotes.
     """
     key, value = pair(text, like="increments=50")
-    if {'"', "'"} & {*key}:  # such as over."pin.radius"
-        key = key.replace('"', "").replace("'", "")
+    key = key.replace('"', "").replace("'", "")  # such as over."pin.radius"
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
@@ -111,14 +105,7 @@ def stored(text: str) -> Path | str:
     return store(str(found_store(text)))
 
 
-def writable(*kinds: str) -> Callable[[str], Path]:
-    """Return a function that checks the path of a file to write, a "figure" or a "table"."""
-
-    @_refusing
-    def read(text: str) -> Path:
-        from pipeline.frames import FIGURES, TABLES, writable_path
-
-        suffixes = {"figure": FIGURES, "table": TABLES}
-        return writable_path(text, [suffix for kind in kinds for suffix in suffixes[kind]])
-
-    return read
+@_refusing
+def writable(text: str, suffixes: Sequence[str]) -> Path:
+    """Check the path of a file to write, which ends in one of `suffixes`, and return it."""
+    return writable_path(text, suffixes)

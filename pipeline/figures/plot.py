@@ -20,7 +20,7 @@ from pipeline.figures.fields_figure import fields
 from pipeline.figures.ramp_figure import ramp
 from pipeline.figures.rows_figure import rows
 from pipeline.figures.tests_figure import draw_tests
-from pipeline.frames import FIGURES, writable_path
+from pipeline.paths import FIGURES, writable_path
 from pipeline.store.schema import PLANE
 from tribo import InputError
 

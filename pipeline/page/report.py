@@ -35,9 +35,10 @@ from pipeline.answers.results import dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
-from pipeline.frames import writable_path, write_text
+from pipeline.frames import write_text
 from pipeline.page import elements
 from pipeline.page.sections import Conditions, common_sections, error_sentences, plane_sections
+from pipeline.paths import writable_path
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint

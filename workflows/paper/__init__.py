@@ -15,8 +15,8 @@ from typing import Any
 from PIL import Image
 
 from pipeline.figures.style import save_figure
-from pipeline.frames import FIGURES, writable_path
 from pipeline.messages import did_you_mean
+from pipeline.paths import FIGURES, writable_path
 from tribo import InputError
 
 from .checkerboard import fig2
