@@ -239,11 +239,11 @@ def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
     look = style.BOUNDARY | ({"lw": style.THIN} if has_tests else {})
     if _draw_zero(axes, log_ratio, "boundary", look):
         margin, error = in_model["temperature_margin"], in_model["temperature_error"]
-        excess = (abs(margin) - error.fillna(0.0)).values
-        if (excess < 0).any():
+        distance = (abs(margin) - error.fillna(0.0)).values  # negative within the error
+        if (distance < 0).any():
             band = axes.contourf(
-                margins["velocity"].values, margins["load"].values, excess,
-                [np.nanmin(excess) - 1.0, 0.0], colors=[_ERROR_COLOUR],
+                margins["velocity"].values, margins["load"].values, distance,
+                [np.nanmin(distance) - 1.0, 0.0], colors=[_ERROR_COLOUR],
             )  # fmt: skip
             band.set_gid("error")
         outline = [Stroke(linewidth=9, foreground=_ERROR_COLOUR), Normal()]

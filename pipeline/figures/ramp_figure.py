@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -124,8 +125,6 @@ def _add_load_axis(axes: Axes, columns: Mapping[str, Any], point: PointIndex) ->
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
-        load_axis = axes.secondary_xaxis(
-            "top",
-            functions=(lambda t: np.interp(t, time, load), lambda f: np.interp(f, load, time)),
-        )
-        load_axis.set_xlabel("normal load [N]")
+        to_load: Callable[..., Any] = partial(np.interp, xp=time, fp=load)
+        to_time: Callable[..., Any] = partial(np.interp, xp=load, fp=time)
+        axes.secondary_xaxis("top", functions=(to_load, to_time)).set_xlabel("normal load [N]")

@@ -52,7 +52,8 @@ def figure_of(draw: Callable[[], Figure], caption: str, description: str) -> Pag
             svg = io.BytesIO()
             draw().savefig(svg, format="svg", metadata={"Date": None})
         urls.append(f"data:image/svg+xml;base64,{base64.b64encode(svg.getvalue()).decode()}")
-    return PageFigure(*urls, f"{description} The table below has the numbers.", caption)
+    usual, narrow = urls
+    return PageFigure(usual, narrow, f"{description} The table below has the numbers.", caption)
 
 
 def as_sentence(line: str) -> str:

@@ -202,7 +202,7 @@ def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) 
         if len(simulated) < 2:
             continue
         line = np.linspace(simulated[0], simulated[-1], 401)
-        line_points = {"load": load, "velocity": velocity, axis: line}
+        line_points: dict[str, Any] = {"load": load, "velocity": velocity, axis: line}
         margins = pipeline.margin(ds, **line_points, **conditions)
         is_mild = margins["verdict"].values == MILD
         if not is_mild[0]:
