@@ -3,7 +3,6 @@
 import pytest
 
 import pipeline
-from pipeline.cli import inputs
 from pipeline.shipped import shipped_pages
 
 
@@ -16,7 +15,7 @@ def drawn(monkeypatch):
         calls.append((ds, kind, str(out), options))
         return out
 
-    monkeypatch.setattr(inputs, "dataset_in", lambda options: "judged")
+    monkeypatch.setattr(pipeline, "open_sweep", lambda store: "judged")
     monkeypatch.setattr(pipeline, "plot", draw)
     monkeypatch.setattr(pipeline, "points_with_warnings", lambda ds: None)
     return calls
