@@ -8,10 +8,16 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers.attributes import ATTRIBUTES
+from pipeline.answers.answer_dataset import ATTRIBUTES
 from pipeline.answers.condition_values import NAMES
-from pipeline.answers.digits import error_of, rounded, rounded_error
-from pipeline.answers.readable import code_text, flag_names, probability_text
+from pipeline.answers.readable import (
+    code_text,
+    error_of,
+    flag_names,
+    probability_text,
+    rounded,
+    rounded_error,
+)
 from pipeline.answers.scene_wording import usual_unit
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE

@@ -9,8 +9,7 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.answer_dataset import with_attributes
-from pipeline.answers.attributes import answer_attributes
+from pipeline.answers.answer_dataset import answer_attributes, with_attributes
 from pipeline.answers.condition_values import ConditionValues, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.results import cases_of

@@ -16,6 +16,8 @@ continuous.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,14 +27,20 @@ from pipeline.answers.pchip import Pchip
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import (
     BEYOND,
+    BOUNDS_OF_HIGHEST,
+    BOUNDS_OF_MOST,
+    HIGHEST_SHARE,
     LEAST_BENT,
+    MOST_SHARE,
+    PRESET_BOUNDS,
     RISE_SHARE,
     ROUGH_GAP,
     ROUGH_LINE,
     UNSEEN_BENT,
     WARNING_ERRORS,
 )
-from tribo import WarningKind
+from pipeline.sweep.sweep import Sweep
+from tribo import PRESETS, Fidelity, Scene, WarningKind
 from tribo.types import Array, Indices
 
 PARTS = {
@@ -56,17 +64,17 @@ _DURATIONS, _WARM_ERRORS = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 
 
 def rise_errors(
-    specimen: Specimen, promised: float | None, loads: Array, velocities: Array
+    specimen: Specimen, preset_error: float | None, loads: Array, velocities: Array
 ) -> Array:
     """Relative errors of the rise at k points by part (4, k).
 
-    `promised` is the relative error of critical velocities due to the preset; None if unknown.
+    `preset_error` is the relative error of critical velocities due to the preset; None if unknown.
     """
     field, point_errors = specimen.field, warned_errors(specimen.flags, specimen.durations)
     along, between = interpolation_errors(specimen, loads, velocities)
     return np.stack(np.broadcast_arrays(
         np.hypot(along.sum(axis=0), between),
-        np.nan if promised is None else RISE_SHARE * promised,
+        np.nan if preset_error is None else RISE_SHARE * preset_error,
         field.bilinear(point_errors, loads, velocities),
         surface_sampling_errors(specimen, loads, velocities),
     ))  # fmt: skip
@@ -237,3 +245,68 @@ def warned_errors(flags: Indices, durations: Array) -> Array:
         is_kind = (flags & int(kind)) > 0
         errors = np.where(is_kind, np.maximum(errors, WARNING_ERRORS.get(kind, math.nan)), errors)
     return errors
+
+
+def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
+    """Presets by name; their elements are small enough to tile the scene's grid of pixels."""
+    return {name: with_dividing_elements(scene, PRESETS[name]) for name in names}
+
+
+def with_dividing_elements(scene: Scene, fidelity: Fidelity) -> Fidelity:
+    """Return `fidelity` with elements small enough to tile the scene's grid of pixels.
+
+    An element is a block of n × n pixels. Its n is lowered until n divides the numbers of pixels
+    along x and along y.
+    """
+    nx, ny = scene.pixels.shape
+    divisors = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
+    return replace(fidelity, pixels_per_element=next(divisors))
+
+
+def preset_of(scene: Scene) -> str | None:
+    """Name of the preset that a scene has, adapted to it; None for custom settings."""
+    adapted = presets_for(scene, PRESET_BOUNDS).items()
+    return next((name for name, fidelity in adapted if fidelity == scene.fidelity), None)
+
+
+def preset_error_of(sweep: Sweep) -> float | None:
+    """Bound of the relative error of a sweep's critical velocity; None if unknown.
+
+    It is known only for presets, adapted to the scene.
+    """
+    return preset_bound(str(_preset(sweep)), sweep.conditions.critical_area_fraction)
+
+
+def preset_bound(preset: str, share: float) -> float | None:
+    """Bound of the relative error of critical velocities with a preset; None without a preset.
+
+    `share` is the critical area fraction.
+    """
+    bounds = dict[str, float]()
+    if share < HIGHEST_SHARE:
+        bounds = BOUNDS_OF_HIGHEST
+    elif share >= MOST_SHARE:
+        bounds = BOUNDS_OF_MOST
+    return bounds.get(preset, PRESET_BOUNDS.get(preset))
+
+
+def has_unknown_preset_error(sweep: Sweep) -> bool:
+    """True if a sweep has a boundary of severe wear, but no preset whose error is known."""
+    is_judged = sweep.conditions.friction > 0 and sweep.base.is_judged
+    return is_judged and any(sweep.velocities) and preset_error_of(sweep) is None
+
+
+def preset_error_text(sweep: Sweep) -> str:
+    """Describe the discretization error of a sweep."""
+    error = preset_error_of(sweep)
+    if error is None:
+        return "custom numerical settings: the error of critical velocities is unknown"
+    return (
+        f"preset {_preset(sweep)}: discretization error at most {100 * error:g} % of critical "
+        "velocities, more where the rise hardly grows with velocity (irg help choosing)"
+    )
+
+
+def _preset(sweep: Sweep) -> str | None:
+    """Name of the preset of a sweep; None for custom numerical settings."""
+    return sweep.preset or preset_of(sweep.scene)

@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers.answer_dataset import answer_dataset, join_cases
-from pipeline.answers.attributes import POINT_CONDITIONS
+from pipeline.answers.answer_dataset import POINT_CONDITIONS, answer_dataset, join_cases
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import (
     ConditionValues,

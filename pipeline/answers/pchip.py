@@ -39,17 +39,7 @@ class Pchip:
 
     def grid(self, x: Array) -> Array:
         """Values (m, k) of all curves at `x` (m,); beyond an end the cubic continues."""
-        if len(self.x) == 1:
-            return np.where((x == self.x[0])[:, None], self.y[0], np.nan)
-        i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
-        h = self.x[i + 1] - self.x[i]
-        t, row = (x - self.x[i]) / h, np.arange(len(x))
-        value_weights, slope_weights = np.zeros((2, len(x), len(self.x)))
-        smoothstep = t * t * (3 - 2 * t)
-        value_weights[row, i], value_weights[row, i + 1] = 1 - smoothstep, smoothstep
-        slope_weights[row, i] = h * t * (1 - t) ** 2
-        slope_weights[row, i + 1] = h * t * t * (t - 1)
-        return np.asarray(value_weights @ self.y + slope_weights @ self.slopes)
+        return self.at(x[:, None], np.arange(self.y.shape[1]))
 
     def beyond(self, x: Array) -> Array:
         """Values (m, k) of all curves at `x` (m,); beyond an end a power law continues.

@@ -10,8 +10,7 @@ from typing import Any, Unpack, cast
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.answer_dataset import with_attributes
-from pipeline.answers.attributes import answer_attributes
+from pipeline.answers.answer_dataset import answer_attributes, with_attributes
 from pipeline.answers.condition_values import ConditionValues, override_conditions
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value

@@ -305,31 +305,6 @@ def _deviation(count: Any, squares: Any, sampling: Any, freedom: Any) -> tuple[A
     return deviation, np.asarray(stdtrit(total_freedom, _BOUND))
 
 
-def surface_sampling_bound(
-    count: Indices | int, squares: Array | float, sampling: Array | float,
-    is_highest: bool = False, freedom: Array | float = _ALONE,
-) -> Array:  # fmt: skip
-    """95 % bound of the error of ln(rise) by the choice of `count` realizations.
-
-    The deviation s of a realization follows from the deviation J that one of them states
-    (`sampling`), with ν degrees of `freedom`, and from the sum of `squares` of differences from the
-    mean of P realizations: s² = (ν J² + squares)/(ν + P − 1). The bound of the mean is t s/√P, with
-    Student's t of ν + P − 1 degrees; that of the highest is t s. It is NaN for a single realization
-    that states no deviation.
-
-    Examples
-    --------
-    >>> float(surface_sampling_bound(1, 0.0, 0.02).round(4))
-    0.0473
-    >>> float(surface_sampling_bound(16, 0.006, 0.02).round(4))
-    0.0104
-    """
-    deviation, student_t = _deviation(count, squares, sampling, freedom)
-    return np.asarray(
-        deviation * student_t / (1.0 if is_highest else np.sqrt(np.maximum(count, 1)))
-    )
-
-
 def realizations_share(count: Any, is_highest: bool, freedom: Array) -> Array:
     """Bound of `count` realizations over the deviation of one; `freedom` is that of one alone."""
     bound = stdtrit(freedom - 1 + count, _BOUND)

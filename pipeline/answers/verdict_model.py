@@ -19,9 +19,9 @@ import numpy as np
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import QueryPoints, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
-from pipeline.answers.discretization_error import velocity_error
 from pipeline.answers.error import (
     PARTS,
+    preset_error_of,
     rise_errors,
     surface_sampling_errors,
     total,
@@ -124,9 +124,9 @@ class VerdictModel:
         return self.judged_case.case
 
     @functools.cached_property
-    def promised(self) -> float | None:
+    def preset_error(self) -> float | None:
         """Relative error of critical velocities due to the preset; None if unknown."""
-        return velocity_error(self.case.sweep)
+        return preset_error_of(self.case.sweep)
 
     @property
     def field(self) -> Field:
@@ -187,7 +187,7 @@ class VerdictModel:
         is_known = np.asarray(reasons == "", bool)
         rise = np.where(is_known, rise, np.nan)
         log_ratio = rise - self.limits(points)
-        errors = rise_errors(self.specimen, self.promised, load, velocity)
+        errors = rise_errors(self.specimen, self.preset_error, load, velocity)
         errors = np.where(is_known, errors, np.nan)
         error = total(errors)
         probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
@@ -362,7 +362,7 @@ class VerdictModel:
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""
-        parts = rise_errors(self.specimen, self.promised, loads, velocities)
+        parts = rise_errors(self.specimen, self.preset_error, loads, velocities)
         return velocity_errors(self.field, parts, loads, velocities)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 import pipeline
-from pipeline.answers.discretization_error import has_unknown_error
+from pipeline.answers.error import has_unknown_preset_error
 from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result
@@ -202,7 +202,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     if cost.disk_bytes >= 1e6:
         disk = f"about {display(cost.disk_bytes, 'MB', '.0f')}"
     yield "time", f"about {time} on {workers} of an idle machine; {disk} of disk space"
-    if has_unknown_error(sweep):
+    if has_unknown_preset_error(sweep):
         yield (
             "error",
             "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",

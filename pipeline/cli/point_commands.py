@@ -11,9 +11,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import answer_frame, tests_frame, whole_frame
-from pipeline.answers.answer_lines import common_lines
-from pipeline.answers.digits import rounded
-from pipeline.answers.point_lines import margin_lines
+from pipeline.answers.answer_lines import common_lines, margin_lines
+from pipeline.answers.readable import rounded
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, working, wrapped

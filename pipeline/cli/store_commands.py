@@ -22,16 +22,16 @@ from pipeline.answers.answer_frames import (
     whole_frame,
 )
 from pipeline.answers.answer_lines import (
+    boundary_lines,
     common_lines,
     conditions_lines,
+    margin_lines,
     model_error_line,
     not_included_lines,
     reason_lines,
     row_warnings,
 )
-from pipeline.answers.boundary_lines import boundary_lines
-from pipeline.answers.discretization_error import error_in_words
-from pipeline.answers.point_lines import margin_lines
+from pipeline.answers.error import preset_error_text
 from pipeline.answers.readable import code_text
 from pipeline.answers.results import sweep_of
 from pipeline.answers.scene_wording import named_value
@@ -68,7 +68,7 @@ def status(options: argparse.Namespace) -> Result:
         text.append(f"tests: {state.tests.done} of {state.tests.total} points done")
     if state.running:
         text.append(f"running: {state.running}")
-    text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]
+    text += [preset_error_text(sweep), *(f"failed: {point}" for point in failed)]
     warned = None
     try:
         warned = pipeline.points_with_warnings(options.store)

@@ -13,8 +13,8 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers.boundary_lines import closing_lines
-from pipeline.answers.discretization_error import error_in_words, has_unknown_error
+from pipeline.answers.answer_lines import closing_lines
+from pipeline.answers.error import has_unknown_preset_error, preset_error_text
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import warning_lines
 from pipeline.cli import output
@@ -69,8 +69,8 @@ def run(options: argparse.Namespace) -> Result:
             "goal": options.accuracy,
             "scenes": [goal._asdict() for goal in goals],
         }
-    elif has_unknown_error(sweep_of(ds)):
-        text.append(error_in_words(sweep_of(ds)))
+    elif has_unknown_preset_error(sweep_of(ds)):
+        text.append(preset_error_text(sweep_of(ds)))
     if failed:
         text.append("to simulate failed points again, add --retry-failed to the command")
     elif outcome.done:

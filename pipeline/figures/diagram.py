@@ -21,8 +21,12 @@ from matplotlib.patheffects import Normal, Stroke
 from scipy.ndimage import distance_transform_edt
 
 import pipeline
-from pipeline.answers.answer_lines import not_included_lines, withheld_lines
-from pipeline.answers.boundary_lines import error_lines, ruling_lines
+from pipeline.answers.answer_lines import (
+    error_lines,
+    not_included_lines,
+    ruling_lines,
+    withheld_lines,
+)
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import cases_of, sweep_of

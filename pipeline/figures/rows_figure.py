@@ -13,8 +13,13 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers.answer_lines import conditions_lines
-from pipeline.answers.digits import error_of, rounded
-from pipeline.answers.readable import attribute_texts, probability_text, row_labels
+from pipeline.answers.readable import (
+    attribute_texts,
+    error_of,
+    probability_text,
+    rounded,
+    row_labels,
+)
 from pipeline.answers.results import sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style

@@ -20,17 +20,18 @@ from pipeline.answers.answer_frames import margin_frame
 from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
+    headline,
+    margin_facts,
     model_error_line,
+    next_run_line,
     not_included_lines,
     point_warnings,
     reason_lines,
     row_warnings,
     temperature_error_line,
+    to_decide,
 )
-from pipeline.answers.boundary_lines import next_run_line
-from pipeline.answers.digits import error_of, rounded
-from pipeline.answers.point_lines import headline, margin_facts, to_decide
-from pipeline.answers.readable import code_text, row_labels, verdict_text
+from pipeline.answers.readable import code_text, error_of, rounded, row_labels, verdict_text
 from pipeline.answers.results import dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments

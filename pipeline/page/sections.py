@@ -11,8 +11,13 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import boundary_frame, has_counted_tests, tests_frame
-from pipeline.answers.answer_lines import conditions_lines, test_lines
-from pipeline.answers.boundary_lines import error_lines, ruling_lines, shift_lines
+from pipeline.answers.answer_lines import (
+    conditions_lines,
+    error_lines,
+    ruling_lines,
+    shift_lines,
+    test_lines,
+)
 from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.figures.diagram import diagram

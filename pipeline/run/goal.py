@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import PARTS, SURFACE, total
+from pipeline.answers.error import PARTS, SURFACE, preset_error_of, presets_for, total
 from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import JudgedCase, VerdictModel
 from pipeline.arguments import in_share
@@ -87,7 +86,7 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
         presets = presets_for(sweep.scene, ["standard", "fine"])
         candidates = [sweep.with_fidelity(fidelity, name) for name, fidelity in presets.items()]
     errors = [
-        math.inf if (x := velocity_error(candidate)) is None else x for candidate in candidates
+        math.inf if (x := preset_error_of(candidate)) is None else x for candidate in candidates
     ]
     suitable = [
         candidate
@@ -128,7 +127,7 @@ class GoalRun:
         if before is None and sweep.steps is None:
             sweep = replace(sweep, steps="end")  # no earlier step governs
         chosen = with_preset_for(sweep, before, self.accuracy)
-        error = percent(velocity_error(chosen) or 0.0)
+        error = percent(preset_error_of(chosen) or 0.0)
         choice = f"preset {chosen.preset} (up to {error})"
         if sweep.preset is None:
             choice = f"preset {chosen.preset} (up to {error}), in place of the scene's [fidelity]"
@@ -197,7 +196,7 @@ def search_of(model: VerdictModel, goal: Goal) -> Search:
     case, specimen = model.case, model.specimen
     first = case.log_rises(model.conditions)[0] + specimen.mean.offset - model.limit
     tried = np.isin(case.status, (DONE, FAILED))
-    return Search(specimen, model.limit, model.promised, first, tried, goal)
+    return Search(specimen, model.limit, model.preset_error, first, tried, goal)
 
 
 class Reached(NamedTuple):

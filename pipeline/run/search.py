@@ -69,7 +69,7 @@ class Search:
         The scene's specimen, as in answers.
     limit : float
         ln(allowable rise), above which wear is severe.
-    promised : float or None
+    preset_error : float or None
         Relative error of critical velocities due to the preset.
     first : ndarray, shape (n_load, n_velocity)
         ln(rise/limit) of the first realization, plus the offset of the specimen from it; NaN where
@@ -82,7 +82,7 @@ class Search:
 
     specimen: Specimen
     limit: float
-    promised: float | None
+    preset_error: float | None
     first: Array
     tried: Mask
     goal: Goal
@@ -106,7 +106,7 @@ class Search:
     @cached_property
     def errors(self) -> Array:
         """Relative errors of `critical` by part (4, n_load), see `velocity_errors`."""
-        parts = rise_errors(self.specimen, self.promised, self.loads, self.critical)
+        parts = rise_errors(self.specimen, self.preset_error, self.loads, self.critical)
         return velocity_errors(self.specimen.field, parts, self.loads, self.critical)
 
     @cached_property
@@ -119,7 +119,7 @@ class Search:
     def error_budget(self) -> Array:
         """Error that the preset leaves for interpolation and surface sampling (n_load,)."""
         preset = self.errors[PRESET]
-        preset = np.where(np.isnan(preset), self.promised or 0.0, preset)
+        preset = np.where(np.isnan(preset), self.preset_error or 0.0, preset)
         return np.sqrt(np.maximum(self.goal.accuracy**2 - preset**2, 0.0))
 
     @property

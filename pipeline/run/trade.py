@@ -16,8 +16,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
-from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import curve_errors, exponents, total
+from pipeline.answers.error import curve_errors, exponents, preset_error_of, presets_for, total
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.specimen import realizations_share
 from pipeline.arguments import typed_arguments
@@ -158,7 +157,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
         report(Progress(f"a timed point of preset {name}"))
         preset_sweep = sweep.with_fidelity(fidelity, name)
-        preset_error = velocity_error(preset_sweep) or math.nan
+        preset_error = preset_error_of(preset_sweep) or math.nan
         preset_errors = preset_error * RISE_SHARE / np.minimum(exponent, RISE_SHARE)
         errors = total(np.stack([interpolation, surface, preset_errors]))
         error, median_velocity = float(errors.max(initial=0.0)), float(np.median(critical))

@@ -18,8 +18,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binom
 
-from pipeline.answers.discretization_error import preset_bound
-from pipeline.answers.error import INTERPOLATION, rise_errors, total
+from pipeline.answers.error import INTERPOLATION, preset_bound, rise_errors, total
 from pipeline.answers.specimen import merged
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.plan import choose_stored_steps, run_point

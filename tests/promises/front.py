@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.answers.discretization_error import preset_of, velocity_error
+from pipeline.answers.error import preset_error_of, preset_of
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import case_of, cases
@@ -70,7 +70,7 @@ def errors(case, fidelity):
     exponents = np.gradient(np.log(true), np.log(velocities), axis=0)
     velocity_errors = np.expm1(-np.log(rises / true) / np.maximum(exponents, SLOWEST))
     is_warned = np.array([list(warned(sweep, *ramp)) for ramp in ramps]) | (exponents < SLOWEST)
-    promised = velocity_error(sweep)
+    promised = preset_error_of(sweep)
     over = PRESET_BOUNDS[preset_of(sweep.scene)] / promised if promised else 1.0
     return {
         "errors": velocity_errors.tolist(),

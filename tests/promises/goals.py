@@ -23,8 +23,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import beta
 
-from pipeline.answers.discretization_error import presets_for, velocity_error
-from pipeline.answers.error import SURFACE, total
+from pipeline.answers.error import SURFACE, preset_error_of, presets_for, total
 from pipeline.run.goal import why_fixed
 from pipeline.run.search import MOST_REALIZATIONS, Goal, PointIndex
 from pipeline.sweep.plan import choose_stored_steps, run_point
@@ -54,7 +53,7 @@ class Planes:
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
         names = presets_for(sweep.scene, ["standard", "fine", "reference"])
         presets = {name: sweep.with_fidelity(preset, name) for name, preset in names.items()}
-        self.promised = {name: velocity_error(preset) for name, preset in presets.items()}
+        self.promised = {name: preset_error_of(preset) for name, preset in presets.items()}
         self._realizations = {name: self._scenes(preset) for name, preset in presets.items()}
         self._stored_steps, self._path = choose_stored_steps(sweep), path
         rows = json.loads(path.read_text()) if path.exists() else []

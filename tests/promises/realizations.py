@@ -123,7 +123,7 @@ def stated(ds):
     (case,) = cases_of(ds)
     model = JudgedCase(case).under(case.sweep.conditions)
     points = ds["load"].values, np.repeat(ds["velocity"].values, ds.sizes["load"])
-    return model.field(*points), rise_errors(model.specimen, model.promised, *points)[SURFACE]
+    return model.field(*points), rise_errors(model.specimen, model.preset_error, *points)[SURFACE]
 
 
 def parts(ds, first, sizes):

@@ -8,7 +8,7 @@ import xarray as xr
 
 import pipeline
 from pipeline import boundary
-from pipeline.answers.boundary_lines import boundary_lines, next_run_line
+from pipeline.answers.answer_lines import boundary_lines, next_run_line
 from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test

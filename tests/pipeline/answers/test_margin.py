@@ -8,8 +8,15 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_lines import common_lines, point_warnings, row_warnings
-from pipeline.answers.point_lines import headline, margin_facts, margin_lines, to_decide
+from pipeline.answers.answer_lines import (
+    common_lines,
+    headline,
+    margin_facts,
+    margin_lines,
+    point_warnings,
+    row_warnings,
+    to_decide,
+)
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named

@@ -8,12 +8,10 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.boundary_lines import boundary_lines
+from pipeline.answers.answer_lines import boundary_lines, margin_lines
 from pipeline.answers.error import PARTS
-from pipeline.answers.point_lines import margin_lines
 from pipeline.answers.specimen import (
     mean_of_realizations,
-    surface_sampling_bound,
 )
 from pipeline.constants import CORRELATION_LENGTHS, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
@@ -203,14 +201,22 @@ def test_means_at_loads_of_few_realizations_keep_their_bounds(counts, correlatio
 
 @pytest.mark.parametrize("freedom", [1.0, 3.3])
 def test_the_fewer_degrees_of_freedom_a_realization_has_the_more_others_count(freedom):
-    single_bound = surface_sampling_bound(1, 0.0, 0.02, freedom=freedom)
+    def bound_of(lifts, stated, freedom):
+        differences = np.subtract(lifts, lifts[0])[:, None, None]
+        arguments = np.full((1, 1), stated), np.array([freedom]), False
+        return mean_of_realizations(np.array([200.0]), differences, *arguments).bound.item()
+
+    single_bound = bound_of([0.0], 0.02, freedom)
     assert single_bound == pytest.approx(t(freedom).ppf(0.975) * 0.02, rel=1e-12)
-    squares = 15 * 0.06**2  # of realizations that differ by 6 %
-    deviation = math.sqrt((freedom * 0.01**2 + squares) / (freedom + 15))
+    lifts = 0.06 * math.sqrt(15 / 16) * np.tile([1.0, -1.0], 8)  # realizations that differ by 6 %
+    squares = 15 * 0.06**2
+    # The stated deviation is first scaled to the spread of the realizations.
+    scaled = (freedom * 0.01**2 + squares) / (freedom + 15)
+    deviation = math.sqrt((freedom * scaled + squares) / (freedom + 15))
     expected = t(freedom + 15).ppf(0.975) * deviation / 4
-    bound = surface_sampling_bound(16, squares, 0.01, freedom=freedom)
+    bound = bound_of(lifts, 0.01, freedom)
     assert bound == pytest.approx(expected, rel=1e-12)
-    assert bound > surface_sampling_bound(16, squares, 0.01)
+    assert bound > bound_of(lifts, 0.01, 7.0)
 
 
 def without_deviations(lifts, **options):

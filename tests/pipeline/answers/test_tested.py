@@ -7,8 +7,12 @@ import pytest
 
 import pipeline
 from pipeline.answers.answer_frames import boundary_frame
-from pipeline.answers.answer_lines import withheld_lines
-from pipeline.answers.boundary_lines import boundary_lines, closing_lines, next_run_line
+from pipeline.answers.answer_lines import (
+    boundary_lines,
+    closing_lines,
+    next_run_line,
+    withheld_lines,
+)
 from pipeline.answers.field import Outcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.store.schema import FAILED, PENDING

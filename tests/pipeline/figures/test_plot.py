@@ -7,8 +7,7 @@ import pytest
 
 import pipeline
 from pipeline import plot
-from pipeline.answers.digits import error_of, rounded
-from pipeline.answers.readable import row_labels
+from pipeline.answers.readable import error_of, rounded, row_labels
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import draw_rows, most_critical_row

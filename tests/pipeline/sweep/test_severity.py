@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from pipeline import Conditions, run_point
-from pipeline.answers.discretization_error import has_unknown_error, preset_bound, velocity_error
+from pipeline.answers.error import has_unknown_preset_error, preset_bound, preset_error_of
 from pipeline.sweep.condition_entries import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
@@ -88,8 +88,8 @@ def test_the_deviation_of_the_rise_is_that_of_the_contact_s_hottest_tenth_at_the
 )
 def test_only_a_preset_has_a_known_error(preset, changes, error):
     case = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
-    assert velocity_error(case) == error
-    assert has_unknown_error(case) == (error is None)
+    assert preset_error_of(case) == error
+    assert has_unknown_preset_error(case) == (error is None)
 
 
 @pytest.mark.parametrize(
