@@ -57,7 +57,7 @@ def surface(options: argparse.Namespace) -> Result:
 
 
 def _data_sheet(options: argparse.Namespace) -> Result:
-    from pipeline.surface.data_sheet import data_sheet_toml
+    from pipeline.surface.random_surface import data_sheet_toml
 
     if options.output:
         raise InputError("a figure needs a SCAN; leave -o out")

@@ -19,7 +19,6 @@ PROFILE = (
 )
 POINTS = "a list of points x, y, z; make it a matrix, a row for each y"
 EXPORT = "export the heights as .npy or as a matrix in text, without headings"
-_MAX_HEIGHTS = 2**24  # 4096 × 4096; the form of more takes gigabytes
 MIN_SIDE = 9  # heights along a side of a map; less are columns of a table
 
 
@@ -53,16 +52,15 @@ def read_instrument_file(path: Path, kind: str) -> HeightFile:
 
 
 def _library_message(error: Exception, suffix: str) -> str:
-    text, name = str(error).strip(), type(error).__name__
-    if name == "CannotDetectFileFormat":  # its text lists the errors of all readers
-        reader_message = re.search(
-            rf"tried {re.escape(suffix[1:])}reader:\s*(.*)", text, re.IGNORECASE
-        )
+    text, error_name = str(error).strip(), type(error).__name__
+    if error_name == "CannotDetectFileFormat":  # its text lists the errors of all readers
+        pattern = rf"tried {re.escape(suffix[1:])}reader:\s*(.*)"
+        reader_message = re.search(pattern, text, re.IGNORECASE)
         if not suffix or not reader_message:
             return "SurfaceTopography has no reader for it"
         text = reader_message[1]
     elif isinstance(error, LookupError) or not text:
-        text = f"{name} {text}".strip()
+        text = f"{error_name} {text}".strip()
     if re.fullmatch(r"'[^']*'", text):  # the key of a table
         text = f"{text} is missing"
     return f"SurfaceTopography cannot read it ({text.splitlines()[0].rstrip('.')})"
@@ -85,18 +83,19 @@ def _from_library(reader: Any) -> HeightFile:
     if min(heights.shape) < MIN_SIDE:
         size = " × ".join(map(str, heights.shape))
         raise InputError(f"{size} heights are too few; give {MIN_SIDE} along each side")
-    names = [other_channel.name for other_channel in reader.channels]
-    channel_note = (f"{channel.name} is read, of the channels {', '.join(names)}",)
-    notes = channel_note[: len(names) - 1]
+    notes: tuple[str, ...] = ()
+    if len(reader.channels) > 1:
+        names = ", ".join(file_channel.name for file_channel in reader.channels)
+        notes = (f"{channel.name} is read, of the channels {names}",)
     if topography.unit is None:
         return HeightFile(heights, notes=notes)
-    sides = [float(side) for side in topography.to_unit("m").pixel_size]
-    unit = sides[0] / float(topography.pixel_size[0])
-    return HeightFile(heights, unit, (sides[0], sides[1]), notes)
+    x, y = map(float, topography.to_unit("m").pixel_size)
+    return HeightFile(heights, x / float(topography.pixel_size[0]), (x, y), notes)
 
 
 def require_size(shape: Sequence[int]) -> None:
     """Raise an `InputError` for more heights than can be processed."""
-    if math.prod(shape) > _MAX_HEIGHTS:
+    max_count = 2**24  # 4096 × 4096; the form of more takes gigabytes
+    if math.prod(shape) > max_count:
         size = " × ".join(map(str, shape))
-        raise InputError(f"{size} heights are too many; cut out {_MAX_HEIGHTS} at most")
+        raise InputError(f"{size} heights are too many; cut out {max_count} at most")

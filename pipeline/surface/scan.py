@@ -29,15 +29,7 @@ from pipeline.surface.text_matrix import delimiter_of, matrix_of, numbers_of
 from tribo import InputError
 from tribo.types import Array
 
-_GIVE_MAP = "give a map, or Ra and RSm of a profile by --ra and --rsm"
-_MAX_BYTES = 2**28
-_STEP_TOLERANCE = 0.02  # relative difference of steps, below which numbers rise evenly
-_EQUAL_LENGTHS = 0.01  # relative difference below which two lengths agree
-_MAX_HEIGHT = 1.0  # height [m] from which the unit must be wrong
-_MISSING_ABOVE = 1e30  # numbers above it, and infinity, are marks of missing heights
-_MARK_GAP = 4.0  # distance of a mark of missing heights from all heights, over their range
-_MIN_FILLER_SHARE = 0.01  # share of heights of one value, above which they may mean missing
-_MIN_FILLER_RATIO = 10.0  # number of these heights over that of the next value
+_LENGTH_TOLERANCE = 0.01  # relative difference below which two lengths agree
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +75,7 @@ def read_scan(
     """
     path = user_path(path)
     try:
-        content = read_file(path, _MAX_BYTES)
+        content = read_file(path, max_bytes=2**28)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     try:
@@ -96,48 +88,49 @@ def _scan(
     file: HeightFile, height_unit: float | None, pixel_size: tuple[float, float] | None
 ) -> Scan:
     notes = ["x, the sliding direction, goes from column to column", *file.notes]
-    unit, file_sides = height_unit or file.unit, file.pixel_size
-    sides = pixel_size or file_sides
-    missing = ["the unit of its heights (height_unit)"] * (not unit)
-    missing += ["the sides of a pixel (pixel_size)"] * (not sides)
+    unit, sides = height_unit or file.unit, pixel_size or file.pixel_size
+    missing = [] if unit else ["the unit of its heights (height_unit)"]
+    if not sides:
+        missing.append("the sides of a pixel (pixel_size)")
     if not unit or not sides:
         raise InputError(f"the file does not have {' and '.join(missing)}; add what is missing")
-    if file.unit and abs(unit / file.unit - 1) > _EQUAL_LENGTHS:
+    if file.unit and abs(unit / file.unit - 1) > _LENGTH_TOLERANCE:
         notes.append(f"the given height unit, {unit:g} m, replaces the file's, {file.unit:g} m")
-    if file_sides and not np.allclose(file_sides, sides, rtol=_EQUAL_LENGTHS, atol=0):
-        notes.append(f"the given pixels replace the file's {display_sides(file_sides)}")
+    if file.pixel_size and not np.allclose(file.pixel_size, sides, _LENGTH_TOLERANCE, 0):
+        notes.append(f"the given pixels replace the file's {display_sides(file.pixel_size)}")
     heights, mark_notes = _without_marks(file.heights.astype(float))
     heights *= unit
     highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
-    if highest > _MAX_HEIGHT:
+    if highest > 1.0:
         raise InputError(f"heights of {highest:.3g} m; give the right unit, height_unit")
     return Scan(np.ascontiguousarray(heights), (sides[0], sides[1]), (*notes, *mark_notes))
 
 
 def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     """Heights with marks such as −9999 and infinity as NaN; and notes on these."""
-    notes, is_huge = list[str](), np.abs(heights) > _MISSING_ABOVE
+    notes, is_huge = list[str](), np.abs(heights) > 1e30
     if is_huge.any():
-        notes.append(f"{is_huge.sum()} heights beyond {_MISSING_ABOVE:g} are taken for missing")
+        notes.append(f"{is_huge.sum()} heights beyond 1e+30 are taken for missing")
         heights = np.where(is_huge, np.nan, heights)
-    while True:
-        values = np.unique(heights[np.isfinite(heights)])
-        if values.size < 4:
-            break
-        min_gap = _MARK_GAP * (values[-2] - values[1])
-        gaps = {values[0]: values[1] - values[0], values[-1]: values[-1] - values[-2]}
-        marks = [value for value, gap in gaps.items() if gap > min_gap]
+    while marks := _marks_in(np.unique(heights[np.isfinite(heights)])):
         for mark in marks:
             notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are taken for missing")
             heights[heights == mark] = np.nan
-        if not marks:
-            break
     values, counts = np.unique(heights[np.isfinite(heights)], return_counts=True)
     second_count, max_count = np.sort(np.append(counts, [0, 0]))[-2:].tolist()
-    if max_count > max(_MIN_FILLER_SHARE * heights.size, _MIN_FILLER_RATIO * second_count):
+    if max_count > max(0.01 * heights.size, 10 * second_count):
         value = values[counts.argmax()]
         notes.append(f"{max_count} heights are exactly {value:.6g}: write nan if these are missing")
     return heights, notes
+
+
+def _marks_in(values: Array) -> list[float]:
+    """The lowest or highest of ascending values, if far from all others: marks of no height."""
+    if values.size < 4:
+        return []
+    min_gap = 4 * (values[-2] - values[1])
+    gaps = {values[0]: values[1] - values[0], values[-1]: values[-1] - values[-2]}
+    return [value for value, gap in gaps.items() if gap > min_gap]
 
 
 def _read(path: Path, content: bytes) -> HeightFile:
@@ -167,9 +160,10 @@ def _read(path: Path, content: bytes) -> HeightFile:
             f"its first lines are not heights ({quoted(headings[0][:60])}); delete all "
             f"{len(headings)} lines above the numbers, and give height_unit and pixel_size"
         )
-    comments = [line for line in text.splitlines() if line.lstrip()[:1] == "#"]
-    comment_note = (f"comments of the file are not used: {quoted(' '.join(comments)[:80])}",)
-    return HeightFile(_require_map(matrix).T, notes=comment_note[: len(comments)])
+    notes = list[str]()
+    if comments := [line for line in text.splitlines() if line.lstrip()[:1] == "#"]:
+        notes.append(f"comments of the file are not used: {quoted(' '.join(comments)[:80])}")
+    return HeightFile(_require_map(matrix).T, notes=tuple(notes))
 
 
 def _array(content: bytes) -> Array:
@@ -193,7 +187,10 @@ def _require_map(matrix: Array) -> Array:
     if short_side < MIN_SIDE:
         columns = matrix if matrix.shape[1] == long_side else matrix.T
         have_repeats = [np.unique(column).size < long_side / 2 for column in columns[:2]]
-        content = f"a table of {short_side} columns, such as profiles; {_GIVE_MAP}"
+        content = (
+            f"a table of {short_side} columns, such as profiles; give a map, or Ra and RSm of a "
+            "profile by --ra and --rsm"
+        )
         if short_side < 3:
             content = PROFILE
         elif short_side < 5 and all(have_repeats):
@@ -201,7 +198,7 @@ def _require_map(matrix: Array) -> Array:
         raise InputError(f"{short_side} × {long_side} numbers are {content}, not a map of heights")
     for name, values in (("row", matrix[0]), ("column", matrix[:, 0])):
         steps = np.diff(values[1:])
-        if steps[0] and np.allclose(steps, steps[0], rtol=_STEP_TOLERANCE, atol=0):
+        if steps[0] and np.allclose(steps, steps[0], rtol=0.02, atol=0):
             raise InputError(
                 f"the first {name} rises evenly, from {values[1]:g} to {values[-1]:g}: no heights, "
                 "but an axis or numbers of rows; leave it out"

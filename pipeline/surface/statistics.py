@@ -13,7 +13,12 @@ import numpy as np
 from pipeline.arguments import in_share, in_si, plain_value, typed_arguments
 from pipeline.messages import quoted
 from pipeline.quantities import display, display_sides
-from pipeline.surface.fit import SelfAffineFit, fit_self_affine
+from pipeline.surface.random_surface import (
+    SelfAffineFit,
+    fit_self_affine,
+    nearly_equal,
+    roughness_toml,
+)
 from pipeline.surface.scan import Scan, read_scan
 from pipeline.surface.window import filled, form_words
 from tribo import Grid, InputError
@@ -24,16 +29,8 @@ from tribo.types import Array
 
 MISSING = 0.1
 """Share of missing heights up to which they are filled."""
-_EQUAL_LENGTHS = 0.15  # relative difference below which two lengths count as equal
-_MAX_MISFIT = 2.0  # between spectra, above which a fit is poor
-# Relative differences of Sa, Sdq and Sal, above which a fit is poor.
-_MAX_SA_DIFFERENCE, _MAX_SDQ_DIFFERENCE, _MAX_SAL_DIFFERENCE = 0.3, 0.25, 0.5
-_MAX_SSK = 0.5  # size of Ssk above which a fit is poor
-_MIN_SKU, _MAX_SKU = 2.0, 5.0  # range of Sku outside which a fit is poor
-_OBLIQUE_ANGLE = 15.0  # angle of a lay to x and y [°] above which a fit is poor
-_MIN_SQ, _MAX_SQ = 1e-9, 5e-5  # plausible range of Sq [m]
-_MIN_PIXEL, _MAX_PIXEL = 1e-9, 1e-4  # plausible range of pixel sides [m]
-_MIN_SDQ, _MAX_SDQ = 1e-4, 3.0  # plausible range of Sdq
+_UNIT_SIZES = {"um": 1e-6, "nm": 1e-9, "mm": 1e-3, "m": 1.0}
+_OBLIQUE_ANGLE = 15.0  # angle to both x and y [°] above which a lay is oblique
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,10 +72,11 @@ class SurfaceStatistics:
 
     def lines(self) -> Iterator[str]:
         """Yield lines that compare the scan with the random surface."""
-        sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
+        nx, ny = self.shape
+        sides = nx * self.pixel_size[0], ny * self.pixel_size[1]
         yield self.file
         yield (
-            f"  {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
+            f"  {nx} × {ny} heights, {display_sides(sides)}, "
             f"pixels {display_sides(self.pixel_size)}"
         )
         yield from (f"  note: {note}" for note in self.notes)
@@ -123,14 +121,13 @@ class SurfaceStatistics:
 
     def rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield the name of each number, its value for the scan, and for the random surface."""
-        for (name, scan), (_, random) in zip(
-            _rows(self.roughness), _rows(self.fitted), strict=True
-        ):
-            yield name, scan, random
-        yield "spectrum", "", (
-            "not compared" if math.isnan(self.fit.misfit)
-            else f"within a factor {self.fit.misfit:.2g} of the scan's"
-        )  # fmt: skip
+        fitted_texts = dict(_number_texts(self.fitted))
+        for name, text in _number_texts(self.roughness):
+            yield name, text, fitted_texts[name]
+        if math.isnan(self.fit.misfit):
+            yield "spectrum", "", "not compared"
+        else:
+            yield "spectrum", "", f"within a factor {self.fit.misfit:.2g} of the scan's"
 
     def __str__(self) -> str:
         return "\n".join([*self.lines(), "", self.tables])
@@ -140,28 +137,30 @@ def _faults_of_fit(statistics: SurfaceStatistics) -> Iterator[str]:
     scan, fitted = statistics.roughness, statistics.fitted
     if math.isnan(statistics.fit.misfit):
         yield "the scan has too few heights to compare spectra"
-    elif statistics.fit.misfit > _MAX_MISFIT:
+    elif statistics.fit.misfit > 2:
         yield f"its spectrum is off by a factor {statistics.fit.misfit:.2g} at some wavelengths"
     axes = zip(
         statistics.fit.correlation_length, statistics.shape, statistics.pixel_size, strict=True
     )
-    if any(not side <= length <= n * side / 2 for length, n, side in axes):
+    if any(not side <= length <= count * side / 2 for length, count, side in axes):
         yield "a correlation length is below a pixel, or above half the scan"
-    if abs(scan.ssk) > _MAX_SSK:
+    if abs(scan.ssk) > 0.5:
         yield f"Ssk is {scan.ssk:.2g}, where a random surface has 0"
-    if not _MIN_SKU <= scan.sku <= _MAX_SKU:
+    if not 2 <= scan.sku <= 5:
         yield f"Sku is {scan.sku:.2g}, where a random surface has 3"
-    if abs(scan.sa / fitted.sa - 1) > _MAX_SA_DIFFERENCE:
+    if abs(scan.sa / fitted.sa - 1) > 0.3:
         yield f"its Sa is {scan.sa / fitted.sa:.2g} times that of the fit above its form"
-    if abs(scan.sdq / fitted.sdq - 1) > _MAX_SDQ_DIFFERENCE:
+    if abs(scan.sdq / fitted.sdq - 1) > 0.25:
         yield f"its gradient Sdq is {scan.sdq / fitted.sdq:.2g} times that of the fit"
-    if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= _MAX_SAL_DIFFERENCE):
+    # Both are infinite where correlations reach over the scan.
+    if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= 0.5):
         yield f"its Sal is {scan.sal / fitted.sal:.2g} times that of the fit"
     if scan.lay is not None and _OBLIQUE_ANGLE < abs(scan.lay) < 90 - _OBLIQUE_ANGLE:
         yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
 
 
-def _rows(roughness: ArealRoughness) -> Iterator[tuple[str, str]]:
+def _number_texts(roughness: ArealRoughness) -> Iterator[tuple[str, str]]:
+    """Yield the name and the value of each number, as text."""
     for name in ("sa", "sq", "sz"):
         yield name.capitalize(), display(getattr(roughness, name), "µm", 4)
     yield "Ssk, Sku", f"{roughness.ssk:.2g}, {roughness.sku:.2g}"
@@ -229,15 +228,15 @@ def surface_statistics(
     ('0.299 um', '3.25 um')
     """
     unit, sides = _unit_in_si(height_unit), _sides_in_si(pixel_size)
-    share = in_share("missing", missing)
-    if not 0 <= share < 1:
+    max_missing = in_share("missing", missing)
+    if not 0 <= max_missing < 1:
         raise InputError(f"missing is {missing!r}; give a share from 0 to 1, such as 0.1")
     scan = read_scan(path, unit, sides)
     try:
-        statistics = _statistics(str(path), scan, share)
+        statistics = _statistics(str(path), scan, max_missing)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, share))
+    return replace(statistics, scan_tables=_scan_tables(statistics, unit, sides, max_missing))
 
 
 def _unit_in_si(height_unit: Any) -> float | None:
@@ -246,9 +245,9 @@ def _unit_in_si(height_unit: Any) -> float | None:
     if unit is None:
         return None
     text = f"1 {unit}" if isinstance(unit, str) and not unit[:1].isdigit() else unit
-    unit_in_si = in_si("height_unit", text, "1 um")
-    require_positive(height_unit=unit_in_si)
-    return unit_in_si
+    metres = in_si("height_unit", text, "1 um")
+    require_positive(height_unit=metres)
+    return metres
 
 
 def _sides_in_si(pixel_size: Any) -> tuple[float, float] | None:
@@ -263,13 +262,13 @@ def _sides_in_si(pixel_size: Any) -> tuple[float, float] | None:
     return x, y
 
 
-def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
+def _statistics(file: str, scan: Scan, max_missing: float) -> SurfaceStatistics:
     sides, shape = scan.pixel_size, (scan.heights.shape[0], scan.heights.shape[1])
     roughness, notes = areal_roughness(scan.heights, sides), [*scan.notes]
     if scan.missing:
         notes.append(f"{scan.missing_words}; the numbers leave them out, the fit has them filled")
     notes += _unusual_values(roughness, sides)
-    level, *_ = remove_form(filled(scan, missing), sides)
+    level, *_ = remove_form(filled(scan, max_missing), sides)
     fit = fit_self_affine(level, sides)
     lengths = nearly_equal(fit.correlation_length)
     surface = self_affine(Grid(shape, sides), roughness.sa, fit.hurst_exponent, lengths, seed=0)
@@ -281,11 +280,11 @@ def _statistics(file: str, scan: Scan, missing: float) -> SurfaceStatistics:
 
 def _unusual_values(roughness: ArealRoughness, sides: tuple[float, float]) -> Iterator[str]:
     """Notes on numbers outside the usual range, most likely because of a wrong unit."""
-    if not _MIN_SQ <= roughness.sq <= _MAX_SQ:
+    if not 1e-9 <= roughness.sq <= 5e-5:
         yield f"Sq is {display(roughness.sq, 'µm', 3)}: check the unit of the heights"
-    if not _MIN_PIXEL <= min(sides) <= max(sides) <= _MAX_PIXEL:
+    if not 1e-9 <= min(sides) <= max(sides) <= 1e-4:
         yield f"pixels are {display_sides(sides)}: check their size"
-    if not _MIN_SDQ <= roughness.sdq <= _MAX_SDQ:
+    if not 1e-4 <= roughness.sdq <= 3:
         yield (
             f"the gradient Sdq is {roughness.sdq:.2g}: check the unit of heights and the pixels' "
             "size"
@@ -298,42 +297,21 @@ def _scan_tables(
     statistics: SurfaceStatistics,
     unit: float | None,
     sides: tuple[float, float] | None,
-    missing: float,
+    max_missing: float,
 ) -> str:
     """Tables of a scene that simulates the scan itself, by the unit and sides that were given."""
-    pixels = "[{}]".format(
-        ", ".join(f'"{display(side, "um", 6)}"' for side in statistics.pixel_size)
-    )
+    x, y = (f'"{display(side, "um", 6)}"' for side in statistics.pixel_size)
+    pixel_size = f"[{x}, {y}]"
     entries = [f"file = {quoted(statistics.file)}"]
     if unit:
-        units = ("um", "nm", "mm", "m")
-        equal_units = (name for name in units if math.isclose(in_si("", f"1 {name}", "1 m"), unit))
-        entries.append(f"height_unit = {quoted(next(equal_units, f'{unit:g} m'))}")
-    entries += [f"pixel_size = {pixels}"] if sides else []
-    entries += ["level = true"]
-    entries += [f"missing = {missing:g}"] if missing != MISSING else []
+        units = (name for name, size in _UNIT_SIZES.items() if math.isclose(size, unit))
+        entries.append(f"height_unit = {quoted(next(units, f'{unit:g} m'))}")
+    if sides:
+        entries.append(f"pixel_size = {pixel_size}")
+    entries.append("level = true")
+    if max_missing != MISSING:
+        entries.append(f"missing = {max_missing:g}")
     return (
         f"disk = {{ roughness = {{ {', '.join(entries)} }} }}\n"
-        f"window = {{ pixel_size = {pixels} }}\n"
+        f"window = {{ pixel_size = {pixel_size} }}\n"
     )
-
-
-def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float]) -> str:
-    """Roughness of a scene's disk for random surfaces, as in new scenes; `ra`, `lengths` in m.
-
-    Nearly equal correlation lengths along x and y become their geometric mean.
-    """
-    x, y = nearly_equal(lengths)
-    texts = [f'"{display(length, "um", 3)}"' for length in (x, y)]
-    length = texts[0] if texts[0] == texts[1] else f"[{', '.join(texts)}]"
-    return (
-        f'disk = {{ roughness = {{ ra = "{display(ra, "um", 4)}", '
-        f"hurst_exponent = {hurst_exponent:.3g}, correlation_length = {length} }} }}\n"
-    )
-
-
-def nearly_equal(lengths: tuple[float, float]) -> tuple[float, float]:
-    """Lengths along x and y; both their geometric mean if they are nearly equal."""
-    x, y = lengths
-    mean = math.sqrt(x * y)
-    return (x, y) if abs(x - y) > _EQUAL_LENGTHS * mean else (mean, mean)

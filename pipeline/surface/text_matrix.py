@@ -12,7 +12,6 @@ from pipeline.units import GROUPED
 from tribo import InputError
 from tribo.types import Array
 
-_MAX_HEADINGS = 200  # lines of headings above the numbers of a text
 _MISSING_WORDS = re.compile(
     r"(?<![\w.+-])(-?1\.#\w+|-{2,}|\*+|n/?a|no ?data|bad|void)(?![\w.])", re.IGNORECASE
 )
@@ -30,7 +29,7 @@ def matrix_of(text: str) -> tuple[list[str], Array | None]:
     numbered_rows = [(k, row.strip(" ")) for k, row in enumerate(rows, 1) if row.strip()]
     numbered_rows = [(k, row) for k, row in numbered_rows if row.lstrip()[0] != "#"]
     lines, heading_count = [row for _, row in numbered_rows], 0
-    for line in lines[:_MAX_HEADINGS]:
+    for line in lines[:200]:  # more lines of headings are too many to search
         delimiter = delimiter_of(line)
         if numbers_of([line], delimiter) is not None:
             break
@@ -76,9 +75,10 @@ def _thousands_problem(number: str) -> str:
 
 def _require_single_table(line_numbers: list[int]) -> None:
     """Raise an `InputError` if lines without numbers divide the rows into tables."""
-    starts = [k for k, (a, b) in enumerate(itertools.pairwise(line_numbers), 1) if b > a + 1]
+    pairs = itertools.pairwise(line_numbers)
+    starts = [k for k, (before, after) in enumerate(pairs, 1) if after > before + 1]
     if starts and len(starts) < len(line_numbers) - 1:  # else a line is empty below each row
-        sizes = [b - a for a, b in itertools.pairwise([0, *starts, len(line_numbers)])]
+        sizes = np.diff([0, *starts, len(line_numbers)])
         raise InputError(
             f"{len(sizes)} tables of {', '.join(map(str, sizes[:4]))} rows, the second from line "
             f"{line_numbers[starts[0]]} on; keep one of them"
@@ -108,11 +108,9 @@ def numbers_of(lines: list[str], delimiter: str | None, strict: bool = False) ->
     if delimiter:
         while lines[0].endswith(delimiter) and all(line.endswith(delimiter) for line in lines):
             lines = [line[:-1] for line in lines]
-        empty_columns = [
-            k for k, cell in enumerate(lines[0].split(delimiter)) if not cell.strip() and strict
-        ]
-        for k in empty_columns:
-            if not any("".join(line.split(delimiter)[k : k + 1]).strip() for line in lines):
+        for k, first_cell in enumerate(lines[0].split(delimiter) if strict else ()):
+            cells = ("".join(line.split(delimiter)[k : k + 1]) for line in lines)
+            if not first_cell.strip() and not any(cell.strip() for cell in cells):
                 raise InputError(f"column {k + 1} is empty, as between two tables; keep one table")
         empty_cell = re.compile(rf"(?:^|(?<={delimiter})) *(?={delimiter}|$)")
         lines = [empty_cell.sub("nan", line) for line in lines]

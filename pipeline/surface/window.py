@@ -25,10 +25,8 @@ def areas_of(shape: tuple[int, ...], pixels: tuple[int, int], is_mirrored: bool)
     >>> areas_of((1000, 300), (480, 480), False), areas_of((1000, 300), (480, 480), True)
     ((2, 0), (2, 1))
     """
-    along_x, along_y = (
-        max(heights // side, int(is_mirrored)) for heights, side in zip(shape, pixels, strict=True)
-    )
-    return along_x, along_y
+    min_count = 1 if is_mirrored else 0
+    return max(shape[0] // pixels[0], min_count), max(shape[1] // pixels[1], min_count)
 
 
 def window_heights(
@@ -51,8 +49,8 @@ def window_heights(
     notes = [*scan.notes, *notes]
     if table["level"]:
         heights, _, radii = remove_form(heights, sides)
-        radius_words = form_words(radii)
-        notes += [f"curvature removed: R {radius_words}"] if radius_words else []
+        if radius_words := form_words(radii):
+            notes.append(f"curvature removed: R {radius_words}")
     area = Scan(heights, scan.pixel_size)
     if area.missing:
         heights = filled(area, table["missing"])
@@ -63,8 +61,8 @@ def window_heights(
             f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself and the error by "
             "surface sampling is larger"
         )
-        padding = np.subtract(pixels, heights.shape).tolist()
-        heights = np.pad(heights, [(0, n) for n in padding], "symmetric")
+        missing_x, missing_y = np.subtract(pixels, heights.shape).tolist()
+        heights = np.pad(heights, [(0, missing_x), (0, missing_y)], "symmetric")
     return np.ascontiguousarray(heights), notes
 
 
@@ -84,15 +82,19 @@ def _area(
             f"the scan has {count} areas of {size} heights, numbered from 0; there is no area "
             f"{max(numbers)}: give fewer sweep.realizations, or fewer window.pixels"
         )
-    position = numbers[0] % areas[0], numbers[0] // areas[0]
-    starts = [
-        max(0, (n - m * p) // 2 + k * p)
-        for n, m, p, k in zip(shape, areas, pixels, position, strict=True)
+    row, column = divmod(numbers[0], areas[0])
+    slices = list[slice]()
+    for axis, index in enumerate((column, row)):
+        margin = (shape[axis] - areas[axis] * pixels[axis]) // 2
+        start = max(0, margin + index * pixels[axis])
+        slices.append(slice(start, start + pixels[axis]))
+    area = heights[tuple(slices)]
+    if area.shape == shape:
+        return area, []
+    return area, [
+        f"the scan of {shape[0]} × {shape[1]} heights has {count} areas of the window's size; "
+        f"{len(numbers)} are simulated (sweep.realizations)"
     ]
-    area = heights[tuple(slice(start, start + p) for start, p in zip(starts, pixels, strict=True))]
-    note = f"the scan of {shape[0]} × {shape[1]} heights has {count} areas of the window's size; "
-    note += f"{len(numbers)} are simulated (sweep.realizations)"
-    return area, [note] if area.shape != shape else []
 
 
 def filled(scan: Scan, max_share: float) -> Array:
@@ -113,25 +115,27 @@ def _harmonic(heights: Array) -> Array:
     """Heights in which each missing one is the mean of its two to four neighbours."""
     from scipy import sparse  # slow to import
 
-    is_hole, unknowns = np.isnan(heights), np.full(heights.shape, -1)
-    i, j = np.nonzero(is_hole)
-    unknowns[i, j] = hole_numbers = np.arange(len(i))
-    degree, known_sum = np.zeros(len(i)), np.zeros(len(i))
-    rows, columns = list[Indices](), list[Indices]()
-    for step_i, step_j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        neighbour_i, neighbour_j = i + step_i, j + step_j
-        is_inside = (neighbour_i >= 0) & (neighbour_j >= 0)
-        is_inside &= (neighbour_i < heights.shape[0]) & (neighbour_j < heights.shape[1])
-        rows_inside = hole_numbers[is_inside]
-        neighbour = neighbour_i[is_inside], neighbour_j[is_inside]
-        degree[rows_inside] += 1
-        known_sum[rows_inside] += np.where(is_hole[neighbour], 0.0, heights[neighbour])
-        rows.append(rows_inside[is_hole[neighbour]])
-        columns.append(unknowns[neighbour][is_hole[neighbour]])
-    pairs = np.concatenate(rows), np.concatenate(columns)
-    adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(i), len(i)))
+    is_hole = np.isnan(heights)
+    x, y = np.nonzero(is_hole)
+    hole_numbers = np.full(heights.shape, -1)
+    hole_numbers[x, y] = np.arange(len(x))
+    neighbour_count, known_sum = np.zeros(len(x)), np.zeros(len(x))
+    holes, neighbour_holes = list[Indices](), list[Indices]()
+    for step_x, step_y in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        neighbour_x, neighbour_y = x + step_x, y + step_y
+        is_inside = (neighbour_x >= 0) & (neighbour_y >= 0)
+        is_inside &= (neighbour_x < heights.shape[0]) & (neighbour_y < heights.shape[1])
+        numbers = np.flatnonzero(is_inside)
+        neighbours = neighbour_x[is_inside], neighbour_y[is_inside]
+        is_hole_too = is_hole[neighbours]
+        neighbour_count[numbers] += 1
+        known_sum[numbers] += np.where(is_hole_too, 0.0, heights[neighbours])
+        holes.append(numbers[is_hole_too])
+        neighbour_holes.append(hole_numbers[neighbours][is_hole_too])
+    pairs = np.concatenate(holes), np.concatenate(neighbour_holes)
+    adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(x), len(x)))
+    laplace = (sparse.diags_array(neighbour_count) - adjacency).tocsc()
     filled_heights = heights.copy()
-    laplace = (sparse.diags_array(degree) - adjacency).tocsc()
     filled_heights[is_hole] = sparse.linalg.spsolve(laplace, known_sum)
     return filled_heights
 
@@ -139,5 +143,8 @@ def _harmonic(heights: Array) -> Array:
 def form_words(radii: tuple[float, float]) -> str:
     """Radii of curvature along x and y [m] in words; empty if the surface is flat."""
     axis_radii = zip("xy", radii, strict=True)
-    texts = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in axis_radii if np.isfinite(r))
-    return " and ".join(texts)
+    return " and ".join(
+        f"{display(radius, 'mm', 3)} along {axis}"
+        for axis, radius in axis_radii
+        if np.isfinite(radius)
+    )

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from pipeline import boundary
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
-from pipeline.surface.data_sheet import correlation_length
+from pipeline.surface.random_surface import correlation_length
 from tribo.types import Array
 
 from .labels import label_ends
