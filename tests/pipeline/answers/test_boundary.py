@@ -4,16 +4,13 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
 
-import pipeline
 from pipeline import boundary
 from pipeline.answers.answer_lines import boundary_lines, next_run_line
 from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
-from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 
 TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 5
@@ -133,23 +130,3 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_has_its_boundary_at_the_lo
     crossings = boundary(synthetic.sweep(rise=synthetic.falling, tests=()))
     np.testing.assert_allclose(crossings["critical_velocity"], 1.1, rtol=1e-3)
     assert (crossings["outcome_along_velocity"] == TRANSITION).all()
-
-
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        (lambda ds: ds.shift(load=1), "200 N is carried at a load of 400 N"),
-        (lambda ds: ds.roll(load=-1), "400 N is carried at a load of 200 N"),
-        (lambda ds: 2 * ds, "800 N is carried at a load of 200 N"),
-        (lambda ds: ds.assign(rise_quantile=2 * ds["rise_quantile"]), "K is stored for a rise of"),
-        (lambda ds: ds.where(ds["load"] != 400).interpolate_na("load"), "at a load of 400 N"),
-        (lambda ds: ds.stack(point=("load", "velocity")), r"point joins .*; call ds.unstack\(\)"),
-    ],
-)
-def test_results_that_xarray_moved_or_multiplied_are_refused(change, reason):
-    ds = synthetic.sweep((200.0, 400.0, 600.0), (0.5, 1.0, 2.0), tests=())
-    ds = ds.set_coords(["normal_load", "time", "sliding_distance"])  # as in a store
-    with xr.set_options(keep_attrs=True):
-        changed = change(ds.drop_vars("message"))
-    with pytest.raises(InputError, match=reason):
-        pipeline.margin(changed, 500.0, 1.5)

@@ -307,12 +307,8 @@ REFUSED = {  # load and velocity, conditions, message
     "no unit": (("400", 2.0), {}, '"400" has no unit'),
     "of time": ((with_unit(3.0, "s"), 2.0), {}, "cannot be converted to N"),
     "true": ((True, 2.0), {}, "load is true, which is not a number"),
-    "empty": (([], 2.0), {}, "load is empty"),
-    "plane": (([[1.0]], 2.0), {}, "lists in a list; give a DataArray"),
-    "alone": ((None, 2.0), {}, "give both a load and a velocity"),
     "newtons": ((), {"friction": "300 N"}, "friction is '300 N'"),
     "nan": ((), {"friction": np.nan}, "must be one finite number"),
-    "celsius as kelvin": ((), {"bulk_temperature": 25}, "at which no oil works"),
     "hot bulk": ((), {"bulk_temperature": "150 degC"}, "must be above the bulk temperature"),
     "slip": ((), {"fricton": 0.1}, "fricton is not a condition"),
 }

@@ -1,0 +1,138 @@
+"""All refusals of answers: what causes each, and what its message says."""
+
+from functools import cache
+
+import numpy as np
+import xarray as xr
+
+import pipeline
+from pipeline.answers.results import refuse_cases
+from pipeline.store.schema import PENDING
+from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
+from tests.helpers.refusals import refusal_tests
+from tests.pipeline.figures.test_planes import two_pins
+
+
+@cache
+def plane():
+    ds = synthetic.sweep((200.0, 400.0, 600.0), (0.5, 1.0, 2.0), tests=())
+    ds = ds.set_coords(["normal_load", "time", "sliding_distance"])  # as in a store
+    return ds.drop_vars("message")
+
+
+def margin_of(change):
+    """Judge a point by the plane after a change of its dataset."""
+
+    def judge():
+        with xr.set_options(keep_attrs=True):
+            return pipeline.margin(change(plane()), 500.0, 1.5)
+
+    return judge
+
+
+def with_attribute(name, **attributes):
+    return margin_of(lambda ds: ds.assign({name: ds[name].assign_attrs(attributes)}))
+
+
+def with_sweep(text):
+    return margin_of(lambda ds: ds.drop_attrs().assign_attrs(sweep=text))
+
+
+def boundary_of(select):
+    return lambda: pipeline.boundary(select(plane()))
+
+
+def margin(*point, **conditions):
+    return lambda: pipeline.margin(plane(), *point, **conditions)
+
+
+def for_radii(*radii):
+    friction = xr.DataArray([0.1] * len(radii), {"pin_radius": [*radii]}, "pin_radius")
+    return pipeline.margin(two_pins(), 500.0, 1.5, friction=friction)
+
+
+def without_test_results():
+    ds = synthetic.sweep(tests=(bare_test(400.0, 2.0),), critical_from_tests=True)
+    return pipeline.infer(synthetic.with_tests(ds, status=PENDING))
+
+
+def of_unlike_lengths():
+    loads, frictions = (xr.DataArray([*x], dims="k") for x in ((300, 400), (0.1, 0.11, 0.12)))
+    return pipeline.margin(plane(), loads, 1.5, friction=frictions)
+
+
+def without_friction():
+    ds = synthetic.sweep(tests=(), friction_heat=False)
+    return pipeline.margin(ds, 500.0, 1.5, friction=0.1)
+
+
+def few_quantiles():
+    return pipeline.temperatures(plane().isel(area_fraction_below=[0, 1]))
+
+
+REFUSALS = {
+    # datasets
+    "no scene": (margin_of(xr.Dataset.drop_attrs), "has no attribute sweep, which describes"),
+    "broken scene": (with_sweep("{"), "the attribute sweep of the dataset is not valid JSON"),
+    "another scene": (with_sweep("{}"), "was written by another version of this program"),
+    "no status": (margin_of(lambda ds: ds.drop_vars("status")), "the dataset has no status"),
+    "float status": (margin_of(lambda ds: ds.assign(status=ds["status"].astype(float))),
+                     "its status is not an integer"),
+    "no rise": (margin_of(lambda ds: ds.drop_vars("rise_quantile")),
+                "the dataset lacks rise_quantile; keep all of its variables"),
+    "celsius": (with_attribute("rise_quantile", units="degC"), "is in degC; it must be in K"),
+    "stacked": (margin_of(lambda ds: ds.stack(point=("load", "velocity"))),
+                "point joins dimensions of the dataset; call ds.unstack() first"),
+    "no end": (margin_of(lambda ds: ds.isel(step=slice(-1))), "the dataset lacks step 0"),
+    "one step": (margin_of(lambda ds: ds.sel(step=0)), "select a list instead: ds.sel(step=[0])"),
+    "no load": (margin_of(lambda ds: ds.drop_vars("load")), "the dataset has no finite load"),
+    "endless load": (margin_of(lambda ds: ds.assign_coords(load=[200.0, 400.0, np.inf])),
+                     "the dataset has no finite load"),
+    "kilonewtons": (margin_of(lambda ds: ds.assign_coords(
+        load=ds["load"].assign_attrs(units="kN"))), "load of the dataset is in kN"),
+    "descending": (margin_of(lambda ds: ds.isel(load=[1, 0])), "load of the dataset does not asc"),
+    "other load": (margin_of(lambda ds: ds.assign_coords(load=[200.0, 410.0, 600.0])), "410"),
+    # results that xarray moved or multiplied
+    "shifted": (margin_of(lambda ds: ds.shift(load=1)), "200 N is carried at a load of 400 N"),
+    "rolled": (margin_of(lambda ds: ds.roll(load=-1)), "400 N is carried at a load of 200 N"),
+    "doubled": (margin_of(lambda ds: 2 * ds), "800 N is carried at a load of 200 N"),
+    "hotter": (margin_of(lambda ds: ds.assign(rise_quantile=2 * ds["rise_quantile"])),
+               "K is stored for a rise of"),
+    "interpolated": (margin_of(lambda ds: ds.where(ds["load"] != 400).interpolate_na("load")),
+                     "at a load of 400 N"),
+    "other times": (margin_of(lambda ds: ds.assign_coords(time=2 * ds["time"])),
+                    "those at velocity 0.5 m/s are of 0.25 m/s"),
+    # cases
+    "cases": (lambda: refuse_cases(two_pins()),
+              'the sweep has several cases; select one by pin_radius, such as --at "pin_radius=1'),
+    "no radius": (lambda: pipeline.margin(two_pins().isel(pin_radius=0, drop=True), 500.0, 1.5),
+                  "the coordinate pin_radius is missing from the dataset; keep it"),
+    "other radius": (lambda: pipeline.margin(
+        two_pins().assign_coords(pin_radius=[1e-3, 3e-3]), 500.0, 1.5), "no case has 0.003"),
+    "one radius": (lambda: for_radii(1e-3), "friction has not all pin_radius of the sweep"),
+    # points and conditions
+    "one load": (boundary_of(lambda ds: ds.sel(load=400.0)),
+                 "load is a single value; select a list instead: ds.sel(load=[400])"),
+    "load alone": (margin(400.0), "give both a load and a velocity"),
+    "no point": (margin(), "no operating point is given; give a load and a velocity"),
+    "unlike lengths": (of_unlike_lengths, "load, velocity and conditions do not fit together"),
+    "empty": (margin([], 2.0), "load is empty; give at least one value"),
+    "nested": (margin([[1.0]], 2.0), "load has lists in a list; give a DataArray"),
+    "unknown": (margin(fricton=0.1), "fricton is not a condition"),
+    "twice": (margin(400.0, 2.0, friction=[0.1, 0.1]), "friction has a value twice"),
+    "several": (lambda: pipeline.infer(plane(), friction=[0.1, 0.2]),
+                "friction takes a single value here"),
+    "cold": (margin(400.0, 2.0, bulk_temperature=25), "(25 K), at which no oil works"),
+    "without heat": (without_friction, "the sweep was computed without friction and heat"),
+    "quantiles": (few_quantiles, "the dataset has 2 of 30 values of area_fraction_below"),
+    "no result": (without_test_results, "no test has a result, and the critical temperature"),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "boundary.boundary InputError",  # of a table of rows, in test_outside
+}
+
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "answers", REFUSALS, ELSEWHERE
+)
