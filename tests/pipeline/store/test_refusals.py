@@ -111,9 +111,9 @@ def in_use():
         commit("a.zarr", SWEEP, ())
 
 
-def with_a_file():
+def with_a_file(name):
     commit("a.zarr", SWEEP, ())
-    Path("a.zarr", "notes.txt").touch()
+    Path("a.zarr", name).touch()
     commit("a.zarr", tiny.full(loads=(700.0,)), ())
 
 
@@ -191,7 +191,8 @@ REFUSALS = {
              "mean_rise cannot be read: it is a file, where a store has a folder"),
     "missing": (changed(lambda path: (path / "mean_rise" / "c.0.0.0").unlink(), load),
                 "mean_rise is missing at 150 N, 0.5 m/s and at 8 more; irg verify"),
-    "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),
+    "notes": (lambda: with_a_file("notes.txt"), "notes.txt, which is not of this program, would"),
+    "notes on an array": (lambda: with_a_file("status/notes.txt"), "notes.txt, which is not of"),
     "label": (lambda: require_free_names(tiny.sweep(case_table=placed_rows(
         (250.0, 1.0, {"time": 1.0})))),
               "a column of the cases is called time"),
