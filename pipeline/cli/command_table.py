@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -46,12 +46,11 @@ class _StoreEntry(argparse.Action):
         setattr(namespace, self.dest, {**entries, key: value})
 
 
-Convert = Callable[[str], Any] | None
-"""Function that reads the value of an option from text; None for text as it is."""
+def value(syntax: str, convert: Any, help_text: str, **settings: Any) -> Option:
+    """Option with a value; `syntax` has its names and then the name of the value.
 
-
-def with_value(syntax: str, help_text: str, convert: Convert = None, **settings: Any) -> Option:
-    """Option with a value; `syntax` has its names and then the name of the value."""
+    `convert` reads the value from text; None leaves it text.
+    """
     *names, metavar = syntax.split()
     return Option(names, {"metavar": metavar, "type": convert, "help": help_text, **settings})
 
@@ -61,301 +60,198 @@ def flag(names: str, help_text: str) -> Option:
     return Option(names.split(), {"action": "store_true", "help": help_text})
 
 
-def _repeated(syntax: str, help_text: str, convert: Convert = str) -> Option:
+def _choice(name: str, choices: Sequence[str], help_text: str, **settings: Any) -> Option:
+    """Option whose value is one of a few words."""
+    return Option([name], {"choices": choices, "help": help_text, **settings})
+
+
+def _repeated(syntax: str, convert: Any, help_text: str) -> Option:
     """Option that may be repeated, with its values in a list."""
-    help_text = f"{help_text}; can be repeated"
-    return with_value(syntax, help_text, convert, action="append", default=[])
+    return value(syntax, convert, f"{help_text}; can be repeated", action="append", default=[])
 
 
-def _entries(syntax: str, help_text: str, convert: Convert) -> Option:
+def _entries(syntax: str, convert: Any, help_text: str) -> Option:
     """Option KEY=VALUE that may be repeated, with its values in a dictionary."""
-    help_text = f"{help_text}; can be repeated"
-    return with_value(syntax, help_text, convert, action=_StoreEntry, default={})
+    return value(syntax, convert, f"{help_text}; can be repeated", action=_StoreEntry, default={})
 
 
-def _quantity(syntax: str, help_text: str, like: str, **settings: Any) -> Option:
+def _quantity(syntax: str, like: str, help_text: str, **settings: Any) -> Option:
     """Option for a quantity above 0 with a unit."""
     convert = partial(values.quantity, like=like)
-    return with_value(syntax, f'{help_text}, like "{like}"', convert, **settings)
+    return value(syntax, convert, f'{help_text}, like "{like}"', **settings)
 
 
 def _load_and_velocity(**settings: Any) -> list[Option]:
     return [
-        _quantity("--load F", "normal load on the whole pin", "750 N", **settings),
-        _quantity("--velocity V", "sliding velocity", "1.25 m/s", **settings),
+        _quantity("--load F", "750 N", "normal load on the whole pin", **settings),
+        _quantity("--velocity V", "1.25 m/s", "sliding velocity", **settings),
     ]
 
 
-_SCENE = (
-    with_value("scene SCENE.toml", "scene file, or name of a shipped scene", user_path),
-    with_value(
-        "--preset NAME",
+# fmt: off
+_SCENE = [
+    value("scene SCENE.toml", user_path, "scene file, or name of a shipped scene"),
+    value("--preset NAME", None,
         "numerical preset, replacing the table [fidelity] of the scene: standard, fine or "
-        "reference",
-    ),
-    _entries(
-        "--set KEY=VALUE",
+        "reference"),
+    _entries("--set KEY=VALUE", values.setting,
         "change a numerical setting, such as increments=50, or a scene entry, such as "
-        "wear.pattern=local or without=motion",
-        values.setting,
-    ),
-)
-_WORKERS = with_value(
-    "-j --workers N", "number of processes; default: one for each core", values.count
-)
-_STORE = with_value("store OUT.zarr", "results store, or name of its scene", values.stored)
-_TABLE = with_value(
-    "-o --output TABLE.csv",
-    "file of the table, .csv, .md or .json",
-    partial(values.writable, suffixes=TABLES),
-)
-_POINTS = (
-    with_value(
-        "--points POINTS.csv",
+        "wear.pattern=local or without=motion"),
+]
+_WORKERS = value("-j --workers N", values.count,
+    "number of processes; default: one for each core")
+_STORE = value("store OUT.zarr", values.stored, "results store, or name of its scene")
+_TABLE = value("-o --output TABLE.csv", partial(values.writable, suffixes=TABLES),
+    "file of the table, .csv, .md or .json")
+_POINTS = [
+    value("--points POINTS.csv", user_path,
         'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
-        ".csv, .txt or .xlsx; columns of words are passed on as labels",
-        user_path,
-    ),
-    Option(["--decimal"], {"choices": (".", ","), "help": "decimal mark of --points"}),
-    _repeated("--ignore HEADING", "column of --points to leave out"),
-)
-_REALIZATION = with_value(
-    "--realization SEED",
-    "seed of the random surface, or area of the scan, instead of the scene's",
-    partial(values.count, minimum=0),
-)
-_BULK_TEMPERATURE = _repeated(
-    "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"'
-)
-_CONDITIONS = Group(
-    "conditions that replace those of the scene",
-    (
-        _repeated("--friction MU", "coefficient of friction, at least 0", values.number),
-        _BULK_TEMPERATURE,
-        _repeated(
-            "--critical-temperature T",
-            'temperature above which the lubricant fails, like "145 degC"',
-        ),
-        _repeated(
-            "--critical-area-fraction F",
-            "critical area fraction: wear is severe if more of the contact is above the critical "
-            "temperature, such as 10%%; 0 for the highest temperature",
-        ),
-    ),
-)
+        ".csv, .txt or .xlsx; columns of words are passed on as labels"),
+    _choice("--decimal", (".", ","), "decimal mark of --points"),
+    _repeated("--ignore HEADING", str, "column of --points to leave out"),
+]
+_REALIZATION = value("--realization SEED", partial(values.count, minimum=0),
+    "seed of the random surface, or area of the scan, instead of the scene's")
+_BULK_TEMPERATURE = _repeated("--bulk-temperature T", str,
+    'temperature of the bodies far from the contact, like "25 degC"')
+_CONDITIONS = Group("conditions that replace those of the scene", [
+    _repeated("--friction MU", values.number, "coefficient of friction, at least 0"),
+    _BULK_TEMPERATURE,
+    _repeated("--critical-temperature T", str,
+        'temperature above which the lubricant fails, like "145 degC"'),
+    _repeated("--critical-area-fraction F", str,
+        "critical area fraction: wear is severe if more of the contact is above the critical "
+        "temperature, such as 10%%; 0 for the highest temperature"),
+])
 _WITHOUT_TESTS = flag("--without-tests", "ignore the tests of the scene")
-_EVALUATED_AT = (
-    _entries(
-        "--at KEY=VALUE",
+_EVALUATED_AT = [
+    _entries("--at KEY=VALUE", partial(values.pair, like='"pin.radius=2 mm"'),
         'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
-        'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"',
-        partial(values.pair, like='"pin.radius=2 mm"'),
-    ),
+        'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'),
     _CONDITIONS,
     _WITHOUT_TESTS,
-)
+]
 _ALL_ROWS = flag("--all", "print all rows and notes")
 
 COMMANDS = (
-    Command(
-        "new", "pipeline.cli.begin:new", "write a scene to start from",
-        "scene.toml --from twin_disc",
-        [
-            Group("", [
-                with_value("file FILE.toml", "file to write", user_path, nargs="?"),
-                flag("--list", "list the shipped scenes"),
-            ]),
-            with_value("--from NAME", "shipped scene to begin with; see --list", dest="template"),
-        ],
-    ),
-    Command(
-        "run", "pipeline.cli.sweep_commands:run", "run or resume the sweep of a scene",
-        "scene.toml --accuracy 2%",
-        [
-            *_SCENE,
-            with_value(
-                "-o --output OUT.zarr", "path of the store; default: results/<scene>.zarr",
-                values.store,
-            ),
-            Group("", [
-                _WORKERS,
-                with_value("--scheduler ADDRESS", "address of a running Dask scheduler"),
-                with_value(
-                    "--scheduler-file FILE", "file written by a running Dask scheduler", user_path
-                ),
-            ]),
-            with_value(
-                "--from OLD.zarr", "copy matching points from another store", values.store,
-                dest="source",
-            ),
-            flag(
-                "--dashboard",
-                "print the address of Dask's dashboard, which every user of this machine can open",
-            ),
-            flag("--retry-failed", "simulate the points that failed in an earlier run again"),
-            flag("-n --dry-run", "print what irg check prints, and compute nothing"),
-            with_value(
-                "--accuracy BOUND",
-                "compute until the numerical error of the boundary is below this, such as 2%%; the "
-                "run chooses preset, points and surface realizations",
-                values.share,
-            ),
-        ],
-    ),
-    Command(
-        "check", "pipeline.cli.check:check", "describe a scene and estimate the cost of its sweep",
-        "scene.toml", [*_SCENE, _WORKERS, _TABLE],
-    ),
-    Command(
-        "point", "pipeline.cli.point_commands:point",
-        "simulate one point (and the tests of the scene)",
-        'scene.toml --load "500 N" --velocity "2 m/s"',
-        [
-            *_SCENE, *_load_and_velocity(required=True), _WITHOUT_TESTS, _REALIZATION, _CONDITIONS,
-            _TABLE,
-        ],
-    ),
-    Command(
-        "trade", "pipeline.cli.sweep_commands:trade", "measure computing time against accuracy",
-        "scene.toml -o trade.png",
-        [
-            *_SCENE,
-            with_value(
-                "--store OUT.zarr",
-                "new store for the points; default: results/<scene>-trade.zarr", values.store,
-                dest="store_path",
-            ),
+    Command("new", "pipeline.cli.begin:new", "write a scene to start from",
+        "scene.toml --from twin_disc", [
+        Group("", [
+            value("file FILE.toml", user_path, "file to write", nargs="?"),
+            flag("--list", "list the shipped scenes"),
+        ]),
+        value("--from NAME", None, "shipped scene to begin with; see --list", dest="template"),
+    ]),
+    Command("run", "pipeline.cli.sweep_commands:run", "run or resume the sweep of a scene",
+        "scene.toml --accuracy 2%", [
+        *_SCENE,
+        value("-o --output OUT.zarr", values.store,
+            "path of the store; default: results/<scene>.zarr"),
+        Group("", [
             _WORKERS,
-            with_value(
-                "-o --output FILE.png", "file of a figure; or of the table, .csv, .md or .json",
-                partial(values.writable, suffixes=(*FIGURES, *TABLES)),
-            ),
-        ],
-    ),
-    Command(
-        "infer", "pipeline.cli.point_commands:infer",
+            value("--scheduler ADDRESS", None, "address of a running Dask scheduler"),
+            value("--scheduler-file FILE", user_path, "file written by a running Dask scheduler"),
+        ]),
+        value("--from OLD.zarr", values.store, "copy matching points from another store",
+            dest="source"),
+        flag("--dashboard",
+            "print the address of Dask's dashboard, which every user of this machine can open"),
+        flag("--retry-failed", "simulate the points that failed in an earlier run again"),
+        flag("-n --dry-run", "print what irg check prints, and compute nothing"),
+        value("--accuracy BOUND", values.share,
+            "compute until the numerical error of the boundary is below this, such as 2%%; the "
+            "run chooses preset, points and surface realizations"),
+    ]),
+    Command("check", "pipeline.cli.check:check",
+        "describe a scene and estimate the cost of its sweep", "scene.toml",
+        [*_SCENE, _WORKERS, _TABLE]),
+    Command("point", "pipeline.cli.point_commands:point",
+        "simulate one point (and the tests of the scene)",
+        'scene.toml --load "500 N" --velocity "2 m/s"', [
+        *_SCENE, *_load_and_velocity(required=True), _WITHOUT_TESTS, _REALIZATION, _CONDITIONS,
+        _TABLE,
+    ]),
+    Command("trade", "pipeline.cli.sweep_commands:trade",
+        "measure computing time against accuracy", "scene.toml -o trade.png", [
+        *_SCENE,
+        value("--store OUT.zarr", values.store,
+            "new store for the points; default: results/<scene>-trade.zarr", dest="store_path"),
+        _WORKERS,
+        value("-o --output FILE.png", partial(values.writable, suffixes=(*FIGURES, *TABLES)),
+            "file of a figure; or of the table, .csv, .md or .json"),
+    ]),
+    Command("infer", "pipeline.cli.point_commands:infer",
         "find the critical temperature from tests, or the wear rate from a contact width",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
-        [
-            *_SCENE,
-            _quantity(
-                "--contact-width W",
-                "contact width measured at --load and --velocity; prints the specific wear rate "
-                "instead", "348 um",
-            ),
-            _quantity(
-                "--duration T",
-                "sliding time before the width was measured, ramp included; default: from the "
-                "scene", "8 s",
-            ),
-            _BULK_TEMPERATURE, _TABLE, *_load_and_velocity(), _REALIZATION,
-        ],
-    ),
-    Command(
-        "surface", "pipeline.cli.begin:surface",
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', [
+        *_SCENE,
+        _quantity("--contact-width W", "348 um",
+            "contact width measured at --load and --velocity; prints the specific wear rate "
+            "instead"),
+        _quantity("--duration T", "8 s",
+            "sliding time before the width was measured, ramp included; default: from the scene"),
+        _BULK_TEMPERATURE, _TABLE, *_load_and_velocity(), _REALIZATION,
+    ]),
+    Command("surface", "pipeline.cli.begin:surface",
         "describe a scan by ISO 25178-2, compare it with a random surface, and print its tables",
-        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png',
-        [
-            with_value(
-                "scan SCAN", "map of heights: .npy, a matrix in text, or the file of an instrument",
-                user_path, nargs="?",
-            ),
-            with_value(
-                "--height-unit UNIT",
-                'unit of the heights, such as "um", if the file states none or a wrong one',
-            ),
-            with_value(
-                "--pixel-size DX[,DY]",
-                'sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"',
-                values.sides,
-            ),
-            with_value(
-                "--missing SHARE",
-                "largest fraction of missing heights that is filled; default: 10%%", values.share,
-                default=0.1,
-            ),
-            _quantity(
-                "--ra RA", "Ra of a profile or data sheet, with --rsm, without a file", "0.2 um"
-            ),
-            _quantity("--rsm RSM", "RSm of a profile or data sheet", "60 um"),
-            with_value(
-                "-o --output FILE.png", "figure of the scan and of the random surface",
-                partial(values.writable, suffixes=FIGURES),
-            ),
-        ],
-    ),
-    Command(
-        "status", "pipeline.cli.store_commands:status",
-        "count done, failed and pending points of a store", "results/scene.zarr", [_STORE],
-    ),
-    Command(
-        "verify", "pipeline.cli.store_commands:verify",
-        "read a whole store and list damaged points", "results/scene.zarr", [_STORE],
-    ),
-    Command(
-        "boundary", "pipeline.cli.store_commands:boundary",
+        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png', [
+        value("scan SCAN", user_path,
+            "map of heights: .npy, a matrix in text, or the file of an instrument", nargs="?"),
+        value("--height-unit UNIT", None,
+            'unit of the heights, such as "um", if the file states none or a wrong one'),
+        value("--pixel-size DX[,DY]", values.sides,
+            'sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"'),
+        value("--missing SHARE", values.share,
+            "largest fraction of missing heights that is filled; default: 10%%", default=0.1),
+        _quantity("--ra RA", "0.2 um", "Ra of a profile or data sheet, with --rsm, without a file"),
+        _quantity("--rsm RSM", "60 um", "RSm of a profile or data sheet"),
+        value("-o --output FILE.png", partial(values.writable, suffixes=FIGURES),
+            "figure of the scan and of the random surface"),
+    ]),
+    Command("status", "pipeline.cli.store_commands:status",
+        "count done, failed and pending points of a store", "results/scene.zarr", [_STORE]),
+    Command("verify", "pipeline.cli.store_commands:verify",
+        "read a whole store and list damaged points", "results/scene.zarr", [_STORE]),
+    Command("boundary", "pipeline.cli.store_commands:boundary",
         "print the boundary between mild and severe wear, without a new simulation",
-        "results/scene.zarr --friction 0.09 --friction 0.103",
-        [
-            _STORE,
-            Option(["--by"], {
-                "default": "load", "choices": ("load", "velocity", "test"),
-                "help": "rows of the table: critical velocity at each load, critical load at each "
-                "velocity, or tests compared with the computation; default: load",
-            }),
-            _ALL_ROWS, _TABLE, *_EVALUATED_AT,
-        ],
-    ),
-    Command(
-        "margin", "pipeline.cli.store_commands:margin",
+        "results/scene.zarr --friction 0.09 --friction 0.103", [
+        _STORE,
+        _choice("--by", ("load", "velocity", "test"),
+            "rows of the table: critical velocity at each load, critical load at each velocity, or "
+            "tests compared with the computation; default: load", default="load"),
+        _ALL_ROWS, _TABLE, *_EVALUATED_AT,
+    ]),
+    Command("margin", "pipeline.cli.store_commands:margin",
         "print verdict, probability and errors for one operating point, a table of them, or the "
         "cases of the sweep",
         'results/scene.zarr --load "500 N" --velocity "2 m/s"',
-        [_STORE, *_load_and_velocity(), *_POINTS, _ALL_ROWS, _TABLE, *_EVALUATED_AT],
-    ),
-    Command(
-        "plot", "pipeline.cli.store_commands:plot", "draw a figure of a store",
-        'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
-        [
-            _STORE,
-            Option(["--kind"], {
-                "choices": ("diagram", "rows", "ramp", "fields", "tests"),
-                "help": "default: diagram, or rows if each has its own load and velocity",
-            }),
-            with_value(
-                "-o --output FILE.png", "figure file; default: next to the store", user_path
-            ),
-            _quantity(
-                "--width W", "width of the figure; text shrinks less than the figure does", "8.5 cm"
-            ),
-            with_value("--title TITLE", "title of the figure; default: that of the scene"),
-            flag("--plain", "omit title and caption"),
-            with_value("--dpi DPI", "resolution in dots per inch; default: 150", values.count),
-            flag("--log", "draw the diagram on logarithmic axes"),
-            with_value(
-                "--step N", "step of fields, counted back from the end of a point: 0, -1, ...", int
-            ),
-            *_EVALUATED_AT, *_load_and_velocity(action="append", default=[]), _REALIZATION,
-        ],
-    ),
-    Command(
-        "report", "pipeline.cli.store_commands:report",
+        [_STORE, *_load_and_velocity(), *_POINTS, _ALL_ROWS, _TABLE, *_EVALUATED_AT]),
+    Command("plot", "pipeline.cli.store_commands:plot", "draw a figure of a store",
+        'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"', [
+        _STORE,
+        _choice("--kind", ("diagram", "rows", "ramp", "fields", "tests"),
+            "default: diagram, or rows if each has its own load and velocity"),
+        value("-o --output FILE.png", user_path, "figure file; default: next to the store"),
+        _quantity("--width W", "8.5 cm",
+            "width of the figure; text shrinks less than the figure does"),
+        value("--title TITLE", None, "title of the figure; default: that of the scene"),
+        flag("--plain", "omit title and caption"),
+        value("--dpi DPI", values.count, "resolution in dots per inch; default: 150"),
+        flag("--log", "draw the diagram on logarithmic axes"),
+        value("--step N", int, "step of fields, counted back from the end of a point: 0, -1, ..."),
+        *_EVALUATED_AT, *_load_and_velocity(action="append", default=[]), _REALIZATION,
+    ]),
+    Command("report", "pipeline.cli.store_commands:report",
         "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
-        'results/scene.zarr --load "500 N" --velocity "2 m/s" -o report.html',
-        [
-            _STORE, *_load_and_velocity(), *_POINTS,
-            with_value(
-                "-o --output FILE.html", "file of the report; default: next to the store", user_path
-            ),
-            with_value("--title TITLE", "title of the report; default: that of the scene"),
-            with_value("--author NAME", "name of the author"),
-            *_EVALUATED_AT,
-        ],
-    ),
-    Command(
-        "help", "pipeline.cli.begin:help_", "print a page of the documentation, or list all pages",
-        "first-hour",
-        [with_value("topic TOPIC", "name of a page or of a command", nargs="?")],
-    ),
-)  # fmt: skip
+        'results/scene.zarr --load "500 N" --velocity "2 m/s" -o report.html', [
+        _STORE, *_load_and_velocity(), *_POINTS,
+        value("-o --output FILE.html", user_path, "file of the report; default: next to the store"),
+        value("--title TITLE", None, "title of the report; default: that of the scene"),
+        value("--author NAME", None, "name of the author"),
+        *_EVALUATED_AT,
+    ]),
+    Command("help", "pipeline.cli.begin:help_",
+        "print a page of the documentation, or list all pages", "first-hour",
+        [value("topic TOPIC", None, "name of a page or of a command", nargs="?")]),
+)
 """All commands, in the order in which the help lists them."""
+# fmt: on

@@ -24,10 +24,6 @@ _BEGIN = """Begin with:
   irg help first-hour
 Options of a command:
   irg COMMAND --help"""
-_OPTIONS_OF_ALL = (
-    flag("--json", "print one JSON document"),
-    flag("-q --quiet", "suppress progress and notes; show errors only"),
-)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -131,20 +127,21 @@ def whole_parser() -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         parser.set_defaults(command=command.name, function=command.function, parser=parser)
-        for option in (*_OPTIONS_OF_ALL, *command.options):
+        _add(parser, flag("--json", "print one JSON document"))
+        _add(parser, flag("-q --quiet", "suppress progress and notes; show errors only"))
+        for option in command.options:
             _add(parser, option)
     return irg
 
 
-def _add(parser: argparse.ArgumentParser, option: Option | Group) -> None:
+def _add(parser: Any, option: Option | Group) -> None:
     """Add an option, or all of a group, to the parser of a command."""
     if isinstance(option, Option):
         parser.add_argument(*option.names, **option.settings)
         return
-    group: Any = (
-        parser.add_argument_group(option.title)
-        if option.title
-        else parser.add_mutually_exclusive_group()
-    )
+    if option.title:
+        group = parser.add_argument_group(option.title)
+    else:
+        group = parser.add_mutually_exclusive_group()
     for member in option.options:
-        group.add_argument(*member.names, **member.settings)
+        _add(group, member)
