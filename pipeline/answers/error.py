@@ -18,13 +18,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.answers.field import Field
 from pipeline.answers.pchip import Pchip
-from pipeline.answers.specimen import Specimen
 from pipeline.constants import (
     BEYOND,
     BOUNDS_OF_HIGHEST,
@@ -42,6 +40,10 @@ from pipeline.constants import (
 from pipeline.sweep.sweep import Sweep
 from tribo import PRESETS, Fidelity, Scene, WarningKind
 from tribo.types import Array, Indices
+
+if TYPE_CHECKING:  # so that irg check does not import xarray
+    from pipeline.answers.field import Field
+    from pipeline.answers.specimen import Specimen
 
 PARTS = {
     "interpolation": "interpolation between points",
