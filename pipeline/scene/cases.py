@@ -13,10 +13,10 @@ from typing import Any
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
 from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import Built, Files, build_case, realizations_of
-from pipeline.scene.declared_tables import Entry, Table, keys_of, number_at, table_of
+from pipeline.scene.declared_tables import Entry, Table, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import SceneFile, TableFile
+from pipeline.scene.format import TableFile, number_at, scene_entries
 from pipeline.scene.kinds import LOAD, SPEED
 from pipeline.sweep.case import Case
 from pipeline.sweep.case_table import (
@@ -140,9 +140,7 @@ def _read_columns(
 ) -> tuple[list[TableColumn], list[TableColumn]]:
     """Columns of rows with point and entries by their paths, and columns of words."""
     sheet = sheet.renamed(CONDITION_ENTRIES)
-    entries = [
-        path for path in keys_of(SceneFile) if path.partition(".")[0] not in _UNVARIED_TABLES
-    ]
+    entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
     paths = [column.name for column in sheet.columns if "." in column.name]
     columns, words, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
     if faults:
@@ -219,7 +217,7 @@ def _row_labels(head: str, values: Sequence[Any]) -> tuple[tuple[Label, ...], st
 
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
-    display_unit = number_at(SceneFile, entry).unit if entry and unit is not None else ""
+    display_unit = number_at(entry).unit if entry and unit is not None else ""
     return Column(name, unit, meaning=meaning, entry=entry, display_unit=display_unit)
 
 

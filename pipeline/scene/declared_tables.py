@@ -13,7 +13,7 @@ import itertools
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
 from types import NoneType, UnionType
@@ -31,7 +31,7 @@ from typing import (
 )
 
 from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
-from pipeline.messages import did_you_mean, key_path, quoted
+from pipeline.messages import did_you_mean, key_path, pluralized, quoted
 from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
@@ -73,44 +73,39 @@ class Entry(NamedTuple):
 
 
 @functools.cache
-def table_of(table: Any) -> Table:
-    """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
-    hints = get_type_hints(table, include_extras=True)
+def table_of(declared: Any) -> Table:
+    """Convert a `Declared` class to a `Table` of its keys and their kinds."""
+    hints = get_type_hints(declared, include_extras=True)
     keys = dict[str, Entry]()
-    for field in fields(table):
+    for field in fields(declared):
         hint, is_needed = hints[field.name], field.default is MISSING
-        notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+        annotations = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
         keys[field.name.rstrip("_")] = Entry(
             kind_of(hint),
-            meaning=next((note for note in notes if isinstance(note, str)), ""),
+            meaning=next((text for text in annotations if isinstance(text, str)), ""),
             default=None if is_needed else field.default,
             is_needed=is_needed,
         )
-    name = table.__name__.removesuffix("Table")
-    words = re.sub("(?<=.)(?=[A-Z])", " ", name).lower()
-    return Table(keys, table, getattr(table, "form_name", words))
-
-
-def attribute_of(key: str) -> str:
-    """Name of the attribute with the value of a key; words of Python get an underscore."""
-    return f"{key}_" if keyword.iskeyword(key) else key
+    class_name = declared.__name__.removesuffix("Table")
+    words = re.sub("(?<=.)(?=[A-Z])", " ", class_name).lower()
+    return Table(keys, declared, getattr(declared, "form_name", words))
 
 
 def kind_of(hint: Any) -> Kind:
     """Kind of an entry from its type hint: the `Kind` in its annotation, else one for its type."""
-    origin, args = get_origin(hint), get_args(hint)
+    origin, arguments = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        annotated = (note for note in args[1:] if isinstance(note, Kind))
-        return next(annotated, None) or kind_of(args[0])
+        kinds = (kind for kind in arguments[1:] if isinstance(kind, Kind))
+        return next(kinds, None) or kind_of(arguments[0])
     if origin in (Union, UnionType):
-        kinds = [kind_of(member) for member in args if member is not NoneType]
-        return Either(*kinds) if len(kinds) > 1 else kinds[0]
+        alternatives = [kind_of(member) for member in arguments if member is not NoneType]
+        return Either(*alternatives) if len(alternatives) > 1 else alternatives[0]
     if origin is Literal:
-        return OneOf(args)
+        return OneOf(arguments)
     if origin is tuple:
-        return List(kind_of(args[0]), None if args[-1] is ... else len(args))
+        return List(kind_of(arguments[0]), None if arguments[-1] is ... else len(arguments))
     if origin is dict:
-        return Tables(kind_of(args[1]))
+        return Tables(kind_of(arguments[1]))
     if isinstance(hint, type) and is_dataclass(hint):
         return table_of(hint)
     return {int: Integer(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]
@@ -127,7 +122,9 @@ class List(Kind):
     max_length: int = MOST_SCENES
 
     def __str__(self) -> str:
-        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.item_kind}"
+        if self.length:
+            return f"a list of {self.length} values, each {self.item_kind}"
+        return f"a list of values, each {self.item_kind}"
 
     def _read(self, value: Any, path: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
@@ -135,23 +132,36 @@ class List(Kind):
             raise InvalidValueError(
                 f"{len(value)} entries are too many, at most {self.max_length} are allowed"
             )
-        if len(value) != (self.length or max(len(value), 1)):
-            count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
-            raise InvalidValueError(f"{quoted(value)} {count if value else 'is empty'}")
-        items = [self.item_kind.read(item, f"{path}[{i}]", faults) for i, item in enumerate(value)]
-        if self.distinct and None not in items:
+        if not value:
+            raise InvalidValueError("[] is empty")
+        if self.length and len(value) != self.length:
+            count = pluralized(len(value), "entry", "entries")
+            raise InvalidValueError(f"{quoted(value)} has {count}")
+        items = _read_items([self.item_kind] * len(value), value, path, faults)
+        if items and self.distinct:
             order = sorted(range(len(items)), key=lambda k: (isinstance(items[k], str), items[k]))
             for pair in itertools.pairwise(order):
-                first, index = sorted(pair)
-                if _are_alike(items[first], items[index]):
-                    problem = f"{quoted(value[index])} repeats entry [{first}]"
-                    faults.refuse(f"{path}[{index}]", f"{problem}; give each value once")
-        return None if None in items else tuple(items)
+                first, second = sorted(pair)
+                if _are_equal(items[first], items[second]):
+                    problem = f"{quoted(value[second])} repeats entry [{first}]"
+                    faults.refuse(f"{path}[{second}]", f"{problem}; give each value once")
+        return items
 
 
-def _are_alike(a: Any, b: Any) -> bool:
+def _read_items(
+    kinds: Sequence[Kind], values: Sequence[Any], path: str, faults: Faults
+) -> tuple[Any, ...] | None:
+    """Read the values of a list, each by its kind; None if one is faulty."""
+    items = tuple(
+        kind.read(value, f"{path}[{index}]", faults)
+        for index, (kind, value) in enumerate(zip(kinds, values, strict=True))
+    )
+    return None if None in items else items
+
+
+def _are_equal(first: Any, second: Any) -> bool:
     """True if values are equal, or numbers that differ only by rounding."""
-    return a == b or (isinstance(a, float) and math.isclose(a, b, rel_tol=1e-9))
+    return first == second or (isinstance(first, float) and math.isclose(first, second))
 
 
 @dataclass(frozen=True)
@@ -170,9 +180,7 @@ class MixedList(Kind):
             raise InvalidValueError(
                 f"{quoted(value)} needs {len(self.kinds)} values, not {len(value)}"
             )
-        pairs = zip(self.kinds, value, strict=True)
-        items = [kind.read(item, f"{path}[{i}]", faults) for i, (kind, item) in enumerate(pairs)]
-        return None if None in items else tuple(items)
+        return _read_items(self.kinds, value, path, faults)
 
 
 @dataclass(frozen=True)
@@ -187,11 +195,14 @@ class Range(Kind):
 
     @exact_decimals()
     def _read(self, value: Any, path: str, faults: Faults) -> tuple[float, ...] | None:
-        fault_count, end = len(faults), Entry(self.item_kind, is_needed=True)
-        step_apart = Entry(replace(self.item_kind, zero=False))
-        number = Entry(Integer(at_least=2, at_most=MOST_ON_AXIS))
-        keys = {"from": end, "to": end, "step": step_apart, "count": number}
-        Table(keys).read(value, path, faults)
+        fault_count = len(faults)
+        entries = {
+            "from": Entry(self.item_kind, is_needed=True),
+            "to": Entry(self.item_kind, is_needed=True),
+            "step": Entry(replace(self.item_kind, zero=False)),
+            "count": Entry(Integer(at_least=2, at_most=MOST_ON_AXIS)),
+        }
+        Table(entries).read(value, path, faults)
         if len(faults) > fault_count:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
@@ -202,16 +213,16 @@ class Range(Kind):
         if ("step" in value) == ("count" in value):
             raise InvalidValueError(f"{span} needs either step or count")
         if count := value.get("count"):
-            parts = (Decimal(i) / (count - 1) for i in range(count))
-            return tuple(float(first + part * (last - first)) for part in parts)
+            fractions = (Decimal(i) / (count - 1) for i in range(count))
+            return tuple(float(first + fraction * (last - first)) for fraction in fractions)
         step = exact_si(value["step"], like=self.item_kind.example)
-        steps = (last - first) / step
-        if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
+        step_count = (last - first) / step
+        if step_count > MOST_ON_AXIS or abs(step_count - round(step_count)) > 1e-9:
             raise InvalidValueError(
-                f"{span} there are {steps:.6g} steps of {quoted(value['step'])}; the number of "
-                f"steps must be whole, and at most {MOST_ON_AXIS}"
+                f"{span} there are {step_count:.6g} steps of {quoted(value['step'])}; the number "
+                f"of steps must be whole, and at most {MOST_ON_AXIS}"
             )
-        return tuple(float(first + i * step) for i in range(round(steps) + 1))
+        return tuple(float(first + i * step) for i in range(round(step_count) + 1))
 
 
 class Either(Kind):
@@ -235,14 +246,16 @@ class Either(Kind):
         """Choose the kind by which to read a value."""
         usual, *other_kinds = self.kinds
         if not isinstance(usual, Table):
-            fits = (isinstance(value, other.value_types) for other in other_kinds)
-            return next(itertools.compress(other_kinds, fits), usual)
+            fitting = (kind for kind in other_kinds if isinstance(value, kind.value_types))
+            return next(fitting, usual)
         if not isinstance(value, dict):
             return usual
         unknown_keys = value.keys() - usual.keys.keys()
-        forms = (kind for kind in other_kinds if isinstance(kind, Table))
-        best = max(forms, key=lambda form: len(unknown_keys & form.keys.keys()), default=usual)
-        return best if unknown_keys & best.keys.keys() else usual
+        tables = [kind for kind in other_kinds if isinstance(kind, Table)]
+        known_counts = [len(unknown_keys & table.keys.keys()) for table in tables]
+        if not any(known_counts):
+            return usual
+        return tables[known_counts.index(max(known_counts))]
 
     def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
         """Read a value by the kind for it, as `Kind.read` does.
@@ -267,13 +280,13 @@ class Sorted(Either):
 class Table(Kind):
     """Kind of scene entry: a table of fixed keys.
 
-    The function `make` is called with the values of the keys, None for a faulty value. `form` is
-    the name of this table where an entry may be one of several tables.
+    The function `construct` is called with the values of the keys, None for a faulty value. `form`
+    is the name of this table where an entry may be one of several tables.
     """
 
     value_types = dict
     keys: Mapping[str, Entry]
-    make: Callable[..., Any] = dict
+    construct: Callable[..., Any] = dict
     form: str = ""
 
     def __str__(self) -> str:
@@ -285,7 +298,7 @@ class Table(Kind):
         return [key for key, entry in self.keys.items() if entry.is_needed]
 
     def read(self, value: Any, path: str, faults: Faults, allowed: object = None) -> Any:
-        """Read the entries of a table, and make an object of them; None if it is no table.
+        """Read the entries of a table, and construct an object of them; None if it is no table.
 
         A table that was read already is returned.
         """
@@ -298,17 +311,17 @@ class Table(Kind):
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys) if len(faults) < MOST_HINTS else ""
                 problem = f"unknown key{hint}; allowed: {', '.join(self.keys)}"
-                problem = getattr(self.make, "refused", {}).get(key, problem)
-                faults.refuse(key_path(path, key), problem)
-        entries = {}
+                refused_keys = getattr(self.construct, "refused", {})
+                faults.refuse(key_path(path, key), refused_keys.get(key, problem))
+        values = {}
         for key, entry in self.keys.items():
-            name = attribute_of(key)
-            entries[name] = entry.default
+            attribute = f"{key}_" if keyword.iskeyword(key) else key
+            values[attribute] = entry.default
             if key in value:
-                entries[name] = entry.kind.read(value[key], key_path(path, key), faults)
+                values[attribute] = entry.kind.read(value[key], key_path(path, key), faults)
             elif entry.is_needed:
                 faults.refuse(key_path(path, key), f"missing; required: {entry.kind}")
-        return self.make(**entries)
+        return self.construct(**values)
 
 
 @dataclass(frozen=True)
@@ -359,11 +372,11 @@ class ByPath(Kind):
 
     def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
-        read = {
-            entry: self.item_kind.read(leaf, f"{path}.{quoted(entry)}", faults)
-            for entry, leaf in flat(value)
+        items = {
+            entry_path: self.item_kind.read(item, f"{path}.{quoted(entry_path)}", faults)
+            for entry_path, item in flat(value)
         }
-        return {entry: leaf for entry, leaf in read.items() if leaf is not None}
+        return {entry_path: item for entry_path, item in items.items() if item is not None}
 
 
 def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
@@ -386,22 +399,10 @@ def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
                 yield from entries_in(alternative, path)
 
 
-@functools.cache
-def keys_of(table: Any) -> dict[str, Entry]:
-    """Declarations of all entries in a table, by path; the first of several forms counts."""
-    return dict(reversed([*entries_in(table_of(table))]))
-
-
-def number_at(table: Any, path: str) -> Quantity | Number:
-    """Kind of the number that an entry holds; without an entry, a `Number` without bounds."""
-    entry = keys_of(table).get(re.sub(r"^materials\.[^.]+", "materials.NAME", path))
-    return (entry and _number_in(entry.kind)) or Number()
-
-
-def _number_in(kind: Kind) -> Quantity | Number | None:
+def number_in(kind: Kind) -> Quantity | Number | None:
     """The kind of number within a list or among several kinds; None if there is none."""
     if isinstance(kind, Quantity | Number):
         return kind
     inner = kind.kinds if isinstance(kind, Either) else [getattr(kind, "item_kind", None)]
-    numbers = (_number_in(item) for item in inner if isinstance(item, Kind))
+    numbers = (number_in(item) for item in inner if isinstance(item, Kind))
     return next((number for number in numbers if number), None)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import re
 from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
@@ -13,11 +15,14 @@ from pipeline.scene.declared_tables import (
     Changes,
     Declared,
     Either,
+    Entry,
     List,
     MixedList,
     Range,
     Sorted,
+    entries_in,
     kind_of,
+    number_in,
     table_of,
 )
 from pipeline.scene.faults import Faults
@@ -346,3 +351,15 @@ class SceneFile(Declared):
     tests: A[tuple[Any, ...], List(Either(table_of(Test), table_of(TableFile))),
         "Tests of specimens: a table for each, or a file with many."] = ()
 # fmt: on
+
+
+@functools.cache
+def scene_entries() -> dict[str, Entry]:
+    """Declarations of all entries of a scene, by path; the first of several forms counts."""
+    return dict(reversed([*entries_in(table_of(SceneFile))]))
+
+
+def number_at(path: str) -> Quantity | Number:
+    """Kind of the number that an entry of a scene holds; without one, a `Number` without bounds."""
+    entry = scene_entries().get(re.sub(r"^materials\.[^.]+", "materials.NAME", path))
+    return (entry and number_in(entry.kind)) or Number()

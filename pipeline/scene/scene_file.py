@@ -18,10 +18,10 @@ from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.declared_tables import keys_of, table_of
+from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import Entries, entry_at, find_deep, flat, replace_value, replace_values
 from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
-from pipeline.scene.format import FidelityTable, SceneFile
+from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
 from pipeline.scene.tests import read_tests, with_listed_tests
@@ -190,7 +190,7 @@ def _path_overrides(
     for name, value in overrides.items():
         key = f"fidelity.{name}" if name in choices else name
         if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
-            hint = did_you_mean(key, [*choices, *keys_of(SceneFile)])
+            hint = did_you_mean(key, [*choices, *scene_entries()])
             problem = f"unknown key{hint}; give an entry such as wear.pattern or title"
             faults.append(Fault(key, problem))
             continue

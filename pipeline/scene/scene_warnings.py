@@ -12,8 +12,7 @@ from pipeline.scene.contact_estimate import (
     estimate_contact,
     single_cases,
 )
-from pipeline.scene.declared_tables import number_at
-from pipeline.scene.format import SceneFile
+from pipeline.scene.format import number_at
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep, cold_tracks, has_sharp_ends
@@ -85,7 +84,7 @@ def _same_values(first: SceneWarning, second: SceneWarning) -> bool:
 def _unusual_values(sweep: Sweep) -> Warnings:
     """Warnings of values of the sweep's columns that are outside their entry's usual range."""
     for column in sweep.case_table.columns:
-        kind = number_at(SceneFile, column.key)
+        kind = number_at(column.key)
         labels = (row[column.name] for row in sweep.case_table.rows)
         known = [*dict.fromkeys(value for value in labels if isinstance(value, int | float))]
         odd = [
@@ -116,7 +115,7 @@ def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
         yield from unusual_warning("loading.reference_load", loading.reference_load, span, "N")
     if facts.surface and facts.surface.measured:
         path = "disk.roughness.ra"
-        kind = number_at(SceneFile, path)
+        kind = number_at(path)
         yield from unusual_warning(path, facts.surface.ra, kind.usual, kind.unit)
 
 

@@ -11,12 +11,12 @@ import sys
 
 import tribo
 from pipeline.messages import quoted
-from pipeline.scene.declared_tables import List
+from pipeline.scene.declared_tables import List, number_in
 from pipeline.scene.kinds import Quantity
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table
-from tests.sources.sections import number_in, sections
+from tests.sources.sections import sections
 
 _HEADS = "key", "value", "meaning"
 _SHORT = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.scene.declared_tables import Either, Entry, List, Range, Table, Tables, table_of
+from pipeline.scene.declared_tables import Either, Entry, List, Table, Tables, table_of
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Kind, Number, Quantity
+from pipeline.scene.kinds import Kind
 
 
 class Section(NamedTuple):
@@ -89,16 +89,3 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
     for section in sections():
         for key, (entry, _) in section.keys().items():
             yield section.path_of(key), entry
-
-
-def number_in(kind: Kind) -> Quantity | Number | None:
-    """The kind of number within a kind, such as a list; None if there are no numbers."""
-    match kind:
-        case Quantity() | Number():
-            return kind
-        case List(item_kind) | Range(item_kind):
-            return number_in(item_kind)
-        case Either():
-            numbers = (number_in(option) for option in kind.kinds)
-            return next((number for number in numbers if number), None)
-    return None

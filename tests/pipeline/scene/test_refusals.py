@@ -143,6 +143,7 @@ TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
+    "one side": (entry("window.pixels", [480]), "[480] has 1 entry"),
     "number twice": (entry("tests", [{**TEST, "number": 2}] * 2, without="tests"),
                      "tests[1].number: 2 is the number of two tests"),
     "entry of a test": (entry("tests", [{**TEST, "with": {"pin.radius": 3}}], without="tests"),
