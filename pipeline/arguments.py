@@ -74,6 +74,10 @@ _ALLOWED: dict[str, tuple[Callable[[Any], bool], str]] = {
 """What arguments of public functions must be, by their names; None, too, if it is the default."""
 
 
+_POINTS = {"load": ("500 N", "finite and above 0"), "velocity": ("2 m/s", "finite and at least 0")}
+"""Arguments that give a point, each with an example and what is allowed."""
+
+
 def typed_arguments(function: Callable[P, T]) -> Callable[P, T]:
     """Decorator: refuse an argument of a wrong type by its name, before the function begins."""
     parameters = inspect.signature(function).parameters
@@ -196,6 +200,15 @@ def in_si(name: str, value: Any, like: str) -> float:
         return to_si(plain, like) if isinstance(plain, str) else float(plain)
     except (UnitError, OverflowError) as error:
         raise InputError(f'{name}: {error}; give one such as "{like}"') from error
+
+
+def in_load_or_velocity(name: str, value: Any) -> float:
+    """Convert the argument ``load`` or ``velocity`` to SI; `InputError` if it is out of range."""
+    like, allowed = _POINTS[name]
+    number = in_si(name, value, like)
+    if not 0 <= number < math.inf or (name == "load" and number == 0):
+        raise InputError(f'{name} is {number:g}; it must be {allowed}, such as "{like}"')
+    return number
 
 
 def in_share(name: str, value: Any) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from tribo.errors import InputError, real_array, require_number, require_pair, require_positive
+from tribo.errors import real_array, require_not_negative, require_pair, require_positive
 from tribo.types import Array
 
 _BLOK_FACTOR = 1.111548  # c of `rolling_sliding_rise`
@@ -30,7 +30,8 @@ def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus
     >>> f"{hertz_line_half_width(750 / 3.4e-3, 2e-3, 115.385e9):.4e} m"
     '6.9773e-05 m'
     """
-    require_number(load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus)
+    require_not_negative(load_per_length=load_per_length)
+    require_positive(radius=radius, contact_modulus=contact_modulus)
     P, R, E = load_per_length, radius, contact_modulus
     return math.sqrt(4 * P * R / (math.pi * E))
 
@@ -52,7 +53,8 @@ def hertz_line_peak_pressure(
     >>> f"{p0:.4e} Pa, {math.pi / 2 * hertz_line_half_width(P, R, E) * p0 / P:.6f}"
     '2.0127e+09 Pa, 1.000000'
     """
-    require_number(load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus)
+    require_not_negative(load_per_length=load_per_length)
+    require_positive(radius=radius, contact_modulus=contact_modulus)
     P, R, E = load_per_length, radius, contact_modulus
     return math.sqrt(P * E / (math.pi * R))
 
@@ -68,7 +70,8 @@ def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float
     >>> f"{hertz_point_radius(10.0, 10e-3, 115.385e9):.4e} m"
     '8.6624e-05 m'
     """
-    require_number(normal_load=normal_load, radius=radius, contact_modulus=contact_modulus)
+    require_not_negative(normal_load=normal_load)
+    require_positive(radius=radius, contact_modulus=contact_modulus)
     F, R, E = normal_load, radius, contact_modulus
     return float(np.cbrt(3 * F * R / (4 * E)))
 
@@ -88,7 +91,8 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
     >>> f"{p0:.4e} Pa, {2 * math.pi / 3 * a**2 * p0:.6f} N"
     '6.3631e+08 Pa, 10.000000 N'
     """
-    require_number(normal_load=normal_load, radius=radius, contact_modulus=contact_modulus)
+    require_not_negative(normal_load=normal_load)
+    require_positive(radius=radius, contact_modulus=contact_modulus)
     F, R, E = normal_load, radius, contact_modulus
     return float(np.cbrt(6 * F * E**2 / (math.pi**3 * R**2)))
 
@@ -147,9 +151,8 @@ def hertz_ellipse(
     >>> print("{:.4e} {:.4e} {:.4e} {:.4e}".format(*hertz_ellipse(10.0, 10e-3, 10e-3, 115.385e9)))
     8.6624e-05 8.6624e-05 6.3631e+08 7.5037e-07
     """
-    require_number(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
-    require_number(contact_modulus=contact_modulus)
-    require_positive(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
+    require_positive(normal_load=normal_load, contact_modulus=contact_modulus)
+    require_positive(radius_x=radius_x, radius_y=radius_y)
     F, E = normal_load, contact_modulus
     larger_radius, smaller_radius = max(radius_x, radius_y), min(radius_x, radius_y)
     elliprd = scipy.special.elliprd
@@ -203,7 +206,8 @@ def hertz_contact(
     """
     sizes = {"radius": radius, "length": length, "crown_radius": crown_radius}
     known_sizes = {name: size for name, size in sizes.items() if size is not None}
-    require_number(normal_load=normal_load, contact_modulus=contact_modulus, **known_sizes)
+    require_not_negative(normal_load=normal_load)
+    require_positive(contact_modulus=contact_modulus, **known_sizes)
     F, E, R = normal_load, contact_modulus, radius
     if crown_radius is not None:
         half_x, half_y, peak_pressure, _ = hertz_ellipse(F, R, crown_radius, E)
@@ -227,7 +231,8 @@ def hertz_pressure(distance: ArrayLike, contact_radius: float, peak_pressure: fl
     >>> hertz_pressure([0.0, 0.6, 1.0, 2.0], contact_radius=1.0, peak_pressure=10.0)
     array([10.,  8.,  0.,  0.])
     """
-    require_number(contact_radius=contact_radius, peak_pressure=peak_pressure)
+    require_positive(contact_radius=contact_radius)
+    require_not_negative(peak_pressure=peak_pressure)
     r, a, p0 = real_array("distance", distance), contact_radius, peak_pressure
     return p0 * np.sqrt(np.maximum(1 - (r / a) ** 2, 0.0))
 
@@ -258,12 +263,12 @@ def rolling_sliding_rise(
     0.0
     """
     require_pair(velocities=velocities)
-    require_number(friction=friction, load_per_length=load_per_length, width=width)
-    require_number(thermal_effusivity=thermal_effusivity)
+    for velocity in velocities:
+        require_not_negative(velocities=velocity)
+    require_not_negative(friction=friction, load_per_length=load_per_length)
+    require_positive(width=width, thermal_effusivity=thermal_effusivity)
     µ, w, e = friction, load_per_length, thermal_effusivity
     slow, fast = sorted(velocities)
-    if slow < 0:
-        raise InputError(f"velocities are {velocities!r}; both must be at least 0")
     return _BLOK_FACTOR * µ * w * (math.sqrt(fast) - math.sqrt(slow)) / (e * math.sqrt(width))
 
 
@@ -282,7 +287,8 @@ def worn_line_width(worn_area: float, radius: float) -> float:
     >>> f"{w:.4e} m, {2 / 3 * w * w**2 / (8 * R) / A:.6f}"
     '2.7108e-04 m, 1.000000'
     """
-    require_number(worn_area=worn_area, radius=radius)
+    require_not_negative(worn_area=worn_area)
+    require_positive(radius=radius)
     return float(np.cbrt(12 * radius * worn_area))
 
 
@@ -301,5 +307,6 @@ def worn_point_width(worn_volume: float, radius: float) -> float:
     >>> f"{w:.4e} m, {math.pi / 8 * w**2 * w**2 / (8 * R) / V:.6f}"
     '1.5023e-04 m, 1.000000'
     """
-    require_number(worn_volume=worn_volume, radius=radius)
+    require_not_negative(worn_volume=worn_volume)
+    require_positive(radius=radius)
     return math.sqrt(math.sqrt(64 * radius * worn_volume / math.pi))

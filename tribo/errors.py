@@ -159,6 +159,14 @@ def require_positive(**values: float) -> None:
             raise InputError(f"{name} is {value!r}; it must be finite and greater than 0")
 
 
+def require_not_negative(**values: float) -> None:
+    """Raise `InputError` for the first value that is not finite and at least 0."""
+    require_number(**values)
+    for name, value in values.items():
+        if not (math.isfinite(value) and value >= 0):
+            raise InputError(f"{name} is {value!r}; it must be finite and at least 0")
+
+
 def require_integer(lowest: int, **values: float) -> None:
     """Raise `InputError` for the first value that is not an integer of at least `lowest`."""
     for name, value in values.items():

@@ -17,7 +17,7 @@ from pipeline.answers.condition_values import in_array
 from pipeline.answers.results import cases_of, refuse_cases, sweep_of
 from pipeline.answers.scene_wording import heating_words
 from pipeline.answers.verdict_model import conditions_of, outside_reason
-from pipeline.arguments import in_si
+from pipeline.arguments import in_load_or_velocity
 from pipeline.figures import style
 from pipeline.quantities import ROUNDING, UNITS, shown_in
 from pipeline.store.dataset import fields_of
@@ -31,7 +31,6 @@ QuantityLike = float | str | Iterable[float | str] | None
 """Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
 PointIndex = tuple[int, int]
 """Indices of a point along load and velocity."""
-_EXAMPLES = {"load": "600 N", "velocity": "1.5 m/s"}
 _COLOUR_BAR_HEIGHT = 0.12  # height of a colour bar, and of the gap below it [in]
 _STACKING_WIDTH = 4.7  # width of a figure below which its panels are stacked [in]
 
@@ -127,11 +126,8 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     """Loads or velocities of an option, in SI; an empty list without any."""
     if values is None or not np.size(values):
         return []
-    read = functools.partial(in_si, axis, like=_EXAMPLES[axis])
+    read = functools.partial(in_load_or_velocity, axis)
     numbers: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
-    for number in numbers:
-        if not math.isfinite(number):
-            raise InputError(f"{axis} is {number}; give a number")
     return numbers
 
 

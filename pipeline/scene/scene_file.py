@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 import tribo
-from pipeline.arguments import in_count, in_si, plain_value, typed_arguments
+from pipeline.arguments import in_count, in_load_or_velocity, plain_value, typed_arguments
 from pipeline.limits import MOST_LEVELS
 from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
@@ -259,7 +259,10 @@ def run_point(
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
     (False, '163 °C')
     """
-    load_and_velocity = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
+    load_and_velocity = (
+        in_load_or_velocity("load", load),
+        in_load_or_velocity("velocity", velocity),
+    )
     seed = None if realization is None else in_count("realization", realization, minimum=0)
     case = () if seed is None else (("realization", seed),)
     sweep = sweep_of(sweep)

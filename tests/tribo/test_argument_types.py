@@ -117,3 +117,15 @@ def test_an_argument_of_a_wrong_type_is_refused_by_its_name(function):
                 call(function, **arguments | {name: value})
             assert name in str(error.value), (name, value)
             assert len(str(error.value).splitlines()) == 1
+
+
+CLOSED_FORMS = [function for function in CALLS if function.__module__ == analytic.__name__]
+
+
+@pytest.mark.parametrize("function", CLOSED_FORMS, ids=lambda function: function.__name__)
+def test_a_closed_form_refuses_sizes_and_loads_that_are_negative_or_no_number(function):
+    for name, valid in CALLS[function].items():
+        for value in (-1.0, np.nan, np.inf):
+            wrong = (1.0, value) if isinstance(valid, tuple) else value
+            with pytest.raises(tribo.InputError, match=f"{name} is {value!r}"):
+                call(function, **CALLS[function] | {name: wrong})

@@ -124,7 +124,7 @@ REFUSALS = {
     "elongated": (lambda: Grid((4, 4), (2.1, 2e-6)), "one side must be at most"),
     "spectrum": (lambda: Convolution(GRID, np.ones((4, 4))), "the spectrum has shape (4, 4)"),
     "backwards": (lambda: rolling_sliding_rise(0.1, 1e5, 2e-4, (-1.0, 2.0), 1e4),
-                  "both must be at least 0"),
+                  "velocities is -1.0; it must be finite and at least 0"),
     # surfaces, wear, loading
     "hurst": (lambda: self_affine(GRID, 1e-7, 1.2, 1e-6, 0), "hurst_exponent is 1.2"),
     "single": (lambda: self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),

@@ -82,7 +82,7 @@ REFUSALS = {
     "seed of one surface": (plot("ramp", realization=9), "realization 9 is not in the sweep"),
     "pins": (lambda: pipeline.plot(two_pins(), "ramp"), "select one by pin_radius"),
     "load": (plot("fields", load=74.0), "load 74 N is outside the sweep (200 to 750 N); add it"),
-    "no number": (plot("fields", load=float("nan")), "load is nan; give a number"),
+    "no number": (plot("fields", load=float("nan")), "load is nan; it must be finite and above 0"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the store has no fields"),
     "step": (plot("fields", step=-1), "the store has only the fields at the end of each point"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
