@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.answers.answer_frames import boundary_frame
+from pipeline.answers.answer_frames import boundary_frame, tests_frame
 from pipeline.answers.answer_lines import (
     boundary_lines,
     closing_lines,
@@ -15,7 +15,7 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.field import Outcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
-from pipeline.store.schema import FAILED, PENDING
+from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
 from tests.helpers.entries import bare_test
@@ -236,6 +236,20 @@ def test_the_boundary_of_a_scene_without_a_crossing_is_mild_with_tests_or_withou
     ds = swept(at(0.0))
     assert (pipeline.boundary(ds, friction=0.0)["outcome_along_velocity"] == Along.MILD).all()
     assert asked(ds, 400.0, 2.0, friction=0.0).probability == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_table_has_the_rise_of_each_test_and_both_of_a_step_in_percent_of_the_allowable():
+    step = bare_test(600.0, 3.0, velocity_step=0.5)
+    ds = synthetic.sweep(tests=(bare_test(600.0, 3.0), step, bare_test(400.0, 2.0)))
+    done = synthetic.with_tests(ds, status=(DONE, DONE, DONE, PENDING))
+    percents = [
+        f"{100 * 0.1 * float(synthetic.rise(600.0, velocity, 0.9)) / 120:.0f}"
+        for velocity in (3.0, 2.5)
+    ]
+    table = tests_frame(pipeline.compare_tests(done))
+    rises = table["computed over allowable rise [%]"]
+    assert [*rises.dropna()] == [percents[0], f"{percents[1]} to {percents[0]}"]
+    assert rises.isna().to_list() == [False, False, True]
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():
