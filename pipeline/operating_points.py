@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pipeline.limits import MOST_OPERATING_POINTS
 from pipeline.messages import quoted
-from pipeline.sweep.condition_entries import CONDITION_ENTRIES, OIL_WORKS
+from pipeline.sweep.case import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import PYTHON, Advice, rows_of
 from pipeline.table_reader import read_table
 from pipeline.units import share_of, to_si

@@ -21,8 +21,8 @@ from pipeline.store.schema import (
     PLANE,
     VARIABLES,
 )
+from pipeline.sweep.case import Conditions
 from pipeline.sweep.case_table import CaseName, Label
-from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind

@@ -13,7 +13,7 @@ import xarray as xr
 
 from pipeline.arguments import in_share, in_si, plain_value
 from pipeline.quantities import display
-from pipeline.sweep.condition_entries import OIL_WORKS, PATHS, Conditions
+from pipeline.sweep.case import OIL_WORKS, PATHS, Conditions
 from tribo import InputError
 from tribo.types import Array
 

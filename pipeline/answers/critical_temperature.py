@@ -30,7 +30,7 @@ from pipeline.answers.posterior import (
 )
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import WORTH
-from pipeline.sweep.condition_entries import Conditions
+from pipeline.sweep.case import Conditions
 from tribo import InputError
 from tribo.types import Array
 

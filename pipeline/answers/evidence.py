@@ -23,8 +23,7 @@ from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, 
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
-from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.condition_entries import Conditions, allowable_rise, with_test_conditions
+from pipeline.sweep.case import Conditions, SpecimenTest, allowable_rise, with_test_conditions
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask

@@ -43,7 +43,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.codec import CodecError
-from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, list_points_of_tests
+from pipeline.sweep.plan import SCENE_HASH, TEST_POINT, list_points_of_tests
 from pipeline.sweep.stored import sweep_of_plain
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
@@ -198,7 +198,7 @@ def sweeps_of(ds: xr.Dataset) -> Iterator[tuple[Sweep, xr.Dataset]]:
 def _identify_case(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     """The case of a sweep to which a dataset without varied entries belongs, and its name."""
     table, name = sweep.case_table, []
-    for column in table.chosen:
+    for column in table.chosen_columns:
         if column.name not in ds.coords:
             raise InputError(f"the coordinate {column.name} is missing from the dataset; keep it")
         name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))

@@ -10,8 +10,7 @@ from pipeline.constants import SHARP_ENDS
 from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
-from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.condition_entries import Conditions, known_critical_temperature
+from pipeline.sweep.case import Conditions, SpecimenTest, known_critical_temperature
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual

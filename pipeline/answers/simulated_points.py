@@ -18,7 +18,7 @@ from pipeline.answers.verdict_model import JudgedCase, conditions_of
 from pipeline.arguments import typed_arguments
 from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
-from pipeline.sweep.condition_entries import allowable_rise
+from pipeline.sweep.case import allowable_rise
 from tribo import QUANTILES, InputError, WarningKind
 from tribo.simulation.point_warnings import SLOW
 from tribo.simulation.verdict import columns_needed, corrected_columns

@@ -23,7 +23,7 @@ from scipy.special import chdtri, stdtrit
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.field import TWINS, Field
 from pipeline.constants import CORRELATION_LENGTHS
-from pipeline.sweep.condition_entries import Conditions
+from pipeline.sweep.case import Conditions
 from tribo.thermal.quantiles import GROUPS
 from tribo.types import Array, Indices, Mask
 

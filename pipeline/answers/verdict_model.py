@@ -33,7 +33,7 @@ from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.constants import DECIDED, FARTHEST
 from pipeline.messages import join_notes
 from pipeline.quantities import UNITS
-from pipeline.sweep.condition_entries import Conditions, known_critical_temperature
+from pipeline.sweep.case import Conditions, known_critical_temperature
 from tribo import Stages, WarningKind
 from tribo.types import Array, Indices, Mask
 

@@ -17,8 +17,8 @@ from pipeline.paths import user_path
 from pipeline.quantities import ROUNDING
 from pipeline.store.location import StoreError
 from pipeline.store.schema import PLANE
+from pipeline.sweep.case import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.case_table import dimension_of
-from pipeline.sweep.condition_entries import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.sweep import Sweep
 from pipeline.table import COMMAND
 from pipeline.units import to_si
@@ -69,7 +69,7 @@ def scene_in(options: argparse.Namespace) -> Sweep:
 def one_scene_in(options: argparse.Namespace) -> Sweep:
     """Load the scene of a command that uses only one value of each varied entry."""
     sweep = scene_in(options)
-    for column in sweep.case_table.chosen:
+    for column in sweep.case_table.chosen_columns:
         print_note(
             f"note: {column.name} varies in this scene; the scene's own value or the first one is "
             "used; choose another by --set"

@@ -22,7 +22,7 @@ from pipeline.figures import style
 from pipeline.quantities import ROUNDING, UNITS, shown_in
 from pipeline.store.dataset import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.sweep.condition_entries import Conditions, allowable_rise
+from pipeline.sweep.case import Conditions, allowable_rise
 from tribo import InputError
 from tribo.simulation.verdict import columns_needed, corrected_columns
 from tribo.types import Array

@@ -15,9 +15,15 @@ import psutil
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.scene.scene_file import SceneLike, sweep_of
-from pipeline.sweep.plan import Task, choose_stored_steps, record_at, tasks
+from pipeline.sweep.plan import (
+    Task,
+    choose_stored_steps,
+    list_points_of_tests,
+    step_values,
+    sweep_of_tests,
+    tasks,
+)
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.points_of_tests import list_points_of_tests, sweep_of_tests
 from pipeline.sweep.sweep import Sweep
 from tribo import Scene, State
 from tribo.simulation import RampCache, contacts, fit_elements, heat
@@ -183,7 +189,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
     stored_steps = choose_stored_steps(sweep)
-    numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
+    numbers = sum(np.size(value) for value in step_values(sweep.scene, state).values())
     field = 4.0 * _COMPRESSION * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     steps = max(len(stored_steps.select(sweep.scene, n)) for n in sweep.loads)
     fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]

@@ -21,7 +21,7 @@ from pipeline.scene.entries import entry_at
 from pipeline.store.dataset import store_dataset
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import known_critical_temperature
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.user_laws import UserSurface
 from tribo import InputError, SelfAffineRoughness

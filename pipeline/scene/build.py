@@ -34,9 +34,8 @@ from pipeline.scene.library import resolve_library
 from pipeline.scene.load_stages import expand_tests, stages_of
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
-from pipeline.sweep.case import Case
-from pipeline.sweep.case_table import AREAS
-from pipeline.sweep.condition_entries import PATHS, Conditions
+from pipeline.sweep.case import PATHS, Case, Conditions
+from pipeline.sweep.case_table import AREAS_ENTRY
 from pipeline.sweep.notes import FromLibrary
 from pipeline.table import SCENE, numbers_of
 from pipeline.table_reader import read_table
@@ -94,10 +93,10 @@ def build_case(
 
     The case shares the table ``[sweep]`` that the scene has read, and has no tests.
     """
-    case_entries = {path: value for path, value in changes.items() if path != AREAS}
+    case_entries = {path: value for path, value in changes.items() if path != AREAS_ENTRY}
     sweep = base.tables.sweep
-    if AREAS in changes:
-        sweep = replace(sweep, realizations=changes[AREAS])
+    if AREAS_ENTRY in changes:
+        sweep = replace(sweep, realizations=changes[AREAS_ENTRY])
     bare = {key: value for key, value in entries.items() if key != "tests"}
     return build(replace_values(bare, case_entries) | {"sweep": sweep}, files, faults)
 
@@ -112,7 +111,9 @@ def _build(entries: Entries, files: Files, faults: Faults) -> Built | None:
         "motion": make(motion_of, "motion", "pin", "disk"),
         "wear": make(lambda wear: tribo.Wear(**vars(wear)), "wear"),
         "loading": make(partial(loading_of, files, faults), "loading", "sweep.loads"),
-        "roughness": make(partial(roughness_of, files, faults), "disk.roughness", "window", AREAS),
+        "roughness": make(
+            partial(roughness_of, files, faults), "disk.roughness", "window", AREAS_ENTRY
+        ),
         "fidelity": fidelity,
     }
     oil = make(oil_of, "oil")

@@ -18,20 +18,19 @@ from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_valu
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import TableFile, number_at, scene_entries
 from pipeline.scene.kinds import LOAD, SPEED
-from pipeline.sweep.case import Case
+from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
-    AREAS,
+    AREAS_ENTRY,
     PLACE_UNITS,
-    SEED,
+    SEED_ENTRY,
     CaseTable,
     Column,
     Label,
     dimension_of,
     numbered_cases,
-    surfaces,
+    surface_table,
 )
 from pipeline.sweep.codec import digest
-from pipeline.sweep.condition_entries import CONDITION_ENTRIES
 from pipeline.table import SCENE, Advice, Sheet, TableError, TableFaults
 from pipeline.table import Column as TableColumn
 from pipeline.table_reader import read_table
@@ -166,12 +165,12 @@ def listed_cases(scene: Built, along: list[CaseRow]) -> Cases:
     if sweep.over:
         cases *= _cases_over(sweep.over)
     if isinstance(scene.case.scene.roughness, SelfAffineRoughness):
-        seeds = realizations_of(sweep.realizations, entry_at(scene.tables, SEED))
-        changes: list[Entries] = [{SEED: seed} for seed in seeds]
+        seeds = realizations_of(sweep.realizations, entry_at(scene.tables, SEED_ENTRY))
+        changes: list[Entries] = [{SEED_ENTRY: seed} for seed in seeds]
     else:
         seeds = realizations_of(sweep.realizations, 0)
-        changes = [{AREAS: [area]} for area in seeds]
-    return cases * Cases(surfaces(seeds), changes or [{}])
+        changes = [{AREAS_ENTRY: [area]} for area in seeds]
+    return cases * Cases(surface_table(seeds), changes or [{}])
 
 
 def _cases_over(over: dict[str, Any]) -> Cases:
@@ -243,7 +242,7 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     these cases.
     """
     if wrong := [
-        p for p in listed.changes[0] if p.partition(".")[0] in _UNVARIED_TABLES and p != AREAS
+        p for p in listed.changes[0] if p.partition(".")[0] in _UNVARIED_TABLES and p != AREAS_ENTRY
     ]:
         raise InputError(
             f"{key}.{quoted(wrong[0])} cannot take several values; use a scene entry such as "
@@ -251,12 +250,12 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
         )
     known, cases = dict[str, Case](), list[Case]()
     for name, changes in zip(listed.table.names, listed.changes, strict=True):
-        unseeded = {path: value for path, value in changes.items() if path != SEED}
+        unseeded = {path: value for path, value in changes.items() if path != SEED_ENTRY}
         if (text := repr(unseeded)) not in known:
             known[text] = _build_case(entries, files, scene, unseeded, key)
         case = replace(known[text], name=name)
-        if SEED in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
-            case = case.on_surface(changes[SEED])
+        if SEED_ENTRY in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
+            case = case.on_surface(changes[SEED_ENTRY])
         cases.append(case)
     over = scene.tables.sweep.over
     if over and len({*map(digest, known.values())}) == 1 < len(known):
@@ -275,7 +274,7 @@ def _build_case(entries: Entries, files: Files, base: Built, changes: Entries, k
         assert row
         _require_same_grid(row, base)
     except InputError as error:
-        key = AREAS if changes.keys() == {AREAS} else key
+        key = AREAS_ENTRY if changes.keys() == {AREAS_ENTRY} else key
         changed = (
             f"{path} = {quoted(value)}" for path, value in changes.items() if value is not None
         )

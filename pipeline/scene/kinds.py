@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 from pipeline.messages import did_you_mean, is_unprintable, quoted
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults
-from pipeline.sweep.condition_entries import OIL_WORKS
+from pipeline.sweep.case import OIL_WORKS
 from pipeline.sweep.notes import unusual_warning
 from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError

@@ -28,7 +28,7 @@ from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import override_entries, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
-from pipeline.sweep.case_table import SEED
+from pipeline.sweep.case_table import SEED_ENTRY
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
@@ -116,7 +116,7 @@ class Source:
         seeds = listed.table.column("realization")
         if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
             seed = seeds[0]  # the scene itself has the first surface, as with areas of a scan
-            entries = replace_values(entries, {SEED: seed})
+            entries = replace_values(entries, {SEED_ENTRY: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)
         key = "sweep.along" if along else "sweep.over"

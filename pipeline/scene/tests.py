@@ -16,8 +16,7 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile
 from pipeline.scene.format import Test as TestEntry
 from pipeline.scene.load_stages import stages_of, test_faults
-from pipeline.sweep.case import TEST, Case, SpecimenTest
-from pipeline.sweep.condition_entries import with_test_conditions
+from pipeline.sweep.case import TEST, Case, SpecimenTest, with_test_conditions
 from pipeline.table import SCENE, rows_of
 from pipeline.table_reader import read_table
 from tribo import InputError, MeasuredLoad, Scene, Stages

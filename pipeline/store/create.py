@@ -51,8 +51,7 @@ from pipeline.store.schema import DONE, FAILED, FIELDS, PENDING, path_of
 from pipeline.store.store import Store
 from pipeline.store.transfer import transfer
 from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import points
-from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.plan import NO_TEST, points
 from pipeline.sweep.sweep import Sweep
 
 _CHUNK = re.compile(r"c(\.\d+)*")

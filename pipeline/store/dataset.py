@@ -29,7 +29,7 @@ from pipeline.store.schema import (
 )
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
-from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
+from pipeline.sweep.plan import NO_TEST, TEST_POINT
 from tribo import InputError
 
 

@@ -32,8 +32,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import in_order
-from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.plan import NO_TEST, choose_stored_steps
 from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Scene

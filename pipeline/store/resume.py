@@ -9,12 +9,10 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.messages import quoted
-from pipeline.sweep.case import SpecimenTest
+from pipeline.sweep.case import PATHS, SpecimenTest
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
-from pipeline.sweep.condition_entries import PATHS
-from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.points_of_tests import list_points_of_tests
+from pipeline.sweep.plan import choose_stored_steps, list_points_of_tests
 from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.sweep.user_laws import UserObject
 from tribo import InputError
@@ -41,7 +39,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         stored_steps=before.stored_steps,
         fields=before.fields,
         field_surface=_field_surface(before, sweep),
-        former=_former_tests(before, sweep),
+        former_tests=_former_tests(before, sweep),
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
     )
@@ -82,7 +80,7 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that the tests of a scene lack: results are kept."""
     known, former = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
-    for test in (*before.tests, *before.former):
+    for test in (*before.tests, *before.former_tests):
         test_points = {(sweep._hash_scene(test.case.scene), *point) for point in test.points}
         former += [test] if test_points - known else []
         known |= test_points

@@ -51,8 +51,7 @@ from pipeline.store.schema import (
     split_arrays,
 )
 from pipeline.sweep.codec import ArrayError
-from pipeline.sweep.plan import choose_stored_steps
-from pipeline.sweep.points_of_tests import judges_holds, sweep_of_tests
+from pipeline.sweep.plan import choose_stored_steps, judges_holds, sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, require_few, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
@@ -97,7 +96,7 @@ class Root:
         `stored` has the sweep's plain data and arrays if they were read from a store.
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
-        if sweep.tests or sweep.former:
+        if sweep.tests or sweep.former_tests:
             test_sweep = sweep_of_tests(sweep, judges_holds(sweep))
             tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths[0])
         plane = Group(sweep, arrays, "", *growths)

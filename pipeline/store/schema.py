@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.sweep.case_table import ROWS
-from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT
+from pipeline.sweep.plan import SCENE_HASH, TEST_POINT
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED

@@ -17,7 +17,7 @@ from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Index, Store, opened
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.plan import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
 
 

@@ -1,4 +1,8 @@
-"""Cases, each a scene with its conditions, and tests on rigs, each with its case."""
+"""Cases, each a scene with its conditions, and tests on rigs, each with its case.
+
+Conditions act on stored results, after the simulation. Their entries in a scene, and limits that
+follow from them, are here, too.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Literal, Self
 
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.condition_entries import Conditions
+from tribo import Conditions as Conditions
 from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
+from tribo.simulation import verdict
 
 OUTCOMES = ("mild", "severe", "transition")
 """Outcomes of a test."""
@@ -17,6 +22,20 @@ LARGEST = 1e15
 """Load [N] or velocity [m/s] at most; scenes have smaller ones."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
+OIL_WORKS = "-53 degC", "627 degC"
+"""Bulk temperatures between which an oil may work."""
+PATHS = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+    "critical_area_fraction": "temperature.critical_area_fraction",
+    "added_rise_fraction": "model.rise",
+}
+"""Entries of the scene file that act after the simulation, by the conditions' names."""
+CONDITION_ENTRIES = {name: path for name, path in PATHS.items() if name != "added_rise_fraction"}
+"""Conditions that rows of tables may set, and their entries in a scene."""
+OF_TESTS = "friction", "bulk_temperature", "corrections"
+"""Conditions that each test sets; all others are those of the oil."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,3 +150,29 @@ class SpecimenTest:
         end = self.normal_load, self.velocity
         step_before = self.normal_load - self.load_step, self.velocity - self.velocity_step
         return (end,) if step_before == end else (step_before, end)
+
+
+def known_critical_temperature(conditions: Conditions) -> float:
+    """Critical temperature [K]; raises an `InputError` if it is not known."""
+    if conditions.critical_temperature is None:
+        raise InputError(
+            "a critical temperature is needed; add one to the scene, such as critical = "
+            '"145 degC" under [temperature], or use --critical-temperature '
+            "(critical_temperature in Python)"
+        )
+    return conditions.critical_temperature
+
+
+def allowable_rise(conditions: Conditions) -> float:
+    """Temperature rise per unit friction coefficient above which wear is severe [K].
+
+    It is infinite if the friction coefficient is 0. Raises an `InputError` if the critical
+    temperature is not known.
+    """
+    known_critical_temperature(conditions)
+    return verdict.allowable_rise(conditions)
+
+
+def with_test_conditions(conditions: Conditions, test_conditions: Conditions) -> Conditions:
+    """The `conditions` with those named in `OF_TESTS` taken from `test_conditions`."""
+    return replace(conditions, **{name: getattr(test_conditions, name) for name in OF_TESTS})

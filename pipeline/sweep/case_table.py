@@ -26,8 +26,8 @@ CaseRow = Mapping[str, Label]
 """A row: its labels [SI] by column."""
 CaseName = tuple[tuple[str, Label], ...]
 """Name of a case: the dimensions in front of load and velocity, each with the row's label."""
-SEED = "disk.roughness.seed"
-AREAS = "sweep.realizations"
+SEED_ENTRY = "disk.roughness.seed"
+AREAS_ENTRY = "sweep.realizations"
 """Entry whose first value is the area of a scan that a case is simulated on."""
 
 
@@ -60,8 +60,8 @@ class Column:
         """A label with its unit as people write it, such as "2 mm"."""
         if isinstance(label, str) or self.unit is None:
             return label
-        usual = next(iter(DIMENSIONS[self.unit].units)) if self.unit in DIMENSIONS else ""
-        if unit := self.display_unit or usual:
+        usual_unit = next(iter(DIMENSIONS[self.unit].units)) if self.unit in DIMENSIONS else ""
+        if unit := self.display_unit or usual_unit:
             return display(label, unit)
         return int(label) if isinstance(label, float) and label.is_integer() else label
 
@@ -124,7 +124,7 @@ class CaseTable:
         }
 
     @property
-    def chosen(self) -> tuple[Column, ...]:
+    def chosen_columns(self) -> tuple[Column, ...]:
         """Dimensions whose labels the user chose: all but seeds of random surfaces."""
         return tuple(column for column in self.columns if not (column.along or column.is_seed))
 
@@ -141,10 +141,10 @@ class CaseTable:
 
     def column(self, name: str) -> tuple[Any, ...] | None:
         """Label of each case in a column; None if there is no such column."""
-        is_there = any(column.name == name for column in self.columns)
-        return tuple(row[name] for row in self.rows) if is_there else None
+        has_column = any(column.name == name for column in self.columns)
+        return tuple(row[name] for row in self.rows) if has_column else None
 
-    def unknown(self, name: CaseName) -> InputError:
+    def unknown_case(self, name: CaseName) -> InputError:
         """The error for a case that the sweep does not have."""
         requested = " and ".join(f"{key} {value}" for key, value in name)
         ends = "; ".join(f"{key} {labels[0]} to {labels[-1]}" for key, labels in self.axes.items())
@@ -158,7 +158,8 @@ class CaseTable:
     def surfaces_of(self, name: CaseName) -> CaseTable:
         """Table of the random surfaces of one case; a single row if it has none."""
         columns = tuple(column for column in self.columns if column.is_seed)
-        case_rows = [row for full, row in self.by_name.items() if {*name} <= {*full}]
+        labels = {*name}
+        case_rows = [row for row_name, row in self.by_name.items() if labels <= {*row_name}]
         rows = ({column.name: row[column.name] for column in columns} for row in case_rows)
         return CaseTable(columns, tuple(rows)) if columns else CaseTable()
 
@@ -171,7 +172,10 @@ class CaseTable:
             If neither table has a row for some combination of the labels of both tables.
         """
         axes = {dim: in_order([*self.axes[dim], *more]) for dim, more in other.axes.items()}
-        names, rows = combinations(axes), self.by_name | other.by_name
+        names = [
+            tuple(zip(axes, labels, strict=True)) for labels in itertools.product(*axes.values())
+        ]
+        rows = self.by_name | other.by_name
         if gap := next((dict(name) for name in names if name not in rows), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
@@ -181,13 +185,6 @@ class CaseTable:
         return replace(other, rows=tuple(rows[name] for name in names))
 
 
-def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[CaseName, ...]:
-    """All combinations of the labels along some `axes`, as names of cases."""
-    return tuple(
-        tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
-    )
-
-
 def in_order(labels: Iterable[Any]) -> list[Any]:
     """Return labels, each once: numbers in ascending order, texts in the order given."""
     unique = dict.fromkeys(labels)
@@ -195,15 +192,17 @@ def in_order(labels: Iterable[Any]) -> list[Any]:
     return [*unique] if is_text else sorted(unique)
 
 
-def surfaces(seeds: Sequence[int]) -> CaseTable:
+def surface_table(seeds: Sequence[int]) -> CaseTable:
     """Table of cases on random surfaces, one for each seed; a single case without seeds."""
     name = "realization"
-    column = Column(name, is_seed=True, meaning=ROWS[name], entry=SEED)
+    column = Column(name, is_seed=True, meaning=ROWS[name], entry=SEED_ENTRY)
     return CaseTable((column,), tuple({name: seed} for seed in seeds)) if seeds else CaseTable()
 
 
 def numbered_cases(columns: Iterable[Column], rows: Iterable[CaseRow]) -> CaseTable:
     """Table of cases numbered from 0, with `columns`."""
     number = Column(CASE, meaning=ROWS[CASE])
-    along = (replace(column, along=CASE) for column in columns)
-    return CaseTable((number, *along), tuple({CASE: k, **row} for k, row in enumerate(rows)))
+    dependent_columns = (replace(column, along=CASE) for column in columns)
+    return CaseTable(
+        (number, *dependent_columns), tuple({CASE: k, **row} for k, row in enumerate(rows))
+    )

@@ -23,9 +23,8 @@ from tribo.types import Array
 
 NOT_STORED = {"stored": False}
 """Metadata of a field that is not stored; decoded objects have its default."""
-_CLASS = "is"  # key with the name of an object's class
-_MISSING = "MissingSurface"  # class that takes the place of an array that was left out
-_SINGLE = "UserLaw", "UserSurface"  # classes whose objects are compared as one value
+_CLASS_KEY = "is"  # of the name of an object's class
+_MISSING_SURFACE = "MissingSurface"  # class that takes the place of an array that was left out
 
 
 class CodecError(InputError):
@@ -47,30 +46,30 @@ def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bo
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, float):
-        return value if math.isfinite(value) else {_CLASS: "number", "text": str(value)}
+        return value if math.isfinite(value) else {_CLASS_KEY: "number", "text": str(value)}
     if isinstance(value, np.ndarray):
         key = array_digest(value)
         if arrays is not None:
             arrays[key] = value
-        return {_CLASS: "array", "digest": key, "shape": [*value.shape]}
+        return {_CLASS_KEY: "array", "digest": key, "shape": [*value.shape]}
     if isinstance(value, Mapping):
         items = [[key, encode(item, arrays, with_defaults)] for key, item in value.items()]
-        return {_CLASS: "mapping", "items": items}
+        return {_CLASS_KEY: "mapping", "items": items}
     cls: Any = type(value)
-    if cls.__name__ == _MISSING:  # counts as the surface itself
-        array = {_CLASS: "array", "digest": value.digest, "shape": [*value.shape]}
-        return {_CLASS: "MeasuredRoughness", "array": array}
-    if names := _fields(cls):
+    if cls.__name__ == _MISSING_SURFACE:  # counts as the surface itself
+        array = {_CLASS_KEY: "array", "digest": value.digest, "shape": [*value.shape]}
+        return {_CLASS_KEY: "MeasuredRoughness", "array": array}
+    if names := _stored_fields(cls):
         values = {name: getattr(value, name) for name in names}
         if not with_defaults:
             defaults = _defaults(cls)
             values = {
-                name: item
-                for name, item in values.items()
-                if name not in defaults or item != defaults[name]
+                name: value
+                for name, value in values.items()
+                if name not in defaults or value != defaults[name]
             }
         plain = {name: encode(item, arrays, with_defaults) for name, item in values.items()}
-        return {_CLASS: cls.__name__, **plain}
+        return {_CLASS_KEY: cls.__name__, **plain}
     return [encode(item, arrays, with_defaults) for item in value]
 
 
@@ -81,40 +80,44 @@ def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array])
     `CodecError` if the data need a class or a field that this version lacks, or lack a field that
     it needs; an `ArrayError` if an array is another one than the data name.
     """
-
-    def build(values: dict[str, Any]) -> Any:
-        name = values.pop(_CLASS, None)
-        values = {key: _tuples(value) for key, value in values.items()}
-        match name:
-            case "number":
-                return float(values["text"])
-            case "mapping":
-                return dict(values["items"])
-            case "array" if values["digest"] in arrays:
-                array = arrays[values["digest"]].reshape(values["shape"])
-                if array_digest(array) != values["digest"]:
-                    raise ArrayError("an array has other numbers than were written")
-                return array
-            case "array":
-                name = _MISSING
-            case "MeasuredRoughness" if type(values["array"]).__name__ == _MISSING:
-                return values["array"]
-        if name not in classes:
-            raise CodecError(f"this version has no class {name!r:.60}")
-        fields = {*_fields(classes[name])}
-        if unknown := values.keys() - fields:
-            raise CodecError(f"this version has no {name}.{min(unknown)}, which has a value there")
-        if missing := fields - values.keys() - _defaults(classes[name]).keys():
-            raise CodecError(f"this version needs {name}.{min(missing)}, which is missing there")
-        return classes[name](**values)
-
     # Written and read again, since the JSON reader builds inner objects first and does not recurse
     # in Python.
+    build = functools.partial(_build_object, classes, arrays)
     return json.loads(json.dumps(plain), object_hook=build)
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+def _build_object(
+    classes: Mapping[str, type], arrays: Mapping[str, Array], values: dict[str, Any]
+) -> Any:
+    """Build the object of a dictionary, whose values are built already."""
+    name = values.pop(_CLASS_KEY, None)
+    values = {key: _to_tuples(value) for key, value in values.items()}
+    match name:
+        case "number":
+            return float(values["text"])
+        case "mapping":
+            return dict(values["items"])
+        case "array" if values["digest"] in arrays:
+            array = arrays[values["digest"]].reshape(values["shape"])
+            if array_digest(array) != values["digest"]:
+                raise ArrayError("an array has other numbers than were written")
+            return array
+        case "array":
+            name = _MISSING_SURFACE
+        case "MeasuredRoughness" if type(values["array"]).__name__ == _MISSING_SURFACE:
+            return values["array"]
+    if name not in classes:
+        raise CodecError(f"this version has no class {name!r:.60}")
+    stored_fields = {*_stored_fields(classes[name])}
+    if unknown := values.keys() - stored_fields:
+        raise CodecError(f"this version has no {name}.{min(unknown)}, which has a value there")
+    if missing := stored_fields - values.keys() - _defaults(classes[name]).keys():
+        raise CodecError(f"this version needs {name}.{min(missing)}, which is missing there")
+    return classes[name](**values)
+
+
+def _to_tuples(value: Any) -> Any:
+    return tuple(map(_to_tuples, value)) if isinstance(value, list) else value
 
 
 def digest(value: Any) -> str:
@@ -130,33 +133,38 @@ def _float_if_equal(text: str) -> float | str:
 def differences(first: Any, second: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Yield the paths at which plain data differ, with both values."""
     are_dicts = isinstance(first, dict) and isinstance(second, dict)
-    if are_dicts and first.keys() == second.keys() and first.get(_CLASS) not in _SINGLE:
+    is_divided = are_dicts and first.get(_CLASS_KEY) not in ("UserLaw", "UserSurface")
+    if is_divided and first.keys() == second.keys():
         for key in first:
             yield from differences(first[key], second[key], f"{path}.{key}" if path else key)
     elif first != second:
-        yield path.removesuffix(f".{_CLASS}"), first, second
+        yield path.removesuffix(f".{_CLASS_KEY}"), first, second
 
 
-def change(base: Any, plain: Any) -> Any:
+def encode_difference(base: Any, plain: Any) -> Any:
     """Differences of an object's plain data from a `base`; all of them if its class is another."""
     if not (isinstance(base, dict) and isinstance(plain, dict) and base.keys() == plain.keys()):
         return plain
-    if base[_CLASS] != plain[_CLASS]:
+    if base[_CLASS_KEY] != plain[_CLASS_KEY]:
         return plain
-    return {key: change(base[key], value) for key, value in plain.items() if value != base[key]}
+    return {
+        key: encode_difference(base[key], value)
+        for key, value in plain.items()
+        if value != base[key]
+    }
 
 
-def changed(base: Any, difference: Any) -> Any:
-    """Plain data of an object from a `base` and the `difference` that `change` returned."""
-    if not (isinstance(base, dict) and isinstance(difference, dict)) or _CLASS in difference:
+def apply_difference(base: Any, difference: Any) -> Any:
+    """Plain data of an object from a `base` and the `difference` from `encode_difference`."""
+    if not (isinstance(base, dict) and isinstance(difference, dict)) or _CLASS_KEY in difference:
         return difference
-    if wrong := difference.keys() - base.keys():
-        raise CodecError(f"{base.get(_CLASS)} has no {min(wrong)}")
-    return base | {key: changed(base[key], value) for key, value in difference.items()}
+    if unknown := difference.keys() - base.keys():
+        raise CodecError(f"{base.get(_CLASS_KEY)} has no {min(unknown)}")
+    return base | {key: apply_difference(base[key], value) for key, value in difference.items()}
 
 
 @functools.cache
-def _fields(cls: Any) -> tuple[str, ...]:
+def _stored_fields(cls: Any) -> tuple[str, ...]:
     """Names of the stored fields of a class; empty if it has no fields."""
     if is_dataclass(cls):
         stored = (field for field in fields(cls) if field.metadata.get("stored", field.init))

@@ -1,13 +1,12 @@
-"""The points of a sweep, the tasks that they are computed in, and how a point is computed.
+"""The points of a sweep and of its tests, their tasks, and how a point is computed.
 
 A task is one point. It continues a cached ramp with the same mechanics, velocity and increment,
 from the last increment below its load. Whichever ramp a point continues, its results are the same,
-bit for bit.
+bit for bit. The points of tests are those of a sweep of their own.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.sweep.case_table import CaseName, CaseRow
-from pipeline.sweep.condition_entries import Conditions
+from pipeline.sweep.case import TEST, Conditions
+from pipeline.sweep.case_table import PLACE_UNITS, CaseRow, CaseTable, Column
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures
@@ -39,7 +38,8 @@ from tribo.simulation.film import film_inlet
 from tribo.simulation.verdict import verdict
 from tribo.types import Array
 
-Moment = Mapping[str, float | Array]
+StepValues = Mapping[str, float | Array]
+"""Values at a step of a point, by variable of the dataset."""
 
 NOT_KNOWN = -1.0
 """Stored at the end of a point instead of NaN, such as for the film of a ball."""
@@ -47,6 +47,12 @@ _LOADING_COLUMNS = ("time", "normal_load", "sliding_distance")  # known without 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES, "rise_realization_freedom": math.nan}
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
+TEST_POINT = "test_point"
+"""Dimension of the points of tests."""
+NO_TEST = -1
+"""Number of the test of a point that only an earlier version of the scene has."""
+SCENE_HASH = "scene_hash"
+"""Column with the hash of the scene that each point is of."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,15 +92,18 @@ class PointResult:
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields and "pressure" not in self.columns else {}
-        columns = {name: v.copy() for name, v in self.columns.items()}
-        for values in columns.values():
-            values[-1] = _known(values[-1])
+        columns = {name: column.copy() for name, column in self.columns.items()}
+        for column in columns.values():
+            column[-1] = _without_nan(column[-1])
+        estimates = self.sampling | {**self.film}
         return PointRecord(
             point=self.point,
             data={
                 **columns,
-                **{name: _known(v) for name, v in (self.sampling | {**self.film}).items()},
-                **{name: _known(v).astype(np.float32) for name, v in fields.items()},
+                **{name: _without_nan(value) for name, value in estimates.items()},
+                **{
+                    name: _without_nan(values).astype(np.float32) for name, values in fields.items()
+                },
             },
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
             wall_time=self.wall_time,
@@ -127,12 +136,12 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     )
 
 
-def _axis_values(row: CaseRow, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities (`axis`) of a case: the single value of its row, else `usual`."""
-    return (row[axis],) if axis in row else usual
+def _axis_values(row: CaseRow, axis: str, plane_values: Sequence[float]) -> Sequence[Any]:
+    """Loads or velocities (`axis`) of a case: the single value of its row, else of the plane."""
+    return (row[axis],) if axis in row else plane_values
 
 
-def _known(values: Any) -> Any:
+def _without_nan(values: Any) -> Any:
     """Values with −1 for NaN: in a store NaN at the end of a point means never written."""
     return np.where(np.isnan(values), NOT_KNOWN, values)
 
@@ -146,16 +155,19 @@ class Task(NamedTuple):
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     """A task for each of the points `todo`, sorted by ramp, then by ascending load."""
+    points_by_case = sorted(todo, key=lambda point: point.case)
+    scenes = {
+        name: sweep.case(name).scene for name in dict.fromkeys(p.case for p in points_by_case)
+    }
     numbers: dict[Scene, int] = {}
-
-    @functools.cache
-    def ramp(name: CaseName, velocity: float, load: float) -> tuple[Any, ...]:
-        scene = sweep.case(name).scene
-        number = numbers.setdefault(mechanics(scene), len(numbers))
-        return number, velocity, scene.ramp_increment(load)
-
-    order = sorted(todo, key=lambda point: point.case)
-    unsorted = [Task(point, ramp(point.case, point.velocity, point.load)) for point in order]
+    mechanics_numbers = {
+        name: numbers.setdefault(mechanics(scene), len(numbers)) for name, scene in scenes.items()
+    }
+    unsorted = list[Task]()
+    for point in points_by_case:
+        increment = scenes[point.case].ramp_increment(point.load)
+        ramp = mechanics_numbers[point.case], point.velocity, increment
+        unsorted.append(Task(point, ramp))
     yield from sorted(unsorted, key=lambda task: (task.ramp, task.point.load, task.point.case))
 
 
@@ -178,37 +190,39 @@ def run_point(
     began = time.perf_counter()
     load, velocity, _ = point
     ramp_cache = ramp_cache or RampCache()
-    fitted = fit_elements(scene, load)
+    fitted_scene = fit_elements(scene, load)
     heat_steps = stored_steps.heat_steps(scene, load)
-    stored = stored_steps.select(scene, load)
-    record = partial(record_at, fitted, shape=scene.grid.shape if fields == "steps" else None)
-    recorder, indices = None, {step.index for step in stored}
+    load_steps = stored_steps.select(scene, load)
+    field_shape = scene.grid.shape if fields == "steps" else None
+    values_at = partial(step_values, fitted_scene, shape=field_shape)
+    recorder, solved_indices = None, {step.index for step in load_steps}
     if stored_steps.steps == "course":
-        name = fitted, velocity, fields
-        recorder = Recorder(name, lambda state: _increment_values(record, fitted, velocity, state))
-        indices = {
-            step.index for step in stored if step.index in heat_steps or step.normal_load >= load
+        values_of_increment = partial(_increment_values, values_at, fitted_scene, velocity)
+        recorder = Recorder((fitted_scene, velocity, fields), values_of_increment)
+        solved_indices = {
+            step.index
+            for step in load_steps
+            if step.index in heat_steps or step.normal_load >= load
         }
-    memo = ramp_cache.memo(contact_key(fitted, load, velocity, heat_steps))
-    results = memo.get(memo_key := (fitted, stored_steps, with_film, fields))
-    if results is None:  # no point before it had this heat
+    memo = ramp_cache.memo(contact_key(fitted_scene, load, velocity, heat_steps))
+    memo_key = fitted_scene, stored_steps, with_film, fields
+    if memo_key not in memo:  # no point before it had this heat
         states: list[State] = []
-        if isinstance(fitted.loading, Stages):
+        if isinstance(fitted_scene.loading, Stages):
             states += stages_of(scene, load, velocity, ramp_cache)
-            indices = set()
-        for contact in (
-            contacts(scene, load, velocity, ramp_cache, heat_steps, recorder) if indices else ()
-        ):
-            if contact.index in indices:
-                is_last = contact.index == stored[-1].index
-                states.append(_heated(fitted, velocity, contact, is_last))
-            progress(Progress(done=contact.index, total=stored[-1].index))
-        course = states[-1].course[: len(stored) - len(states)]  # the end may be one of its steps
-        records = [*course, *map(record, states)]
-        columns = {key: np.array([record[key] for record in records]) for key in records[0]}
-        film = _film_of(fitted, states[-1]) if with_film else _NO_FILM
-        results = memo[memo_key] = columns, states[-1], film
-    columns, state, film = results
+            solved_indices = set()
+        ramp = contacts(scene, load, velocity, ramp_cache, heat_steps, recorder)
+        for contact in ramp if solved_indices else ():
+            if contact.index in solved_indices:
+                is_last = contact.index == load_steps[-1].index
+                states.append(_heated(fitted_scene, velocity, contact, is_last))
+            progress(Progress(done=contact.index, total=load_steps[-1].index))
+        course = states[-1].course[: len(load_steps) - len(states)]  # may include the end
+        rows = [*course, *map(values_at, states)]
+        columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        film = _film_of(fitted_scene, states[-1]) if with_film else _NO_FILM
+        memo[memo_key] = columns, states[-1], film
+    columns, state, film = memo[memo_key]
     return PointResult(
         point=point,
         columns=columns,
@@ -231,20 +245,20 @@ def _film_of(scene: Scene, state: State) -> Mapping[str, Any]:
 
 def _heated(scene: Scene, velocity: float, contact: State, is_sampled: bool = False) -> State:
     """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s]."""
-    warm = contact.heat
-    if warm is None and contact.pressure.any():
-        warm = heat(scene, contact, velocity, is_sampled)
-    return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
+    contact_heat = contact.heat
+    if contact_heat is None and contact.pressure.any():
+        contact_heat = heat(scene, contact, velocity, is_sampled)
+    return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=contact_heat)
 
 
 def _increment_values(
-    record: Callable[[State], Moment], scene: Scene, velocity: float, contact: State
-) -> Moment:
+    values_at: Callable[[State], StepValues], scene: Scene, velocity: float, contact: State
+) -> StepValues:
     """Values to record of a contact after an increment, by variable."""
     try:
-        values = record(_heated(scene, velocity, contact))
+        values = values_at(_heated(scene, velocity, contact))
     except TriboError:  # without a temperature, which the end of a point does not need
-        values = record(replace(contact, sliding_distance=abs(velocity) * contact.time))
+        values = values_at(replace(contact, sliding_distance=abs(velocity) * contact.time))
     if contact.is_requested or not contact.pressure.any():
         return values
     # Not solved on the grid of the point: only time, load and distance are known.
@@ -254,18 +268,19 @@ def _increment_values(
     }
 
 
-def record_at(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> Moment:
+def step_values(scene: Scene, state: State, shape: tuple[int, int] | None = None) -> StepValues:
     """Values to record at one time of a point's loading, by name of the variable in the dataset.
 
     With a `shape` they include the fields on as many elements.
     """
-    record: dict[str, float | Array] = {
+    values: dict[str, float | Array] = {
         **measures(scene, state),
         "rise_quantile": state.heat.rise_quantile if state.heat else _NO_QUANTILES,
     }
     if shape:
-        record |= {k: values.astype(np.float32) for k, values in _fields_of(state, shape).items()}
-    return record
+        fields = _fields_of(state, shape)
+        values |= {name: field_values.astype(np.float32) for name, field_values in fields.items()}
+    return values
 
 
 def _fields_of(state: State, shape: tuple[int, int]) -> dict[str, Array]:
@@ -294,12 +309,12 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
         are_ramps = all(
             isinstance(scene.loading, Ramp) and not scene.loading.hold for scene in scenes
         )
-        contacts = [
+        contact_keys = [
             (mechanics(sweep.case(name).scene), row.get("velocity"))
             for name, row in sweep.case_table.by_name.items()
         ]
         wears = any(scene.wears for scene in scenes)
-        are_distinct = len({*contacts}) == len(contacts)
+        are_distinct = len({*contact_keys}) == len(contact_keys)
         steps = "course" if are_ramps and wears and are_distinct else "end"
     # A disc or a track that stores heat warms up during the hold.
     loading, case_corrections = sweep.scene.loading, [case.conditions.corrections for case in cases]
@@ -308,3 +323,62 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
         corrections.keeps_heat for corrections in case_corrections if corrections
     )
     return StoredSteps(steps, warms)
+
+
+class PointOfTest(NamedTuple):
+    """A point of a test in a store: what is simulated there, and for which test."""
+
+    scene_hash: str
+    load: float  # [N]
+    velocity: float  # [m/s]
+    test: int  # number of the test in the scene, from 0, or `NO_TEST`
+
+
+def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
+    """The points of a scene's tests, in their order."""
+    return [point for point in list_all_points_of_tests(sweep) if point.test != NO_TEST]
+
+
+def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
+    """The points of a scene's tests, in their order, then those of its former tests."""
+    numbers = [*range(len(sweep.tests)), *[NO_TEST] * len(sweep.former_tests)]
+    return [
+        PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
+        for number, test in zip(numbers, (*sweep.tests, *sweep.former_tests), strict=True)
+        for point in test.points
+    ]
+
+
+def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
+    """The sweep of the points of tests, a row for each of `list_all_points_of_tests`."""
+    points = list_all_points_of_tests(sweep)
+    columns = (
+        Column(TEST_POINT, meaning="number of the point of a test"),
+        Column(TEST, "1", TEST_POINT, meaning="number of the test"),
+        Column(SCENE_HASH, None, TEST_POINT, meaning="SHA-256 of the scene that is simulated"),
+        *(
+            Column(k, unit, TEST_POINT, meaning=f"{k} of the test")
+            for k, unit in PLACE_UNITS.items()
+        ),
+    )
+    rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
+    cases = (test.case for test in (*sweep.tests, *sweep.former_tests) for _ in test.points)
+    return replace(
+        sweep,
+        cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
+        case_table=CaseTable(columns, rows),
+        loads=tuple(sorted({point.load for point in points})),
+        velocities=tuple(sorted({point.velocity for point in points})),
+        fields=False,
+        tests=(),
+        former_tests=(),
+        stored_steps=StoredSteps("end", judges_hold),
+    )
+
+
+def judges_holds(sweep: Sweep) -> bool:
+    """True if the holds of tests are judged at each step, since bodies warm up in them."""
+    all_corrections = (
+        test.case.conditions.corrections for test in (*sweep.tests, *sweep.former_tests)
+    )
+    return any(corrections.keeps_heat for corrections in all_corrections if corrections)

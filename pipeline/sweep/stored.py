@@ -11,10 +11,9 @@ from typing import Any
 
 import tribo
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
-from pipeline.sweep.case import Case, SpecimenTest
+from pipeline.sweep.case import Case, Conditions, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
-from pipeline.sweep.codec import CodecError, change, changed, decode, encode
-from pipeline.sweep.condition_entries import Conditions
+from pipeline.sweep.codec import CodecError, apply_difference, decode, encode, encode_difference
 from pipeline.sweep.notes import FromLibrary, SceneWarning
 from pipeline.sweep.stored_steps import StoredSteps
 from pipeline.sweep.sweep import Sweep
@@ -57,7 +56,7 @@ _CLASSES: dict[str, type] = {
 """Classes whose objects a store may contain; no others are built from its data."""
 _MOST = {
     "loads": MOST_ON_AXIS, "velocities": MOST_ON_AXIS, "cases": MOST_SCENES,
-    "tests": 2 * MOST_SCENES, "former": 2 * MOST_SCENES,
+    "tests": 2 * MOST_SCENES, "former_tests": 2 * MOST_SCENES,
 }  # fmt: skip
 """Most items in the lists of a sweep; a specimen that passes load stages has two tests."""
 
@@ -87,9 +86,11 @@ def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     arrays: dict[str, Array] = {}
     plain: dict[str, Any] = encode(replace(sweep, warnings=sweep.all_warnings), arrays)
     base = plain["base"]
-    plain["cases"] = [change(base, case) for case in plain["cases"]]
-    for name in {"tests", "former"} & plain.keys():
-        plain[name] = [test | {"case": change(base, test["case"])} for test in plain[name]]
+    plain["cases"] = [encode_difference(base, case) for case in plain["cases"]]
+    for name in {"tests", "former_tests"} & plain.keys():
+        plain[name] = [
+            test | {"case": encode_difference(base, test["case"])} for test in plain[name]
+        ]
     return plain, arrays
 
 
@@ -102,10 +103,10 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
     try:
         base = plain["base"]
         require_few(plain)
-        cases = [changed(base, case) for case in plain["cases"]]
+        cases = [apply_difference(base, case) for case in plain["cases"]]
         tests = {
-            name: [test | {"case": changed(base, test["case"])} for test in plain[name]]
-            for name in {"tests", "former"} & plain.keys()
+            name: [test | {"case": apply_difference(base, test["case"])} for test in plain[name]]
+            for name in {"tests", "former_tests"} & plain.keys()
         }
         sweep: Sweep = decode({**plain, "cases": cases, **tests}, _CLASSES, arrays)
     except KeyError as error:

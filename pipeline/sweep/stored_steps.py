@@ -35,8 +35,8 @@ class StoredSteps:
         load_steps = list(scene.all_load_steps(load))
         holding = [step for step in load_steps if step.holding]
         if self.steps == "course":
-            is_own = isinstance(scene.loading, MeasuredLoad) or not scene.wears
-            return frozenset(step.index for step in (load_steps if is_own else holding))
+            shares_no_steps = isinstance(scene.loading, MeasuredLoad) or not scene.wears
+            return frozenset(step.index for step in (load_steps if shares_no_steps else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
     def select(self, scene: Scene, load: float) -> list[LoadStep]:
@@ -46,13 +46,13 @@ class StoredSteps:
         """
         if isinstance(scene.loading, Stages):
             return [step for step in scene.load_steps(load) if step.bounds_hold]
-        heated = self.heat_steps(scene, load)
-        steps = list(scene.load_steps(load, heated))
+        heat_steps = self.heat_steps(scene, load)
+        steps = list(scene.load_steps(load, heat_steps))
         return [
             step
             for step in steps
             if step is steps[-1]
-            or step.index in heated
+            or step.index in heat_steps
             or (step.normal_load >= load and not step.holding)
             or self.steps == "course"
         ]

@@ -9,10 +9,9 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.arguments import typed_arguments
 from pipeline.limits import MOST_POINTS
-from pipeline.sweep.case import LARGEST, Case, SpecimenTest
-from pipeline.sweep.case_table import AREAS, CaseName, CaseTable, in_order, surfaces
+from pipeline.sweep.case import LARGEST, Case, Conditions, SpecimenTest
+from pipeline.sweep.case_table import AREAS_ENTRY, CaseName, CaseTable, in_order, surface_table
 from pipeline.sweep.codec import NOT_STORED, digest
-from pipeline.sweep.condition_entries import Conditions
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
 from pipeline.sweep.stored_steps import Fields, Steps, StoredSteps
 from pipeline.sweep.user_laws import user_law, user_surface
@@ -28,9 +27,10 @@ from tribo import (
     WearLaw,
 )
 
-_REPLACED = {"wear": "wear", "roughness": "disk.roughness"}
+_TABLE_OF_PART = {"wear": "wear", "roughness": "disk.roughness"}
 """Tables of the scene file that `Sweep.with_scene` replaces, by its arguments."""
-_AS_STORED: dict[str, Callable[[Scene, Any], Any]] = {"wear": user_law, "roughness": user_surface}
+_WRAP_PART: dict[str, Callable[[Scene, Any], Any]] = {"wear": user_law, "roughness": user_surface}
+"""Functions that check a law or surface of a user, and add what a store keeps of it."""
 
 
 class Point(NamedTuple):
@@ -101,11 +101,11 @@ class Sweep:
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
     field_surface: int | None = None  # realization with fields in an existing store; or the first
-    former: tuple[SpecimenTest, ...] = ()  # of earlier scenes, whose points a store keeps
+    former_tests: tuple[SpecimenTest, ...] = ()  # of earlier scenes, whose points a store keeps
     # Arguments of `with_scene`, by name.
-    replaced: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
-    # Conditions given by `judge`, by name.
-    judged: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
+    user_parts: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
+    # Conditions replaced by `judge`, by name.
+    replaced_conditions: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
     text: str = field(default="", repr=False, metadata=NOT_STORED)
     # How entries were read.
     notes: tuple[SceneNote, ...] = field(default=(), metadata=NOT_STORED)
@@ -120,19 +120,19 @@ class Sweep:
 
     def __eq__(self, other: object) -> bool:
         """True if both sweeps have the same meaning, however their entries are written."""
-        return isinstance(other, Sweep) and self._meaning == other._meaning
+        return isinstance(other, Sweep) and self._meaning_digest == other._meaning_digest
 
     def __hash__(self) -> int:
-        return hash(self._meaning)
+        return hash(self._meaning_digest)
 
     def __repr__(self) -> str:
         return f"{self.name}: {self.title} ({len(self.case_table)} cases)"
 
     @cached_property
-    def _meaning(self) -> str:
+    def _meaning_digest(self) -> str:
         plane = self.loads, self.velocities, self.fields, self.steps
-        words = self.title, self.note
-        return digest(((self.base, *self.cases), plane, words, self.tests, self.case_table))
+        texts = self.title, self.note
+        return digest(((self.base, *self.cases), plane, texts, self.tests, self.case_table))
 
     def require_few_points(self) -> None:
         """Raise an `InputError` if the sweep has too many points, before they are listed."""
@@ -183,19 +183,20 @@ class Sweep:
         if not name:
             return self.base
         if name not in self._by_name:
-            raise self.case_table.unknown(name)
+            raise self.case_table.unknown_case(name)
         return self._by_name[name]
 
     @cached_property
     def _on_first_surface(self) -> tuple[Case, ...]:
         """Cases that the user chose, each on its first surface."""
-        if not self.case_table.chosen:
+        if not self.case_table.chosen_columns:
             return (self.base,)
-        chosen = {column.name for column in self.case_table.chosen}
-        first: dict[CaseName, Case] = {}
+        chosen = {column.name for column in self.case_table.chosen_columns}
+        first_cases: dict[CaseName, Case] = {}
         for case in self.cases:
-            first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
-        return tuple(first.values())
+            name = tuple((dim, label) for dim, label in case.name if dim in chosen)
+            first_cases.setdefault(name, case)
+        return tuple(first_cases.values())
 
     @cached_property
     def surface_with_fields(self) -> CaseName:
@@ -203,14 +204,15 @@ class Sweep:
 
         It is the first, or that of an existing store; empty if cases have no realizations.
         """
-        first = {
+        first_labels = {
             column.name: in_order(self.case_table.axes[column.name])[0]
             for column in self.case_table.columns
             if column.is_seed
         }
         stored_label = self.field_surface
         return tuple(
-            (dim, label if stored_label is None else stored_label) for dim, label in first.items()
+            (dim, label if stored_label is None else stored_label)
+            for dim, label in first_labels.items()
         )
 
     def _single_case(self, name: CaseName = ()) -> Self:
@@ -223,7 +225,7 @@ class Sweep:
         table, labels = self.case_table.surfaces_of(name), {*name}
         selected = [case for case in self.cases if labels <= {*case.name}]
         if not selected:
-            raise self.case_table.unknown(name)
+            raise self.case_table.unknown_case(name)
         cases = [
             replace(case, name=label) for case, label in zip(selected, table.names, strict=True)
         ]
@@ -262,11 +264,11 @@ class Sweep:
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
                 "the scene with another value: pipeline.load_scene(..., overrides={...})"
             )
-        for table in (_REPLACED[name] for name in self.replaced):
+        for table in (_TABLE_OF_PART[name] for name in self.user_parts):
             if f"{path}.".startswith(f"{table}."):
                 raise InputError(f"{path} has no effect, since with_scene has replaced {table}")
         sweep: Self = self.source.changed(path, value)
-        return sweep.with_scene(**self.replaced).judge(self.judged)
+        return sweep.with_scene(**self.user_parts).judge(self.replaced_conditions)
 
     def with_scene(self, *, wear: WearLaw | None = None, roughness: Surface | None = None) -> Self:
         """The sweep with a wear law or a surface of your own class, in all cases and tests.
@@ -293,14 +295,16 @@ class Sweep:
         for name in parts:
             if any(getattr(scene, name) != getattr(self.scene, name) for scene in scenes):
                 raise InputError(
-                    f"{name} cannot be replaced: {_REPLACED[name]} differs between cases or tests "
-                    "of the scene; leave out what changes it in sweep and tests"
+                    f"{name} cannot be replaced: {_TABLE_OF_PART[name]} differs between cases or "
+                    "tests of the scene; leave out what changes it in sweep and tests"
                 )
-        stored = {name: _AS_STORED[name](self.scene, part) for name, part in parts.items()}
-        notes = [f"# {_REPLACED[name]} is replaced by {part!r}\n" for name, part in stored.items()]
-        text, replaced = "".join([*notes, self.text]), {**self.replaced, **parts}
+        stored = {name: _WRAP_PART[name](self.scene, part) for name, part in parts.items()}
+        notes = [
+            f"# {_TABLE_OF_PART[name]} is replaced by {part!r}\n" for name, part in stored.items()
+        ]
+        text, user_parts = "".join([*notes, self.text]), {**self.user_parts, **parts}
         sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))
-        return replace(sweep, text=text, replaced=replaced)
+        return replace(sweep, text=text, user_parts=user_parts)
 
     @typed_arguments
     def with_fidelity(self, fidelity: Fidelity, preset: str | None = None) -> Self:
@@ -315,13 +319,13 @@ class Sweep:
 
     def _with_realizations(self, count: int) -> Self:
         """The sweep on `count` random surfaces, with ascending seeds from that of the scene on."""
-        rough = self.scene.roughness
-        assert isinstance(rough, SelfAffineRoughness)
+        roughness = self.scene.roughness
+        assert isinstance(roughness, SelfAffineRoughness)
         chosen = self.case_table.without_surfaces
-        table = chosen * surfaces(range(rough.seed, rough.seed + count))
-        first = dict(zip(chosen.names, self._on_first_surface, strict=True))
+        table = chosen * surface_table(range(roughness.seed, roughness.seed + count))
+        first_cases = dict(zip(chosen.names, self._on_first_surface, strict=True))
         cases = tuple(
-            replace(first[(*labels,)].on_surface(int(seed)), name=(*labels, (dim, seed)))
+            replace(first_cases[(*labels,)].on_surface(int(seed)), name=(*labels, (dim, seed)))
             for *labels, (dim, seed) in table.names
         )
         return replace(self, cases=cases, case_table=table)
@@ -338,8 +342,8 @@ class Sweep:
             replace(case, conditions=replace(case.conditions, **changes))
             for case in (self.base, *self.cases)
         )
-        judged = {**self.judged, **changes}
-        return replace(self, base=base, cases=tuple(cases), judged=judged)
+        replaced_conditions = {**self.replaced_conditions, **changes}
+        return replace(self, base=base, cases=tuple(cases), replaced_conditions=replaced_conditions)
 
     def _take_surface(self, seed: int | None) -> Self:
         """The sweep without cases, on the random surface of a seed; unchanged for None."""
@@ -350,7 +354,7 @@ class Sweep:
                 f"realization {seed} has no effect: the disk of the scene is smooth; leave it out"
             )
         if not isinstance(self.scene.roughness, SelfAffineRoughness):  # an area of a scan
-            return self.changed(AREAS, [seed])._single_case()
+            return self.changed(AREAS_ENTRY, [seed])._single_case()
         base = replace(self.base.on_surface(seed), name=())
         tests = tuple(replace(test, case=test.case.on_surface(seed)) for test in self.tests)
         return replace(self, base=base, cases=(base,), case_table=CaseTable(), tests=tests)
@@ -367,7 +371,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
     if motion is None or not (is_rolling and any(sweep.velocities)):
         return {}
-    present = sweep.conditions.corrections or Corrections()
+    corrections = sweep.conditions.corrections or Corrections()
     bodies = {
         "pin_track": (pin.material, motion.pin_track_length),
         "track": (sweep.scene.disk, motion.disk_track_length),
@@ -375,7 +379,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
     return {
         name: Track.from_pin(pin, material, length) if length else None
         for name, (material, length) in bodies.items()
-        if getattr(present, name) is None
+        if getattr(corrections, name) is None
     }
 
 

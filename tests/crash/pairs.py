@@ -22,7 +22,7 @@ from pipeline import verify_store
 from pipeline.store.files import PARTIAL
 from pipeline.store.location import NEW, OLD
 from pipeline.store.schema import DONE, FIELDS, PROGRESS, path_of
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.crash.driver import GIVEN_UP
@@ -33,18 +33,20 @@ from tests.helpers.entries import changed
 
 TRIALS = 200
 MISTAKE = "copies unread"
-_FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0), case_table=surfaces((3,)))
+_FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0), case_table=surface_table((3,)))
 _SWEEPS = {
     "same": _FIRST,
     "loads": changed(_FIRST, loads=(150.0, 400.0, 600.0)),
     "velocities": changed(_FIRST, velocities=(0.5, 0.7, 1.0)),
-    "realizations": changed(_FIRST, case_table=surfaces((3, 4))),  # it links the files of fields
+    "realizations": changed(
+        _FIRST, case_table=surface_table((3, 4))
+    ),  # it links the files of fields
 }
 _ALL = changed(
     _FIRST,
     loads=(150.0, 400.0, 600.0),
     velocities=(0.5, 0.7, 1.0),
-    case_table=surfaces((3, 4)),
+    case_table=surface_table((3, 4)),
 )
 # Functions of the disk, and at most how many calls of them precede a kill.
 _STEPS = {"replace": 120, "rename": 3, "link": 12, "mkdir": 30, "unlink": 60, "rmdir": 20}

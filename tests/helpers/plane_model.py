@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.answers.error import SURFACE, rise_errors, velocity_errors
 from pipeline.run.search import Goal
-from pipeline.sweep.condition_entries import allowable_rise
+from pipeline.sweep.case import allowable_rise
 from tests.helpers.search_in_memory import Told
 from tribo import Conditions
 

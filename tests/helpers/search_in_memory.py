@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.answers.specimen import merged
 from pipeline.run.search import Search
-from pipeline.sweep.condition_entries import allowable_rise
+from pipeline.sweep.case import allowable_rise
 
 
 class Told:

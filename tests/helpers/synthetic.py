@@ -9,7 +9,7 @@ import tribo
 from pipeline import Conditions
 from pipeline.answers.results import sweep_of
 from pipeline.store.schema import COLUMNS, DONE, FAILED, TEST_STEP, variable_of_tests
-from pipeline.sweep.points_of_tests import TEST_POINT, list_points_of_tests
+from pipeline.sweep.plan import TEST_POINT, list_points_of_tests
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields

@@ -16,7 +16,7 @@ from scipy.interpolate import PchipInterpolator
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.results import cases_of
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import known_critical_temperature
 from tribo.types import Array
 
 from .labels import label_ends

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import known_critical_temperature
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array

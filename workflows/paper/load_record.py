@@ -11,7 +11,7 @@ from pipeline import Sweep
 from pipeline.answers.scene_wording import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import known_critical_temperature
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep, boundary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import known_critical_temperature
 from tribo.simulation import add_temperature, contacts
 from tribo.types import Array
 

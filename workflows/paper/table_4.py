@@ -13,7 +13,7 @@ from pipeline import Conditions, Sweep
 from pipeline.answers.scene_wording import governing_words
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import allowable_rise, known_critical_temperature
+from pipeline.sweep.case import allowable_rise, known_critical_temperature
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4

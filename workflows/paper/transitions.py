@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
 from pipeline.quantities import shown_in
-from pipeline.sweep.condition_entries import allowable_rise
+from pipeline.sweep.case import allowable_rise
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
 from tribo.simulation.lubrication import find_lubrication

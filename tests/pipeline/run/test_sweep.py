@@ -21,7 +21,7 @@ from pipeline.store import create, files
 from pipeline.store.create import writing
 from pipeline.store.schema import COLUMNS, DONE, FIELDS
 from pipeline.store.status import FailedPoint
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import PointRecord, points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
@@ -232,7 +232,7 @@ SEEDS = (4, 1)
 
 
 def several(seeds=SEEDS):
-    return tiny.full(case_table=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5))
+    return tiny.full(case_table=surface_table(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5))
 
 
 def alone_on(seed):

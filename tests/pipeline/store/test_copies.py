@@ -13,7 +13,7 @@ from pipeline.store import arrays, create
 from pipeline.store.copies import find_sweep
 from pipeline.store.location import NEW, OLD, ROOT
 from pipeline.store.root import FACTS
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
@@ -122,7 +122,9 @@ def test_either_document_with_the_data_of_the_sweep_mends_the_other(copy, harm, 
     assert contents(copy) == before
 
 
-SEVERAL = tiny.sweep(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)), fields=True)
+SEVERAL = tiny.sweep(
+    loads=(150.0,), velocities=(0.5,), case_table=surface_table((1, 2)), fields=True
+)
 
 
 @pytest.mark.parametrize("sweep", [SWEEP, SEVERAL, tiny.sweep(loads=(150.0,))])
@@ -149,9 +151,9 @@ def test_a_store_that_has_lost_both_is_restored_by_the_scene_of_its_points(path,
 @pytest.mark.parametrize("name", ["x", "pressure", "field_realization"])
 def test_a_store_without_the_folder_of_an_array_of_fields_is_extended_by_realizations(path, name):
     axes = {"loads": (150.0, 600.0), "velocities": (0.5,)}
-    commit_all(path, tiny.full(**axes, case_table=surfaces((3,))))
+    commit_all(path, tiny.full(**axes, case_table=surface_table((3,))))
     shutil.rmtree(path / "fields" / name)
-    commit_all(path, tiny.full(**axes, case_table=surfaces((3, 4))))
+    commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
     assert verify_store(path).is_clean
     assert summary(path).done == 4
 

@@ -23,7 +23,7 @@ from pipeline.store.location import location_of
 from pipeline.store.lock import locked
 from pipeline.store.schema import FIELDS, path_of
 from pipeline.store.transfer import copy_points
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
@@ -168,14 +168,14 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
     path, monkeypatch, seeds
 ):
     axes = {"loads": (150.0,), "velocities": (0.5,)}
-    sweep = tiny.full(**axes, **{"case_table": surfaces(seeds)} if seeds else {})
+    sweep = tiny.full(**axes, **{"case_table": surface_table(seeds)} if seeds else {})
     with writing(path, sweep) as store:
         fields = [(point, store.fields_of(point.case) is True) for point in points(sweep)]
         store.commit(
             run_point(sweep, point).record(with_fields=has_fields) for point, has_fields in fields
         )
     before = open_sweep(path).load()
-    more = tiny.full(**axes, case_table=surfaces((0, 1, 7)))
+    more = tiny.full(**axes, case_table=surface_table((0, 1, 7)))
     with killed_after(monkeypatch, 8), writing(path, more):
         pass
     assert open_sweep(path).load().drop_attrs().equals(before.drop_attrs())
@@ -214,11 +214,11 @@ def test_growth_by_realizations_leaves_the_files_of_fields(path, monkeypatch, se
             for file in (path / path_of(name)).glob("c*")
         }
 
-    sweep = tiny.full(**axes, **{"case_table": surfaces(seeds)} if seeds else {})
+    sweep = tiny.full(**axes, **{"case_table": surface_table(seeds)} if seeds else {})
     commit_all(path, sweep)
     before, old = inodes(), xr.open_zarr(path, group="fields", chunks=None)
     number = 3 if seeds else sweep.scene.roughness.seed
-    more = tiny.full(**axes, case_table=surfaces((number, number + 1, number + 2)))
+    more = tiny.full(**axes, case_table=surface_table((number, number + 1, number + 2)))
     with writing(path, more):
         assert inodes() == before
     now = xr.open_zarr(path, group="fields")
@@ -233,7 +233,7 @@ def test_growth_by_realizations_leaves_the_files_of_fields(path, monkeypatch, se
         raise OSError(errno.EPERM, "no hard links")
 
     monkeypatch.setattr(Path, "hardlink_to", refused)
-    fewer = tiny.full(**axes, case_table=surfaces((number + 3,)))
+    fewer = tiny.full(**axes, case_table=surface_table((number + 3,)))
     with writing(path, fewer):
         assert verify_store(path).is_clean
     assert len(inodes()) == len(before)
@@ -282,9 +282,11 @@ def test_the_store_of_another_scene_is_refused_key_by_key(tiny_store):
 
 MISFITS = {
     "fields later": ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
-    "other surfaces": ({}, {"case_table": surfaces((9,))}, "none in the store, realization in"),
+    "other surfaces": (
+        {}, {"case_table": surface_table((9,))}, "none in the store, realization in"
+    ),
     "fewer surfaces": (
-        {"case_table": surfaces((0, 1))}, {}, "realization in the store, none in"
+        {"case_table": surface_table((0, 1))}, {}, "realization in the store, none in"
     ),
     "equal within rounding": (
         {}, {"loads": (150.0, 150.0 * (1 + 1e-12))},

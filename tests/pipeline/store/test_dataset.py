@@ -15,7 +15,7 @@ from pipeline.run.serial import run_serial
 from pipeline.shipped import WORKFLOWS
 from pipeline.store.create import writing
 from pipeline.store.schema import FIELDS
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import PointRecord, points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
@@ -200,7 +200,7 @@ def test_each_operation_of_xarray_works_on_fields_with_and_without_chunks(rows_s
 
 
 def test_means_over_realizations_keep_the_times_of_steps(path):
-    sweep = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), case_table=surfaces((1, 2)))
+    sweep = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), case_table=surface_table((1, 2)))
     commit_all(path, sweep)
     for ds in (xr.open_zarr(path, chunks=None), pipeline.open_sweep(path)):
         mean = ds["max_rise"].mean("realization").sel(load=600.0, velocity=0.5)
@@ -211,7 +211,7 @@ def test_means_over_realizations_keep_the_times_of_steps(path):
 
 
 def test_a_point_that_fails_leaves_the_times_that_it_shares_with_other_realizations(path):
-    sweep = tiny.full(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)))
+    sweep = tiny.full(loads=(150.0,), velocities=(0.5,), case_table=surface_table((1, 2)))
     first, second = points(sweep)
     result = run_point(sweep, first)
     with writing(path, sweep) as store:

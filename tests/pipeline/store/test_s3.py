@@ -14,7 +14,7 @@ from pipeline.store.create import writing
 from pipeline.store.location import Bucket
 from pipeline.store.schema import FIELDS
 from pipeline.store.transfer import copy_points
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from tests.crash.driver import computing
 from tests.helpers import tiny
@@ -131,7 +131,7 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
         {"loads": (300.0,)},
         {"loads": (900.0,)},
         {"velocities": (2.0,)},
-        {"case_table": surfaces((1, 2))},
+        {"case_table": surface_table((1, 2))},
     ],
 )
 def test_plain_xarray_reads_fields_before_and_after_a_refused_growth(stored, larger):

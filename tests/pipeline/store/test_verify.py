@@ -15,7 +15,7 @@ from pipeline.store.create import writing
 from pipeline.store.schema import DATA, RECORDS, path_of
 from pipeline.store.store import opened
 from pipeline.store.transfer import copy_points
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.crash.driver import computing
@@ -222,7 +222,9 @@ def test_the_command_names_what_is_damaged(copy, irg):
 
 def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
-    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), case_table=surfaces((1, 2)), fields=True)
+    sweep = tiny.sweep(
+        loads=(150.0,), velocities=(0.5,), case_table=surface_table((1, 2)), fields=True
+    )
     commit_all(path, sweep)
     (path / "fields/pressure/c.0.0.0.0").unlink()
     cut(path / "realization" / "c.0")

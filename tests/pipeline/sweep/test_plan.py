@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline import load_scene, run_point
 from pipeline.sweep import plan
-from pipeline.sweep.case_table import surfaces
+from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
@@ -141,7 +141,7 @@ STEPS = {
     "shared contacts": (
         {"case_table": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"
     ),
-    "surfaces": ({"case_table": surfaces([1, 2])}, "course"),
+    "surfaces": ({"case_table": surface_table([1, 2])}, "course"),
     "one that wears": (
         {"case_table": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"
     ),

@@ -7,9 +7,8 @@ import numpy as np
 import pipeline
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.case import SpecimenTest
-from pipeline.sweep.case_table import CaseTable, Column, surfaces
-from pipeline.sweep.condition_entries import known_critical_temperature
+from pipeline.sweep.case import SpecimenTest, known_critical_temperature
+from pipeline.sweep.case_table import CaseTable, Column, surface_table
 from pipeline.sweep.stored import (
     MissingSurface,
     plain_sweep,
@@ -83,7 +82,7 @@ def of_unknown_class():
 
 
 def varied():
-    seeds = surfaces((1, 2))
+    seeds = surface_table((1, 2))
     return tiny.sweep(case_table=seeds).with_scene(roughness=laws.Grooves())
 
 
@@ -103,10 +102,10 @@ REFUSALS = {
     "surface": (lambda: SMOOTH._take_surface(3), "realization 3 has no effect"),
     "labels": (lambda: CaseTable((Column("a"),), ({"a": 1},) * 2).by_name,
                "have the same values"),
-    "row": (lambda: tiny.sweep(case_table=surfaces((1, 2))).case((("realization", 5),)),
+    "row": (lambda: tiny.sweep(case_table=surface_table((1, 2))).case((("realization", 5),)),
             "the sweep has no realization 5; it has realization 1 to 2"),
-    "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
-        surfaces((2,)) * rows("pin", {"b": {}})), "missing: realization 1, pin b"),
+    "gap": (lambda: (surface_table((1,)) * rows("pin", {"a": {}})).union(
+        surface_table((2,)) * rows("pin", {"b": {}})), "missing: realization 1, pin b"),
     "many points": (lambda: replace(SMOOTH, loads=MANY, velocities=MANY).require_few_points(),
                     "1.6e+07 points are too many; give"),
     # data of sweeps

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline import Conditions, run_point
 from pipeline.answers.error import has_unknown_preset_error, preset_bound, preset_error_of
-from pipeline.sweep.condition_entries import allowable_rise
+from pipeline.sweep.case import allowable_rise
 from tests.helpers import synthetic, tiny
 from tribo import PRESETS, QUANTILES
 from tribo.simulation import heat
