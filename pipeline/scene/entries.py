@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pipeline.limits import MOST_LEVELS
-
+MAX_LEVELS = 10
+"""Most tables in tables of a scene, more than the format has."""
 Entries = Mapping[str, Any]
-_REPLACED = {"count": "step", "step": "count"}
-"""Keys of a range that replace each other in a scene that extends another."""
+"""Values and further tables by key; or values by path."""
 
 
 def entry_at(tables: Any, path: str) -> Any:
@@ -20,32 +19,35 @@ def entry_at(tables: Any, path: str) -> Any:
     return entry
 
 
-def find_deep(tables: Any, level: int = 0) -> str:
-    """Key below which tables or lists are nested more than `MOST_LEVELS` deep; else empty."""
-    inner = tables.items() if isinstance(tables, dict) else enumerate(tables)
-    for key, value in inner:
+def too_deep_key(tables: Any, level: int = 0) -> str:
+    """Key below which tables or lists are nested more than `MAX_LEVELS` deep; else empty."""
+    members = tables.items() if isinstance(tables, dict) else enumerate(tables)
+    for key, value in members:
         depth = level + 1 + (key.count(".") if isinstance(key, str) else 0)
-        if depth > MOST_LEVELS:
+        if depth > MAX_LEVELS:
             return f"{key}"[:80]
-        if isinstance(value, dict | list) and (deep := find_deep(value, depth)):
-            return deep if level else f"{key}"[:80]
+        if isinstance(value, dict | list) and (inner_key := too_deep_key(value, depth)):
+            return inner_key if level else f"{key}"[:80]
     return ""
 
 
-def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
+def flat(tables: Entries, table_path: str = "") -> Iterator[tuple[str, Any]]:
     """Yield pairs (path, value) of nested tables; an empty table counts as a value."""
-    for key, inner in tables.items():
-        path = f"{above}.{key}" if above else key
-        if isinstance(inner, dict) and inner:
-            yield from flat(inner, path)
+    for key, value in tables.items():
+        path = f"{table_path}.{key}" if table_path else key
+        if isinstance(value, dict) and value:
+            yield from flat(value, path)
         else:
-            yield path, inner
+            yield path, value
 
 
 def merged(lower: Entries, upper: Entries) -> dict[str, Any]:
-    """Merge tables key by key; values of `upper` replace values of `lower`."""
-    replaced = {_REPLACED.get(key) for key in upper}
-    tables = {key: value for key, value in lower.items() if key not in replaced}
+    """Merge tables key by key; values of `upper` replace values of `lower`.
+
+    The step and the count of a range replace each other.
+    """
+    replaced_keys = {{"count": "step", "step": "count"}.get(key) for key in upper}
+    tables = {key: value for key, value in lower.items() if key not in replaced_keys}
     for key, value in upper.items():
         are_tables = isinstance(value, dict) and isinstance(lower.get(key), dict)
         tables[key] = merged(lower[key], value) if are_tables else value
@@ -57,15 +59,16 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
 
     A table from which the last entry is removed is removed, too.
     """
-    first, _, rest = path.partition(".")
-    if value is None and first not in tables:
+    key, _, inner_path = path.partition(".")
+    if value is None and key not in tables:
         return dict(tables)
-    inner = tables.get(first)
-    table = inner if isinstance(inner, dict) else {}
-    other = replace_value(table, rest, value) if rest else value
-    if other is None or (value is None and not other):  # an empty table goes, too
-        return {key: entry for key, entry in tables.items() if key != first}
-    return {**tables, first: other}
+    new_value = value
+    if inner_path:
+        table = tables.get(key)
+        new_value = replace_value(table if isinstance(table, dict) else {}, inner_path, value)
+    if new_value is None or (value is None and not new_value):
+        return {other_key: entry for other_key, entry in tables.items() if other_key != key}
+    return {**tables, key: new_value}
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:

@@ -13,13 +13,20 @@ import numpy as np
 
 import tribo
 from pipeline.arguments import in_count, in_load_or_velocity, plain_value, typed_arguments
-from pipeline.limits import MOST_LEVELS
 from pipeline.messages import did_you_mean, quoted
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
 from pipeline.scene.declared_tables import table_of
-from pipeline.scene.entries import Entries, entry_at, find_deep, flat, replace_value, replace_values
+from pipeline.scene.entries import (
+    MAX_LEVELS,
+    Entries,
+    entry_at,
+    flat,
+    replace_value,
+    replace_values,
+    too_deep_key,
+)
 from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
 from pipeline.scene.library import resolve_library
@@ -145,18 +152,18 @@ class Source:
     def _at_list(self, fault: Fault, along: list[dict[str, Any]]) -> Fault:
         """A fault of an entry that only ``over`` or ``along`` sets, at the key of this list."""
         over = entry_at(self.entries, "sweep.over")
-        paths = {path: "over" for path, _ in flat(over)} if isinstance(over, dict) else {}
-        paths |= dict.fromkeys(along[0] if along else (), "along")
-        for path, name in paths.items():
+        lists = {path: "over" for path, _ in flat(over)} if isinstance(over, dict) else {}
+        lists |= dict.fromkeys(along[0] if along else (), "along")
+        for path, list_name in lists.items():
             is_within = fault.key == path or fault.key.startswith((f"{path}.", f"{path}["))
             if is_within and entry_at(self.entries, path) is None:
-                return fault._replace(key=f"sweep.{name}.{quoted(path)}")
+                return fault._replace(key=f"sweep.{list_name}.{quoted(path)}")
         return fault
 
     def changed(self, path: str, value: Any) -> Sweep:
         """The sweep with another value of an entry; `InputError` for the first fault."""
-        if find_deep({path: []}):
-            raise tribo.InputError(f"{path[:80]}: no entry has more than {MOST_LEVELS} parts")
+        if too_deep_key({path: []}):
+            raise tribo.InputError(f"{path[:80]}: no entry has more than {MAX_LEVELS} parts")
         values = {path: plain_value(path, value)}
         source = replace(self, entries=replace_values(self.entries, values))
         sweep = source.read(faults := Faults())
@@ -169,11 +176,13 @@ class Source:
         return warnings_of_all(sweep)
 
 
-def _with_path(words: str, entries: Entries) -> str:
+def _with_path(message: str, entries: Entries) -> str:
     """Put the full paths of entries before an error message that begins with their name."""
-    name = words.partition(" ")[0]
-    paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
-    return f"{' and '.join(paths)}: {words}" if paths else words
+    name = message.partition(" ")[0]
+    paths = [path for path, _ in flat(entries) if path.endswith(f".{name}")]
+    if name in entries:
+        paths = [name]
+    return f"{' and '.join(paths)}: {message}" if paths else message
 
 
 def sweep_of(scene: SceneLike) -> Sweep:
@@ -194,13 +203,14 @@ def _path_overrides(
             problem = f"unknown key{hint}; give an entry such as wear.pattern or title"
             faults.append(Fault(key, problem))
             continue
-        if deep := find_deep({key: []}):
-            faults.append(Fault(deep, f"no entry has more than {MOST_LEVELS} parts"))
+        if deep_key := too_deep_key({key: []}):
+            faults.append(Fault(deep_key, f"no entry has more than {MAX_LEVELS} parts"))
             continue
         try:
             plain = plain_value(key, value)
-            if twice := [path for path in _paths_in(key, plain) if _is_set(path, replaced)]:
-                raise tribo.InputError(f"{twice[0]} is given twice; give it once")
+            for entry_path in _paths_in(key, plain):
+                if _is_set(entry_path, replaced):
+                    raise tribo.InputError(f"{entry_path} is given twice; give it once")
             replaced[key] = plain
         except tribo.InputError as error:
             faults.append(Fault(key, str(error).removeprefix(f"{key} "), path))
@@ -208,14 +218,17 @@ def _path_overrides(
 
 
 def _paths_in(path: str, value: Any) -> list[str]:
-    """Paths of the entries in a value at a path: its own, or those of a table."""
-    return [entry for entry, _ in flat(replace_value({}, path, value))] or [path]
+    """Paths of the entries in a value at a path: that path, or those in a table."""
+    return [entry_path for entry_path, _ in flat(replace_value({}, path, value))] or [path]
 
 
 def _is_set(path: str, entries: Entries) -> bool:
     """True if `entries`, by path, have the entry at a path, a table around it, or one within it."""
-    listed = [entry for key, value in entries.items() for entry in _paths_in(key, value)]
-    return any(f"{path}.".startswith(f"{e}.") or e.startswith(f"{path}.") for e in listed)
+    return any(
+        f"{path}.".startswith(f"{set_path}.") or set_path.startswith(f"{path}.")
+        for key, value in entries.items()
+        for set_path in _paths_in(key, value)
+    )
 
 
 @typed_arguments
@@ -259,14 +272,12 @@ def run_point(
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
     (False, '163 °C')
     """
-    load_and_velocity = (
-        in_load_or_velocity("load", load),
-        in_load_or_velocity("velocity", velocity),
-    )
-    seed = None if realization is None else in_count("realization", realization, minimum=0)
-    case = () if seed is None else (("realization", seed),)
+    load_in_si = in_load_or_velocity("load", load)
+    velocity_in_si = in_load_or_velocity("velocity", velocity)
+    case_name: tuple[tuple[str, int], ...] = ()
+    if realization is not None:
+        case_name = (("realization", in_count("realization", realization, minimum=0)),)
     sweep = sweep_of(sweep)
-    scene, stored_steps = sweep.case(case).scene, choose_stored_steps(sweep)
-    return plan.run_point(
-        scene, stored_steps, Point(*load_and_velocity, case), progress=progress or silent
-    )
+    scene, stored_steps = sweep.case(case_name).scene, choose_stored_steps(sweep)
+    point = Point(load_in_si, velocity_in_si, case_name)
+    return plan.run_point(scene, stored_steps, point, progress=progress or silent)

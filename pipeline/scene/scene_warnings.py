@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from pipeline.messages import key_path
 from pipeline.scene.contact_estimate import (
     ContactEstimate,
-    Span,
     estimate_contact,
     single_cases,
 )
@@ -19,14 +18,7 @@ from pipeline.sweep.sweep import Sweep, cold_tracks, has_sharp_ends
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
-_MAX_LENGTH_RATIO = 1 / 3  # largest correlation length over the side of the window
-_MAX_TEST_RATIO = (
-    10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
-)
-_MAX_GROOVE_ANGLE = 30.0  # angle up to which grooves lie along sliding [°]
-_MAX_CASES = 12  # cases that are checked, each in some 0.1 s
 Warnings = Iterator[SceneWarning]
-_MAX_LISTED = 3  # numbers of tests in a warning
 
 
 def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning, ...]:
@@ -38,12 +30,12 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
         *_unusual(sweep, facts),
         *_narrow_window(sweep, facts),
         *_surface_warnings(sweep, facts),
-        *([SceneWarning("no_wear", "wear")] if sweep.scene.wear is None else []),
-        *_far_tests(sweep),
-        *_fresh_specimens(sweep),
-        *_cold_tracks(sweep),
-        *([SceneWarning("sharp_ends", "pin.length")] if has_sharp_ends(sweep) else []),
     ]
+    if sweep.scene.wear is None:
+        warnings.append(SceneWarning("no_wear", "wear"))
+    warnings += [*_far_tests(sweep), *_fresh_specimens(sweep), *_cold_tracks(sweep)]
+    if has_sharp_ends(sweep):
+        warnings.append(SceneWarning("sharp_ends", "pin.length"))
     return tuple(dict.fromkeys(warnings))  # pin and disk may be of one material
 
 
@@ -52,28 +44,28 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
 
     Of many cases a few are checked, evenly spaced; the values of an entry are all checked.
     """
-    values = [*_unusual_values(sweep)]
-    valued = {warning.path for warning in values}
-    noted = [warning for warning in sweep.warnings if warning.path not in valued]
-    chosen = single_cases(sweep, _MAX_CASES)
+    of_columns = [*_unusual_values(sweep)]
+    column_paths = {warning.path for warning in of_columns}
+    of_entries = [warning for warning in sweep.warnings if warning.path not in column_paths]
+    checked_cases = single_cases(sweep, 12)  # each takes some 0.1 s
     by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
-    for label, case in chosen:
+    for label, case in checked_cases:
         for warning in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
             by_entry.setdefault((warning.code, warning.path), {})[label] = warning
-    of_cases = (_in_cases(by_label, len(chosen)) for by_label in by_entry.values())
-    return *values, *noted, *of_cases
+    of_cases = (_in_cases(by_label, len(checked_cases)) for by_label in by_entry.values())
+    return *of_columns, *of_entries, *of_cases
 
 
-def _in_cases(by_label: Mapping[str, SceneWarning], count: int) -> SceneWarning:
-    """The first of the warnings in `by_label`, which says in which of `count` cases it is."""
+def _in_cases(by_label: Mapping[str, SceneWarning], case_count: int) -> SceneWarning:
+    """The first of the warnings in `by_label`, which says in which of `case_count` cases it is."""
     labels, first = [*by_label], next(iter(by_label.values()))
-    cases = tuple(labels) if len(by_label) < count else ()
-    is_shared = all(_same_values(first, warning) for warning in by_label.values())
+    cases = tuple(labels) if len(by_label) < case_count else ()
+    is_shared = all(_has_equal_values(first, warning) for warning in by_label.values())
     return first._replace(cases=cases, of_case="" if is_shared else labels[0])
 
 
-def _same_values(first: SceneWarning, second: SceneWarning) -> bool:
+def _has_equal_values(first: SceneWarning, second: SceneWarning) -> bool:
     """True if the values of two warnings of one code are equal within rounding."""
     return all(
         a == b or (isinstance(a, float) and isinstance(b, float) and math.isclose(a, b))
@@ -86,33 +78,33 @@ def _unusual_values(sweep: Sweep) -> Warnings:
     for column in sweep.case_table.columns:
         kind = number_at(column.key)
         labels = (row[column.name] for row in sweep.case_table.rows)
-        known = [*dict.fromkeys(value for value in labels if isinstance(value, int | float))]
-        odd = [
+        numbers = [*dict.fromkeys(value for value in labels if isinstance(value, int | float))]
+        warnings = [
             warning
-            for value in known
-            for warning in unusual_warning(column.key, value, kind.usual, kind.unit)
+            for number in numbers
+            for warning in unusual_warning(column.key, number, kind.usual, kind.unit)
         ]
-        if len(known) == 1 or not odd:
-            yield from odd
+        if len(numbers) == 1 or not warnings:
+            yield from warnings
         else:
-            counts = float(len(odd)), float(len(known))
-            yield odd[0]._replace(code="unusual_values", values=(*counts, *odd[0].values))
+            first, counts = warnings[0], (float(len(warnings)), float(len(numbers)))
+            yield first._replace(code="unusual_values", values=(*counts, *first.values))
 
 
 def _unusual(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     """Warnings of values outside their usual range, where several entries determine the value."""
     for body, material in (("pin", sweep.scene.pin.material), ("disk", sweep.scene.disk)):
-        share = material.hardness / material.elastic_modulus
-        usual = USUAL["hardness_share"].ends if math.isfinite(share) else None
+        ratio = material.hardness / material.elastic_modulus
+        usual = USUAL["hardness_share"].ends if math.isfinite(ratio) else None
         name = sweep.source.entries[body]["material"]
         path = key_path(key_path("materials", name), "hardness")
-        yield from unusual_warning(path, share, usual, "times the elastic modulus")
+        yield from unusual_warning(path, ratio, usual, "times the elastic modulus")
     yield from unusual_warning("loading", facts.duration.high, USUAL["duration"].ends, "s")
-    loading, highest = sweep.scene.loading, max(sweep.loads)
+    loading, max_load = sweep.scene.loading, max(sweep.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps
         low, high = USUAL["reference_load"].ends
-        span = low * highest, high * highest
-        yield from unusual_warning("loading.reference_load", loading.reference_load, span, "N")
+        usual = low * max_load, high * max_load
+        yield from unusual_warning("loading.reference_load", loading.reference_load, usual, "N")
     if facts.surface and facts.surface.measured:
         path = "disk.roughness.ra"
         kind = number_at(path)
@@ -131,27 +123,25 @@ def _narrow_window(sweep: Sweep, facts: ContactEstimate) -> Warnings:
 
 def _far_tests(sweep: Sweep) -> Warnings:
     """Warning of the first test that is so far outside the sweep that its units may be wrong."""
-    loads, velocities = Span.from_values(sweep.loads), Span.from_values(sweep.velocities)
     for test in sweep.tests:
-        point = test.normal_load, test.velocity
-        pairs = zip(point, (loads, velocities), strict=True)
+        load, velocity = test.normal_load, test.velocity
         if any(
-            not low / _MAX_TEST_RATIO <= value <= high * _MAX_TEST_RATIO
-            for value, (low, high) in pairs
+            not min(simulated) / 10 <= value <= 10 * max(simulated)
+            for value, simulated in ((load, sweep.loads), (velocity, sweep.velocities))
         ):
-            yield SceneWarning("far_test", "", point)
+            yield SceneWarning("far_test", "", (load, velocity))
             return
 
 
 def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
     scene, surface = sweep.scene, facts.surface
-    along = surface is not None and surface.lay is not None and surface.lay <= _MAX_GROOVE_ANGLE
-    if along and scene.wear and scene.wear.pattern == "swept":
+    lies_along = surface is not None and surface.lay is not None and surface.lay <= 30  # [°]
+    if lies_along and scene.wear and scene.wear.pattern == "swept":
         yield SceneWarning("lay_along_sliding", "wear.pattern")
     if isinstance(scene.roughness, SelfAffineRoughness):
         sides = zip("xy", scene.roughness.correlation_length, facts.window, strict=True)
         for axis, length, side in sides:
-            if length > _MAX_LENGTH_RATIO * side:
+            if length > side / 3:
                 path = "disk.roughness.correlation_length"
                 yield SceneWarning("long_correlation", path, (axis, length))
 
@@ -176,5 +166,5 @@ def _fresh_specimens(sweep: Sweep) -> Warnings:
         if isinstance(test.case.scene.loading, Ramp):
             runs.setdefault(str(test.number), []).append(test)
     if names := [name for name, tests in runs.items() if len(tests) > 1]:
-        unlisted = float(max(0, len(names) - _MAX_LISTED))
-        yield SceneWarning("fresh_specimens", "", (", ".join(names[:_MAX_LISTED]), unlisted))
+        unlisted = float(max(0, len(names) - 3))
+        yield SceneWarning("fresh_specimens", "", (", ".join(names[:3]), unlisted))

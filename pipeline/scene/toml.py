@@ -14,18 +14,19 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import (
-    MOST_BYTES_OF_SCENE,
-    MOST_ENTRIES,
-    MOST_EXTENDED,
-    MOST_HINTS,
-    MOST_LEVELS,
-    MOST_PARTS_OF_KEYS,
-)
+from pipeline.limits import MOST_HINTS
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.declared_tables import table_of
-from pipeline.scene.entries import Entries, entry_at, find_deep, flat, merged, replace_value
+from pipeline.scene.entries import (
+    MAX_LEVELS,
+    Entries,
+    entry_at,
+    flat,
+    merged,
+    replace_value,
+    too_deep_key,
+)
 from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
 from pipeline.scene.format import SceneFile
 from pipeline.shipped import name_of, scene_path, shipped_scenes
@@ -37,9 +38,9 @@ _STRING_OR_COMMENT = re.compile(
     re.DOTALL,
 )
 """A string, to its end or that of the line or file, or a comment."""
-_LONG_KEY = re.compile(rf'(?<![\w-])(?:(?:[\w-]++|"")[ \t]*+\.[ \t]*+){{{2 * MOST_LEVELS}}}')
+_LONG_KEY = re.compile(rf'(?<![\w-])(?:(?:[\w-]++|"")[ \t]*+\.[ \t]*+){{{2 * MAX_LEVELS}}}')
 """A dotted key of so many parts that the parser may take minutes; its strings are empty."""
-_DEEP = f"lists or tables are nested too deep; an entry has {MOST_LEVELS} levels at most"
+_TOO_DEEP = f"lists or tables are nested too deep; an entry has {MAX_LEVELS} levels at most"
 
 
 class Document(NamedTuple):
@@ -64,8 +65,11 @@ class Document(NamedTuple):
 
     def without(self, path: str) -> Document:
         """A new document without the entry at `path`."""
-        within = f"{path}."
-        files = {k: file for k, file in self.files.items() if not f"{k}.".startswith(within)}
+        files = {
+            entry_path: file
+            for entry_path, file in self.files.items()
+            if not f"{entry_path}.".startswith(f"{path}.")
+        }
         return Document(self.file, replace_value(self.entries, path, None), files)
 
     def file_of(self, key: str) -> Path:
@@ -76,8 +80,8 @@ class Document(NamedTuple):
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with its file unless it is the scene file itself."""
         file = fault.file or self.file_of(fault.key)
-        is_there = entry_at(self.entries, fault.key) is not None
-        is_inherited = not fault.file and file != self.file and is_there
+        has_entry = entry_at(self.entries, fault.key) is not None
+        is_inherited = not fault.file and file != self.file and has_entry
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
         location = "" if file == self.file else f" (in {name_of(file)})"
         return f"{fault.key}{location}: {fault.problem}{hint}"
@@ -88,14 +92,15 @@ def _with_tables(path: str) -> list[str]:
     return [*itertools.accumulate(path.split("."), "{}.{}".format)]
 
 
-def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
+def read_document(path: Path, faults: Faults, extending: tuple[Path, ...] = ()) -> Document:
     """Read a scene file and the files that it extends.
 
-    If the file sets ``fidelity.preset``, the other files' ``[fidelity]`` is left out. `above` are
-    the files that extend the file at `path`. Wrong paths in ``without`` are added to `faults`.
+    If the file sets ``fidelity.preset``, the other files' ``[fidelity]`` is left out. `extending`
+    are the files that extend the file at `path`. Wrong paths in ``without`` are added to `faults`.
     `SceneFileError` is raised if a file cannot be read.
     """
-    table = _toml(path, MOST_BYTES_OF_SCENE - sum(file.stat().st_size for file in above))
+    # A megabyte is parsed in half a second.
+    table = _toml(path, 1_000_000 - sum(file.stat().st_size for file in extending))
     extends, without = table.pop("extends", None), table.pop("without", None)
     document = Document(path, {}, {}).under(path, table, faults)
     if extends is None:
@@ -105,19 +110,19 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     name = _KEYS["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
-    other, chain = scene_path(name, path.parent), (*above, path)
-    if len(chain) > MOST_EXTENDED:
+    base_path, chain = scene_path(name, path.parent), (*extending, path)
+    if len(chain) > 20:
         raise SceneFileError(
-            path, [f"extends: {len(chain)} scenes extend one another; at most {MOST_EXTENDED} may"]
+            path, [f"extends: {len(chain)} scenes extend one another; at most 20 may"]
         )
-    if any(_is_same(other, file) for file in chain):
-        circle = " extends ".join(name_of(file) for file in (*chain, other))
+    if any(_is_same(base_path, file) for file in chain):
+        circle = " extends ".join(name_of(file) for file in (*chain, base_path))
         raise SceneFileError(
             path,
             [f"extends: {quoted(name)} refers back to itself: {circle}; remove one of these"],
         )
     try:
-        base = read_document(other, faults, chain)
+        base = read_document(base_path, faults, chain)
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
     base = _leave_out(base, without, path, faults)
@@ -152,10 +157,11 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
             if entry_at(entries, key) is None:
                 names = [*entries, *(path for path, _ in flat(entries))]
                 hint = did_you_mean(key, names) if len(wrong) < MOST_HINTS else ""
-                problem = (
-                    f"is not an entry of {name_of(document.file)}{hint}; name one that exists there"
+                wrong.refuse(
+                    f"without[{index}]",
+                    f"{quoted(key)} is not an entry of {name_of(document.file)}{hint}; name one "
+                    "that exists there",
                 )
-                wrong.refuse(f"without[{index}]", f"{quoted(key)} {problem}")
             document = document.without(key)
     faults += [fault._replace(file=file) for fault in wrong]
     return document
@@ -177,26 +183,27 @@ def _toml(path: Path, max_bytes: int) -> dict[str, Any]:
     try:
         text = content.decode("utf-8-sig")
         without_strings = _STRING_OR_COMMENT.sub(_emptied, text)
-        if key := _LONG_KEY.search(without_strings):
-            line = without_strings.count("\n", 0, key.start()) + 1
-            fault = f"line {line}: a key has too many parts; an entry has {MOST_LEVELS} at most"
+        if long_key := _LONG_KEY.search(without_strings):
+            line = without_strings.count("\n", 0, long_key.start()) + 1
+            fault = f"line {line}: a key has too many parts; an entry has {MAX_LEVELS} at most"
             raise SceneFileError(path, [fault])
-        if (count := sum(map(without_strings.count, ".["))) > MOST_PARTS_OF_KEYS:
-            fault = f"has {count} points and brackets; at most {MOST_PARTS_OF_KEYS} are read"
+        max_parts = 100_000  # each is a table of 1 kB at worst
+        if (count := sum(map(without_strings.count, ".["))) > max_parts:
+            fault = f"has {count} points and brackets; at most {max_parts} are read"
             raise SceneFileError(path, [fault])
-        tables = tomllib.loads(text)
-        if (count := sum(1 for _ in flat(tables))) > MOST_ENTRIES:
-            fault = f"has {count} entries outside of lists; at most {MOST_ENTRIES} are read"
+        tables, max_entries = tomllib.loads(text), 10_000  # materials have six each
+        if (count := sum(1 for _ in flat(tables))) > max_entries:
+            fault = f"has {count} entries outside of lists; at most {max_entries} are read"
             raise SceneFileError(path, [fault])
-        if deep := find_deep(tables):
-            raise SceneFileError(path, [f"{deep}: {_DEEP}"])
+        if key := too_deep_key(tables):
+            raise SceneFileError(path, [f"{key}: {_TOO_DEEP}"])
         return tables
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
     except RecursionError as error:
-        raise SceneFileError(path, [_DEEP]) from error
+        raise SceneFileError(path, [_TOO_DEEP]) from error
     except tomllib.TOMLDecodeError as error:
         raise SceneFileError(path, [f"is not valid TOML: {error}"]) from error
     except ValueError as error:  # Python reads whole numbers of 4300 digits at most
@@ -219,27 +226,31 @@ def _is_same(first: Path, second: Path) -> bool:
 
 def text_of(tables: Entries) -> str:
     """Write merged tables as a scene file for people."""
-    return "\n".join(_lines(tables, "")).strip() + "\n"
+    return "\n".join(_table_lines(tables, "")).strip() + "\n"
 
 
-def _lines(tables: Entries, above: str) -> Iterator[str]:
-    inner = {key: v for key, v in tables.items() if isinstance(v, dict) and v}
-    yield from (f"{key_path('', k)} = {_value(v)}" for k, v in tables.items() if k not in inner)
-    for key, table in inner.items():
-        path = key_path(above, key)
-        head = [] if all(isinstance(v, dict) for v in table.values()) else ["", f"[{path}]"]
-        yield from (*head, *_lines(table, path))
+def _table_lines(table: Entries, table_path: str) -> Iterator[str]:
+    """Yield the lines of the values of a table, and then those of the tables in it."""
+    tables = {key: value for key, value in table.items() if isinstance(value, dict) and value}
+    for key, value in table.items():
+        if key not in tables:
+            yield f"{key_path('', key)} = {_value_text(value)}"
+    for key, inner_table in tables.items():
+        path = key_path(table_path, key)
+        if not all(isinstance(value, dict) for value in inner_table.values()):
+            yield from ("", f"[{path}]")
+        yield from _table_lines(inner_table, path)
 
 
-def _value(value: Any) -> str:
+def _value_text(value: Any) -> str:
     match value:
         case dict():
-            items = (f"{key_path('', key)} = {_value(item)}" for key, item in value.items())
+            items = (f"{key_path('', key)} = {_value_text(item)}" for key, item in value.items())
             return f"{{ {', '.join(items)} }}"
         case list() if value and isinstance(value[0], dict):  # a test or a row in each line
-            return "\n".join(["[", *(f"  {_value(item)}," for item in value), "]"])
+            return "\n".join(["[", *(f"  {_value_text(item)}," for item in value), "]"])
         case list():
-            return f"[{', '.join(map(_value, value))}]"
+            return f"[{', '.join(map(_value_text, value))}]"
         case float():
             return short if float(short := f"{value:g}") == value else repr(value)
     return json.dumps(value, ensure_ascii=False, default=str)
