@@ -25,7 +25,7 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, Flag, JudgedCase, VerdictModel
-from pipeline.arguments import in_load_or_velocity, typed_arguments
+from pipeline.arguments import in_si, typed_arguments
 from pipeline.constants import SHARP_ENDS
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
@@ -96,8 +96,8 @@ def margin(
     if (load is None) != (velocity is None):
         raise InputError("give both a load and a velocity")
     points = {
-        name: in_array(name, values, functools.partial(in_load_or_velocity, name), "place")
-        for name, values in (("load", load), ("velocity", velocity))
+        name: in_array(name, values, functools.partial(in_si, name, like=like), "place")
+        for name, values, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
         if values is not None
     }
     overrides = in_arrays(conditions)

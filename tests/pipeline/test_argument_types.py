@@ -68,7 +68,7 @@ def test_an_argument_of_a_wrong_type_is_refused_by_its_name(function, valid):
 OUT_OF_RANGE = {"load": (0.0, -1.0, "-1 N", np.nan, np.inf), "velocity": (-1.0, np.nan, np.inf)}
 
 
-@pytest.mark.parametrize("function", [pipeline.margin, pipeline.run_point, pipeline.plot])
+@pytest.mark.parametrize("function", [pipeline.run_point, pipeline.plot])
 def test_a_point_out_of_range_is_refused_by_its_load_or_velocity(function, valid):
     subject = {"ds": valid["ds"]} if function is not pipeline.run_point else {"sweep": SCENE}
     point = {name: valid[name] for name in OUT_OF_RANGE}

@@ -46,7 +46,7 @@ def test_what_to_do_outside_depends_on_the_kind_of_sweep():
     )
 
 
-@pytest.mark.parametrize("point", [(1.0, 2.0), (400.0, 0.0), (9e9, 2.0), (400.0, 9e9)])
+@pytest.mark.parametrize("point", [(-1.0, 2.0), (400.0, 0.0), (float("inf"), 2.0), (400.0, 9e9)])
 def test_what_is_no_place_of_the_plane_is_outside(point):
     assert "is outside the sweep" in asked(synthetic.sweep(), *point).reason
 
