@@ -28,7 +28,7 @@ import psutil
 from tests.sources.measure import ROOT, code_digest
 
 PAGE = ROOT / "workflows" / "MEASURED.md"
-HEADS = "| row | claim | figure | command | measured, code |\n|---|---|---|---|---|\n"
+HEADS = "| row | claim | figure | measured, code |\n|---|---|---|---|\n"
 
 
 class Row(NamedTuple):
@@ -127,9 +127,8 @@ def passed(text, _):
 RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
-        "99 % of the errors of the critical velocity, relative to `reference`, are below the "
-        "bound of the preset, or below 2 % if the pin wears under strips of the disk, at positions "
-        "without a warning",
+        "99 % of the errors of the critical velocity, at positions without a warning, are below "
+        "the bound of the preset, or below 2 % if the pin wears under strips of the disk",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",
@@ -154,8 +153,8 @@ ROWS = {
         stated,
     ),
     "realizations": Row(
-        "sets of 1 to 8 surface realizations agree with all others within their stated errors, "
-        "bounds at 95 %, on scenes with and without a lay",
+        "sets of 1 to 8 surface realizations agree with all others within their stated errors "
+        "(95 %), with and without a lay",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.realizations",
         "",
@@ -163,9 +162,8 @@ ROWS = {
         last_line,
     ),
     "laboratories": Row(
-        "synthetic laboratories: how many 90 % intervals contain the bias; how many "
-        "positions judged mild, at 2 to 5 %, are severe; how many judged severe, at 95 to 98 "
-        "%, are mild",
+        "synthetic laboratories: 90 % intervals that contain the bias; severe positions among "
+        "those judged mild, at 2 to 5 %; mild ones among those judged severe, at 95 to 98 %",
         ("pipeline/answers",),
         "python -m tests.promises.laboratories",
         "100",
@@ -173,8 +171,7 @@ ROWS = {
         shares,
     ),
     "past heat": Row(
-        "error of Θ₁₀ (too high) by the present heat, which is taken to have acted since the "
-        "start, for `first_try` at 400 N and 1 m/s",
+        "excess of Θ₁₀ without the history of the heat, for `first_try` at 400 N and 1 m/s",
         ("tribo",),
         "python -m tests.promises.past_heat",
         "",
@@ -183,7 +180,7 @@ ROWS = {
     ),
     "extremes": Row(
         "extreme velocities, loads, wear rates, durations, grids, surfaces and materials are "
-        "solved, or end in an error that states the reason",
+        "solved, or refused with the reason",
         ("tribo",),
         "python -m pytest tests/tribo/simulation/test_extremes.py",
         "-q",
@@ -199,8 +196,8 @@ ROWS = {
         cpu,
     ),
     "scan": Row(
-        "CPU time of the driver for a cheap point, in addition to that of an empty task; "
-        "additional cost of a scan of 1000 × 1000 heights (8 MB, of noise)",
+        "CPU time of the driver for a cheap point, beyond that of an empty task; additional cost "
+        "of a scan of 1000 × 1000 heights (8 MB)",
         RUN,
         "python -m tests.cluster.cheap",
         "--points 2000 --scan 1000",
@@ -232,8 +229,8 @@ ROWS = {
         faults("power", "cuts", "cuts"),
     ),
     "damage": Row(
-        "bits of files are flipped; files are cut, zeroed, swapped, deleted, or replaced by "
-        "older ones",
+        "bits of files are flipped; files are cut, zeroed, swapped, deleted, or replaced by older "
+        "ones",
         STORE,
         "python -m tests.crash damage",
         "--trials 20",
@@ -303,7 +300,7 @@ def measured(name, is_full):
     broken = "**the promise is broken**" if is_full else "the promise fails on this sample"
     figure += f"; {broken}" * process.returncode
     print(f"{name}: {figure}", flush=True)
-    return name, row.claim, figure, f"`{command}`", f"{date.today():%m-%d}, {digest}"
+    return name, row.claim, figure, f"{date.today():%m-%d}, {digest}"
 
 
 def main():
