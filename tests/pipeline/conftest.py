@@ -1,11 +1,13 @@
 import json
 import re
 import shutil
+from base64 import b64encode
 
 import numpy as np
 import pytest
 
 from pipeline.cli import main
+from pipeline.page import elements
 from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
@@ -40,6 +42,15 @@ def path(tmp_path):
 def copy(tiny_store, tmp_path):
     """Path of a copy of the store `tiny_store`, which a test may change."""
     return shutil.copytree(tiny_store, tmp_path / "tiny.zarr")
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Replace the pictures of a report, which take seconds to draw, by empty ones."""
+    empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
+    monkeypatch.setattr(
+        elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)
+    )
 
 
 _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE)

@@ -10,7 +10,6 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.results import sweep_of
-from pipeline.page import elements
 from pipeline.store.schema import variable_of_tests as variable_at_tests
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -177,7 +176,7 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     assert "(transition, 200 N, 3.75 m/s) gives no probability: an oil film" in output
 
 
-def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypatch):
+def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypatch, undrawn):
     ds = filmed(inlet=np.nan)  # as stored for smooth bodies
     known = filmed(inlet=1e-6)
     unknown_margin, known_margin = (asked(dataset, 400.0, 1.0) for dataset in (ds, known))
@@ -189,10 +188,6 @@ def test_a_film_that_is_not_known_is_flagged_and_said_by_each_door(irg, monkeypa
     for words in (("margin", "out.zarr", *at), ("boundary", "out.zarr")):
         output = " ".join(irg(*words).split())
         assert "an oil film that carries load (unknown here), uncertain inputs" in output
-    # Its pictures take seconds to draw.
-    monkeypatch.setattr(
-        elements, "figure_of", lambda _, *texts: elements.PageFigure("", "", *texts)
-    )
     verdict, _, _ = pipeline.report(ds, load=400.0, velocity=1.0).partition("</section>")
     assert "an oil film that carries load (unknown here), uncertain inputs" in verdict
 

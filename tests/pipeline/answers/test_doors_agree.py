@@ -12,7 +12,6 @@ from matplotlib.text import Text
 
 import pipeline
 import tribo
-from pipeline.page import elements
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test
@@ -175,14 +174,11 @@ def test_boundary_figure_and_margin_draw_one_line(margin_case, irg):
     assert (is_equal & probability.notnull()).any()
 
 
-def test_every_door_names_the_test_that_limits_the_boundary(monkeypatch, irg):
+def test_every_door_names_the_test_that_limits_the_boundary(monkeypatch, irg, undrawn):
     severe = bare_test(300.0, 1.0, outcome="severe", bulk_temperature=280.0)
     mild = [bare_test(200.0, 3.0, outcome="mild", number=f"m{k}") for k in range(40)]
     ds = synthetic.sweep(tests=(*synthetic.MEASURED, severe, *mild), **SMALL)
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    monkeypatch.setattr(
-        elements, "figure_of", lambda _, *texts: elements.PageFigure("", "", *texts)
-    )
     ruling = "test 5 (severe, 300 N, 1 m/s) rules out mild wear from 1 m/s"
     line = f"at 300 to 600 N, {ruling}"
     assert line in irg("boundary", "out.zarr").replace("\n    ", " ")
@@ -223,12 +219,8 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
 
 
 @pytest.mark.parametrize("name", [name for name in STORES if name != "cases"])
-def test_the_report_has_the_verdicts_of_the_table(name, monkeypatch):
+def test_the_report_has_the_verdicts_of_the_table(name, undrawn):
     ds, margin = store(name)
-    # Its pictures take seconds to draw.
-    monkeypatch.setattr(
-        elements, "figure_of", lambda _, *texts: elements.PageFigure("", "", *texts)
-    )
     page = html.unescape(pipeline.report(ds, points=table(name)))
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", page)
     assert [cell for cell in cells if cell in VERDICTS][:50] == words(margin).tolist()

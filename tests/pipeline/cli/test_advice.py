@@ -3,14 +3,12 @@
 import re
 import shlex
 import shutil
-from base64 import b64encode
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 import pipeline
-from pipeline.page import elements
 from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from tests.helpers.scenes import SCENE
@@ -206,14 +204,10 @@ def stores(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_advice_that_is_followed_helps(stores, tmp_path, monkeypatch, irg, name):
+def test_advice_that_is_followed_helps(stores, tmp_path, monkeypatch, irg, undrawn, name):
     case = CASES[name]
     shutil.copytree(stores, tmp_path / "work")
     monkeypatch.chdir(tmp_path / "work")
-    empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
-    monkeypatch.setattr(
-        elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)
-    )
     message = irg(*shlex.split(case.command), code=case.code)
     match = re.search(case.advice, message)
     assert match, message

@@ -150,7 +150,7 @@ def test_a_search_that_was_stopped_asks_for_the_same_points_again():
 def test_few_velocities_become_more_where_the_goal_needs_them():
     """Loads of a specimen share their surfaces, so their misses come together."""
     missed = found_count = 0
-    for seed, count in itertools.product(range(6), (4, 6)):
+    for seed, count in itertools.product(range(2), (4, 6)):
         few = np.geomspace(0.25, 6.0, count)
         specimen = Specimen(seed, loads=4, velocities=few)
         search = specimen.search(0.01, promised=0.0055)
@@ -162,7 +162,7 @@ def test_few_velocities_become_more_where_the_goal_needs_them():
                 assert error <= 0.01
                 missed += abs(critical / specimen.critical(load) - 1) > error
                 found_count += 1
-    assert found_count > 24
+    assert found_count > 12
     assert missed <= 0.1 * found_count
 
 
@@ -221,7 +221,7 @@ PLANES = {
 def test_loads_of_a_plane_share_realizations_and_keep_the_errors_that_they_state(name):
     load_count, accuracy, options, max_points = PLANES[name]
     verdicts = []
-    for seed in range(4):
+    for seed in range(3):
         model = PlaneModel(LOADS[load_count], seed, **options)
         verdicts.append(Verdict.of(model, model.search(accuracy, 0.5 * accuracy)))
     assert all(verdict.stated <= accuracy for verdict in verdicts)
