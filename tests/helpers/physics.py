@@ -36,7 +36,13 @@ def assert_sound(scene, before, state, normal_load):
 
 def assert_complementary(scene, before, state):
     """Assert the contact conditions on gap and pressure, from worn shape and elastic map."""
-    separations = [scene.separation(scene.heights())]
+    positions = separations(scene, before, state)
+    assert any(is_complementary(scene, before, state, separation) for separation in positions)
+
+
+def separations(scene, before, state):
+    """Yield the separation of the surfaces as it is, and at each position of the disk in a step."""
+    yield scene.separation(scene.heights())
     if scene.wears_by_strips and not state.is_requested:  # at one of the positions of the disk
         distance = state.sliding_distance - (before.sliding_distance if before else 0.0)
         begin = before or start(scene)
@@ -45,8 +51,7 @@ def assert_complementary(scene, before, state):
         for scheme, sign, part in product(("sdirk2", "implicit"), (1, -1), range(12)):
             step = replace(step, part=part)
             *_, last = passes(scene, begin, step, wear, sign * velocity, False, scheme)
-            separations.append(separation_at(scene, last.shift, last.strip_shifts))
-    assert any(is_complementary(scene, before, state, separation) for separation in separations)
+            yield separation_at(scene, last.shift, last.strip_shifts)
 
 
 def is_complementary(scene, before, state, separation):

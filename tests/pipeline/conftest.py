@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from pipeline.cli import main
-from pipeline.page import elements
 from pipeline.run.serial import run_serial
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
@@ -47,6 +46,8 @@ def copy(tiny_store, tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Replace the pictures of a report, which take seconds to draw, by empty ones."""
+    from pipeline.page import elements
+
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
     monkeypatch.setattr(
         elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)

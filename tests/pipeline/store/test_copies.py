@@ -31,7 +31,7 @@ def beside(path, ending):
     return path.with_name(path.name + ending)
 
 
-def grow_until(renames, path, monkeypatch):
+def grow_until(renames, path):
     """Enlarge a store in a process that is killed after some renames of folders."""
     rename, left = Path.rename, [renames]
 
@@ -44,7 +44,7 @@ def grow_until(renames, path, monkeypatch):
     def killed(*_):
         raise Killed
 
-    with monkeypatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Path, "rename", rename_some)
         patch.setattr(create, "sync", killed)  # after the second rename
         with pytest.raises(Killed):
@@ -77,14 +77,23 @@ KILLS = {
 }
 
 
+@pytest.fixture(scope="module")
+def killed_growths(tmp_path_factory):
+    """Folders with a store whose growth was killed after 0, 1 and 2 renames."""
+    folders = [tmp_path_factory.mktemp(f"{renames}-renames") for renames in range(3)]
+    for renames, folder in enumerate(folders):
+        commit(folder / "tiny.zarr", SWEEP)
+        grow_until(renames, folder / "tiny.zarr")
+    return folders
+
+
 @pytest.mark.parametrize("sweep", [SWEEP, LARGER], ids=["same scene", "larger scene"])
 @pytest.mark.parametrize("kill", KILLS)
 def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on(
-    kill, sweep, path, monkeypatch
+    kill, sweep, path, killed_growths
 ):
     renames, ending, harm = KILLS[kill]
-    commit(path, SWEEP)
-    grow_until(renames, path, monkeypatch)
+    shutil.copytree(killed_growths[renames], path.parent, dirs_exist_ok=True)
     assert beside(path, NEW).exists() or renames == 2
     harm(beside(path, ending))
     assert find_sweep(path).velocities == SWEEP.velocities
@@ -94,9 +103,8 @@ def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
-def test_a_copy_that_cannot_be_read_is_not_deleted_for_a_damaged_one(path, monkeypatch, irg):
-    commit(path, SWEEP)
-    grow_until(1, path, monkeypatch)
+def test_a_copy_that_cannot_be_read_is_not_deleted_for_a_damaged_one(path, killed_growths):
+    shutil.copytree(killed_growths[1], path.parent, dirs_exist_ok=True)
     with pytest.raises(StoreError, match=r"a run ended while it created .*; run its scene again"):
         summary(path)
     cut(FACTS, ROOT)(beside(path, NEW))
