@@ -68,76 +68,80 @@ def with_first_case(
     and left out, so that they have no further faults.
     """
     over = entry_at(entries, "sweep.over")
-    listed = [*flat(over)] if isinstance(over, dict) else []
-    if len(listed) > MOST_VARIED:
+    varied = [*flat(over)] if isinstance(over, dict) else []
+    if len(varied) > MOST_VARIED:
         faults.refuse(
-            "sweep.over", f"{len(listed)} entries are too many; vary {MOST_VARIED} at most"
+            "sweep.over", f"{len(varied)} entries are too many; vary {MOST_VARIED} at most"
         )
         return replace_values(entries, {"sweep.over": None}), []
-    first = {path: values[0] for path, values in listed if isinstance(values, list) and values}
-    entries = merged(replace_values({}, first), entries)
-    before, rows = len(faults), _listed_rows(entry_at(entries, "sweep.along"), files, faults)
-    row_points = [_read_point(k, row, rows[0], faults) for k, row in enumerate(rows)]
-    if len(faults) > before:
+    firsts = {path: values[0] for path, values in varied if isinstance(values, list) and values}
+    entries = merged(replace_values({}, firsts), entries)
+    fault_count, rows = len(faults), _rows_along(entry_at(entries, "sweep.along"), files, faults)
+    points = [_read_point(index, row, rows[0], faults) for index, row in enumerate(rows)]
+    if len(faults) > fault_count:
         return replace_values(entries, {"sweep.along": None}), []
     if not rows:
         return entries, []
+    loads = sorted({point["load"] for point in points})
+    velocities = sorted({point["velocity"] for point in points})
     axes = {
-        f"sweep.{name}": [
-            f"{value!r} {unit}" for value in sorted({point[head] for point in row_points})
-        ]
-        for name, head, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
+        "sweep.loads": [f"{load!r} N" for load in loads],
+        "sweep.velocities": [f"{velocity!r} m/s" for velocity in velocities],
     }
     row_entries = {path: value for path, value in rows[0].items() if "." in path}  # no labels
     return merged(replace_values({}, row_entries), replace_values(entries, axes)), rows
 
 
-def _listed_rows(written: Any, files: Files, faults: Faults) -> list[CaseRow]:
+def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
-    if isinstance(written, list) and len(written) > MOST_ON_AXIS:
+    fault_count = len(faults)
+    if isinstance(along, list) and len(along) > MOST_ON_AXIS:
         return []  # refused by the format
-    if isinstance(written, list) and all(isinstance(row, dict) for row in written):
-        rows = [dict(flat(row)) for row in written]
-        names = list(dict.fromkeys(name for row in rows for name in row))
-        if len(names) > MOST_VARIED:
-            problem = f"rows have {len(names)} different entries; give {MOST_VARIED} at most"
-            faults.refuse("sweep.along", problem)
-            return []
-        columns = [
-            TableColumn(name, name, "", [str(row.get(name, "")) for row in rows]) for name in names
-        ]
-        sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], TableFaults("the rows"))
+    if isinstance(along, list) and all(isinstance(row, dict) for row in along):
         with faults.at("sweep.along"):
-            entries, _ = _read_columns(sheet, ())
-            paths = {column.name for column in entries}
-            renamed = [{CONDITION_ENTRIES.get(k, k): v for k, v in row.items()} for row in rows]
-            return [
-                {k: value if k in paths else str(value) for k, value in row.items()}
-                for row in renamed
-            ]
+            return _rows_of_scene([dict(flat(row)) for row in along])
         return []
-    table = {"file": written} if isinstance(written, str) else written
-    before = len(faults)
-    table_file = table and table_of(TableFile).read(table, "sweep.along", faults)
-    if not table_file or len(faults) > before:
+    table = {"file": along} if isinstance(along, str) else along
+    declared = table and table_of(TableFile).read(table, "sweep.along", faults)
+    if not declared or len(faults) > fault_count:
         return []
     with faults.at("sweep.along"):
-        path = files.path("sweep.along", table_file.file)
-        advice = _CASE_ADVICE if isinstance(written, str) else SCENE
-        sheet = read_table(path, MOST_ON_AXIS, table_file.decimal, table_file.ignore, advice)
-        entries, words = _read_columns(sheet, tuple(_POINT.keys))
+        path = files.path("sweep.along", declared.file)
+        advice = _CASE_ADVICE if isinstance(along, str) else SCENE
+        sheet = read_table(path, MOST_ON_AXIS, declared.decimal, declared.ignore, advice)
+        columns, label_columns = _read_columns(sheet, tuple(_POINT.keys))
         return [
-            {column.name: column.entry(k) for column in entries}
-            | {column.name: column.cells[k] for column in words}
-            for k in range(len(sheet.lines))
+            {column.name: column.entry(row) for column in columns}
+            | {column.name: column.cells[row] for column in label_columns}
+            for row in range(len(sheet.lines))
         ]
     return []
+
+
+def _rows_of_scene(rows: list[CaseRow]) -> list[CaseRow]:
+    """Rows with entries by path, and labels as text; `InputError` for a heading of no meaning."""
+    names = [*dict.fromkeys(name for row in rows for name in row)]
+    if len(names) > MOST_VARIED:
+        raise InputError(f"rows have {len(names)} different entries; give {MOST_VARIED} at most")
+    columns = [
+        TableColumn(name, name, "", [str(row.get(name, "")) for row in rows]) for name in names
+    ]
+    sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], TableFaults("the rows"))
+    entry_columns, _ = _read_columns(sheet, ())
+    paths = {column.name for column in entry_columns}
+    renamed = [
+        {CONDITION_ENTRIES.get(name, name): value for name, value in row.items()} for row in rows
+    ]
+    return [
+        {name: value if name in paths else str(value) for name, value in row.items()}
+        for row in renamed
+    ]
 
 
 def _read_columns(
     sheet: Sheet, needed: tuple[str, ...]
 ) -> tuple[list[TableColumn], list[TableColumn]]:
-    """Columns of rows with point and entries by their paths, and columns of words."""
+    """Columns with the points and entries of rows, and columns of words."""
     sheet = sheet.renamed(CONDITION_ENTRIES)
     entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
     paths = [column.name for column in sheet.columns if "." in column.name]
@@ -147,14 +151,14 @@ def _read_columns(
     return columns, words
 
 
-def _read_point(number: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
-    """Load and velocity of a row."""
-    if other := row.keys() ^ first.keys():
-        problem = f"not every row has {', '.join(sorted(other))}; add it to all rows"
-        faults.refuse(f"sweep.along[{number}]", problem)
-    values = {name: row[name] for name in _POINT.keys.keys() & row.keys()}
-    read: CaseRow = _POINT.read(values, f"sweep.along[{number}]", faults)
-    return read
+def _read_point(index: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
+    """Load and velocity of a row in SI."""
+    if different := row.keys() ^ first.keys():
+        problem = f"not every row has {', '.join(sorted(different))}; add it to all rows"
+        faults.refuse(f"sweep.along[{index}]", problem)
+    entries = {name: row[name] for name in _POINT.keys.keys() & row.keys()}
+    point: CaseRow = _POINT.read(entries, f"sweep.along[{index}]", faults)
+    return point
 
 
 def listed_cases(scene: Built, along: list[CaseRow]) -> Cases:
@@ -164,13 +168,14 @@ def listed_cases(scene: Built, along: list[CaseRow]) -> Cases:
         cases *= _cases_along(along)
     if sweep.over:
         cases *= _cases_over(sweep.over)
+    changes: list[Entries]
     if isinstance(scene.case.scene.roughness, SelfAffineRoughness):
-        seeds = realizations_of(sweep.realizations, entry_at(scene.tables, SEED_ENTRY))
-        changes: list[Entries] = [{SEED_ENTRY: seed} for seed in seeds]
+        realizations = realizations_of(sweep.realizations, entry_at(scene.tables, SEED_ENTRY))
+        changes = [{SEED_ENTRY: seed} for seed in realizations]
     else:
-        seeds = realizations_of(sweep.realizations, 0)
-        changes = [{AREAS_ENTRY: [area]} for area in seeds]
-    return cases * Cases(surface_table(seeds), changes or [{}])
+        realizations = realizations_of(sweep.realizations, 0)
+        changes = [{AREAS_ENTRY: [area]} for area in realizations]
+    return cases * Cases(surface_table(realizations), changes or [{}])
 
 
 def _cases_over(over: dict[str, Any]) -> Cases:
@@ -189,30 +194,28 @@ def _cases_over(over: dict[str, Any]) -> Cases:
 
 
 def _cases_along(rows: list[CaseRow]) -> Cases:
-    texts = (text for row in rows for pair in row.items() for text in pair)
-    if unprintable := [text for text in texts if isinstance(text, str) and is_unprintable(text)]:
-        problem = f"{quoted(unprintable[0])} has a line break or a control character; leave it out"
-        raise InputError(f"sweep.along: {problem}")
-    heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
-    parsed = {head: _row_labels(head, [row[head] for row in rows]) for head in heads}
-    columns = {
-        head: _column(
-            dimension_of(head) if "." in head else head,
-            PLACE_UNITS.get(head, unit),
-            f"{head} of the row",
-            head if "." in head else "",
-        )
-        for head, (_, unit) in parsed.items()
-    }
-    labels = [{columns[head].name: parsed[head][0][k] for head in heads} for k in range(len(rows))]
+    for text in (text for row in rows for pair in row.items() for text in pair):
+        if isinstance(text, str) and is_unprintable(text):
+            raise InputError(
+                f"sweep.along: {quoted(text)} has a line break or a control character; leave it out"
+            )
+    columns, labels_by_column = list[Column](), dict[str, Sequence[Label]]()
+    for heading in sorted(rows[0], key=lambda heading: heading in PLACE_UNITS):
+        is_entry = "." in heading
+        values = [row[heading] for row in rows]
+        # Load, velocity and entries are in SI; other columns have words.
+        is_quantity = is_entry or heading in PLACE_UNITS
+        labels, unit = labels_of(values) if is_quantity else (values, None)
+        name, entry = (dimension_of(heading), heading) if is_entry else (heading, "")
+        column = _column(name, PLACE_UNITS.get(heading, unit), f"{heading} of the row", entry)
+        columns.append(column)
+        labels_by_column[column.name] = labels
+    case_labels = [
+        dict(zip(labels_by_column, row_labels, strict=True))
+        for row_labels in zip(*labels_by_column.values(), strict=True)
+    ]
     changes = [{path: value for path, value in row.items() if "." in path} for row in rows]
-    return Cases(numbered_cases(columns.values(), labels), changes)
-
-
-def _row_labels(head: str, values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Labels of rows: the values of an entry, a load or a velocity in SI, or words."""
-    is_quantity = "." in head or head in PLACE_UNITS
-    return labels_of(values) if is_quantity else (tuple(values), None)
+    return Cases(numbered_cases(columns, case_labels), changes)
 
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
@@ -241,51 +244,45 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     Raises an `InputError` for the first faulty case, which names `key`, the entry that lists
     these cases.
     """
-    if wrong := [
-        p for p in listed.changes[0] if p.partition(".")[0] in _UNVARIED_TABLES and p != AREAS_ENTRY
-    ]:
-        raise InputError(
-            f"{key}.{quoted(wrong[0])} cannot take several values; use a scene entry such as "
-            '"pin.radius"'
-        )
-    known, cases = dict[str, Case](), list[Case]()
+    for path in listed.changes[0]:
+        if path.partition(".")[0] in _UNVARIED_TABLES and path != AREAS_ENTRY:
+            raise InputError(
+                f"{key}.{quoted(path)} cannot take several values; use a scene entry such as "
+                '"pin.radius"'
+            )
+    case_by_changes, cases = dict[str, Case](), list[Case]()
     for name, changes in zip(listed.table.names, listed.changes, strict=True):
         unseeded = {path: value for path, value in changes.items() if path != SEED_ENTRY}
-        if (text := repr(unseeded)) not in known:
-            known[text] = _build_case(entries, files, scene, unseeded, key)
-        case = replace(known[text], name=name)
+        if (text := repr(unseeded)) not in case_by_changes:
+            case_by_changes[text] = _build_case(entries, files, scene, unseeded, key)
+        case = replace(case_by_changes[text], name=name)
         if SEED_ENTRY in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
             case = case.on_surface(changes[SEED_ENTRY])
         cases.append(case)
     over = scene.tables.sweep.over
-    if over and len({*map(digest, known.values())}) == 1 < len(known):
-        words = " and ".join(over)
-        raise InputError(f"{key}: {words} changes nothing here; leave it out")
+    if over and len({*map(digest, case_by_changes.values())}) == 1 < len(case_by_changes):
+        raise InputError(f"{key}: {' and '.join(over)} changes nothing here; leave it out")
     return cases
 
 
 def _build_case(entries: Entries, files: Files, base: Built, changes: Entries, key: str) -> Case:
+    """Case of the scene `base` with some changes; its stored fields must have the same grid."""
     if not changes:
         return base.case
     faults = Faults()
     try:
-        row = build_case(base, entries, changes, files, faults)
+        built = build_case(base, entries, changes, files, faults)
         faults.raise_first()
-        assert row
-        _require_same_grid(row, base)
+        assert built
+        if base.tables.sweep.fields and built.case.scene.grid != base.case.scene.grid:
+            raise InputError(
+                "this changes the grid of the stored fields, which must be equal in all cases; run "
+                "each value into its own store"
+            )
     except InputError as error:
         key = AREAS_ENTRY if changes.keys() == {AREAS_ENTRY} else key
         changed = (
             f"{path} = {quoted(value)}" for path, value in changes.items() if value is not None
         )
         raise InputError(f"{key}: {', '.join(changed)}: {error}") from error
-    return row.case
-
-
-def _require_same_grid(row: Built, base: Built) -> None:
-    """Raise an `InputError` if a row stores other variables than the scene itself (`base`)."""
-    if base.tables.sweep.fields and row.case.scene.grid != base.case.scene.grid:
-        raise InputError(
-            "this changes the grid of the stored fields, which must be equal in all cases; run "
-            "each value into its own store"
-        )
+    return built.case

@@ -217,7 +217,7 @@ ENTRIES = {
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is outside the allowed range'),
     "over grid": (over("fidelity.pixels_per_element", [2, 4]), "the grid of the stored fields"),
     "along many entries": (entry("sweep.along", [{f"pin.k{k}": 1} for k in range(101)]),
-                           "sweep.along: rows have 101 different entries; give 100 at most"),
+                           "rows have 101 different entries; give 100 at most"),
     "test many entries": (entry("tests", [{"load": "300 N", "velocity": "2 m/s", "outcome": "mild",
                                            "with": {f"pin.k{k}": 1 for k in range(101)}}]),
                           "101 entries are too many; give 100 at most"),
