@@ -49,9 +49,9 @@ class Faults(list[Fault]):
         if len(self) >= MOST_FAULTS:
             raise TooManyFaultsError
 
-    def note(self, key: str, words: str) -> None:
+    def note(self, key: str, text: str) -> None:
         """Add a note on the entry at the key path `key`."""
-        self.notes.append(SceneNote(key, words))
+        self.notes.append(SceneNote(key, text))
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
@@ -66,9 +66,9 @@ class Faults(list[Fault]):
 
     def touches(self, path: str) -> bool:
         """True if there is a fault in the entry at a path, within it, or in the table around it."""
-        within = f"{path}.", f"{path}["
         return any(
-            key == path or key.startswith(within) or path.startswith(f"{key}.") for key, *_ in self
+            key == path or key.startswith((f"{path}.", f"{path}[")) or path.startswith(f"{key}.")
+            for key, *_ in self
         )
 
     def raise_first(self) -> None:

@@ -19,9 +19,6 @@ from pipeline.units import UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError
 from tribo.simulation.usual_values import USUAL
 
-_MIN_NUMBER, _MAX_NUMBER = 1e-15, 1e15  # bounds of a number without a unit
-_MAX_INTEGER = 2**63 - 1  # largest whole number that a store keeps
-
 
 class InvalidValueError(Exception):
     """A value does not fit its kind; the message says why."""
@@ -120,13 +117,16 @@ class Number(Kind):
     usual: tuple[float, float] | None = None
 
     def __str__(self) -> str:
-        limits = ((name, getattr(self, name)) for name in ("above", "at_least", "below", "at_most"))
-        bounds = (f"{name.replace('_', ' ')} {x:g}" for name, x in limits if math.isfinite(x))
-        return ", ".join(filter(None, (self.words, " and ".join(bounds))))
+        bounds = {
+            "above": self.above, "at least": self.at_least,
+            "below": self.below, "at most": self.at_most,
+        }  # fmt: skip
+        texts = [f"{name} {bound:g}" for name, bound in bounds.items() if math.isfinite(bound)]
+        return f"{self.words}, {' and '.join(texts)}" if texts else self.words
 
     def _read(self, value: Any, path: str, faults: Faults) -> float:
         require(value, (int, float), "is not a number")
-        self._require_fit(value, _MIN_NUMBER, _MAX_NUMBER)
+        self._require_fit(value, smallest=1e-15, largest=1e15)
         faults.warnings += unusual_warning(path, value, self.usual, self.unit)
         return float(value)
 
@@ -135,8 +135,10 @@ class Number(Kind):
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         if value and not smallest <= abs(value) <= largest:
-            span = f"which is {smallest:g} to {largest:g}"
-            raise InvalidValueError(f"{quoted(value)} is outside the allowed range, {span}")
+            raise InvalidValueError(
+                f"{quoted(value)} is outside the allowed range, which is {smallest:g} to "
+                f"{largest:g}"
+            )
 
 
 class Share(Number):
@@ -167,7 +169,7 @@ class Integer(Number):
 
     def _read(self, value: Any, path: str, faults: Faults) -> int:
         require(value, int, "is not a whole number")
-        self._require_fit(value, 0, _MAX_INTEGER)
+        self._require_fit(value, smallest=0, largest=2**63 - 1)  # which a store can keep
         return int(value)
 
 
@@ -243,9 +245,6 @@ class Level(NamedTuple):
     value: float
 
 
-_AXES = {"N": "load", "m s-1": "velocity"}
-
-
 @dataclass(frozen=True)
 class OneQuantity(Kind):
     """Kind of scene entry: a load or a velocity, read as a `Level`."""
@@ -257,10 +256,12 @@ class OneQuantity(Kind):
 
     def _read(self, value: Any, path: str, faults: Faults) -> Level:
         require(value, str, "has no unit")
-        kind = {si_unit(kind.example): kind for kind in self.kinds}.get(unit := si_unit(value))
-        if kind is None:
-            raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
-        return Level(_AXES[unit], kind._read(value, path, faults))
+        unit = si_unit(value)
+        for kind in self.kinds:
+            if si_unit(kind.example) == unit:
+                axis = {"N": "load", "m s-1": "velocity"}[unit]
+                return Level(axis, kind._read(value, path, faults))
+        raise InvalidValueError(f"{quoted(value)} has the wrong dimension")
 
 
 @dataclass(frozen=True)
@@ -274,8 +275,10 @@ class UnitText(Kind):
         return f"{self.name}, such as {quoted(self.example)}"
 
     def _read(self, value: Any, path: str, faults: Faults) -> float:
+        text = str(value)
+        if not text[:1].isdigit():  # as "2 nm" does, which is a unit, too
+            text = f"1 {text}"
         try:
-            text = f"{value}" if f"{value}"[:1].isdigit() else f"1 {value}"  # also of "2 nm"
             return to_si(text, like=f"1 {self.example}")
         except UnitError as error:
             raise InvalidValueError(f"{quoted(value)} is not {self.name}") from error

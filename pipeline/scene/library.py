@@ -30,7 +30,7 @@ def library() -> dict[str, Any]:
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     materials = tables["materials"]
-    materials |= {name: materials[usual] for name, usual in tables.pop("names").items()}
+    materials |= {synonym: materials[name] for synonym, name in tables.pop("names").items()}
     return tables
 
 
@@ -39,7 +39,7 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
     library_values: list[FromLibrary] = []
     entries = dict(entries)
     if isinstance(oil := entries.get("oil"), str):
-        entries["oil"] = _added(oil, "oils", "oil", "oil", {}, library_values, faults)
+        entries["oil"] = _completed(oil, "oils", "oil", "oil", {}, library_values, faults)
     tables = entries.get("materials", {})
     if not isinstance(tables, dict):
         return entries, tuple(library_values)
@@ -49,38 +49,41 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
-            name: _filled(table, name, library_values, faults) for name, table in tables.items()
+            name: _completed_material(table, name, library_values, faults)
+            for name, table in tables.items()
         }
     return entries, tuple(library_values)
 
 
-def _filled(table: Any, name: str, library_values: list[FromLibrary], faults: Faults) -> Any:
+def _completed_material(
+    table: Any, name: str, library_values: list[FromLibrary], faults: Faults
+) -> Any:
     """The table of a material with the entries that it lacks, from the library."""
     if not isinstance(table, dict):
         return table
     # Without `like`, an incomplete table is completed by the material of the same name.
-    is_whole = table.keys() >= {*table_of(MaterialTable).needed}
-    usual = name if name in library()["materials"] and not is_whole else None
-    like, path = table.get("like", usual), key_path("materials", name)
+    is_complete = table.keys() >= {*table_of(MaterialTable).needed}
+    same_name = name if name in library()["materials"] and not is_complete else None
+    like, path = table.get("like", same_name), key_path("materials", name)
     if not isinstance(like, str) or not like:
         return table
-    return _added(like, "materials", path, f"{path}.like", table, library_values, faults)
+    return _completed(like, "materials", path, f"{path}.like", table, library_values, faults)
 
 
-def _added(
+def _completed(
     name: str, kind: str, path: str, entry: str, table: Entries, library_values: list[FromLibrary],
     faults: Faults,
 ) -> Entries:  # fmt: skip
     """The table at `path`, completed by the library's `name`, which stands in `entry`."""
     known = library()[kind]
     if name not in known:
-        problem = f"{quoted(name)} is not in the library; available {kind}: "
-        faults.refuse(entry, problem + ", ".join(map(quoted, known)))
+        names = ", ".join(map(quoted, known))
+        faults.refuse(entry, f"{quoted(name)} is not in the library; available {kind}: {names}")
         name = next(iter(known))  # so that its entries do not count as missing
-    added = {}
+    added_values = {}
     for key, (value, source) in known[name].items():
         if key not in table:
-            added[key] = value
+            added_values[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)
             library_values.append(FromLibrary(f"{path}.{key}", text, library()["sources"][source]))
-    return added | table
+    return added_values | table

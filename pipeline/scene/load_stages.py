@@ -23,17 +23,14 @@ Levels = tuple[tuple[float, ...], tuple[float, ...]]
 
 def stages_of(stages: Any, highest: float) -> Levels:
     """Loads and holds of the stages in an entry; even stages end at the `highest` load [N]."""
-    if isinstance(stages, EvenStages):
-        return _even_stages(stages.first, stages.step, stages.hold, highest)
-    return tuple(load for load, _ in stages), tuple(hold for _, hold in stages)
-
-
-def _even_stages(first: float, step: float, hold: float, highest: float) -> Levels:
-    steps = max(0.0, (highest - first) / step)
-    if steps > MOST_STEPS:
-        raise InputError(f"{steps:.3g} load stages exceed the limit of {MOST_STEPS}")
-    count = 1 + math.floor(steps * (1 + _ROUNDING))
-    return tuple(first + k * step for k in range(count)), (hold,) * count
+    if not isinstance(stages, EvenStages):
+        return tuple(load for load, _ in stages), tuple(hold for _, hold in stages)
+    first, step = stages.first, stages.step
+    step_count = max(0.0, (highest - first) / step)
+    if step_count > MOST_STEPS:
+        raise InputError(f"{step_count:.3g} load stages exceed the limit of {MOST_STEPS}")
+    count = 1 + math.floor(step_count * (1 + _ROUNDING))
+    return tuple(first + k * step for k in range(count)), (stages.hold,) * count
 
 
 def expand_tests(scene: Any, faults: Faults) -> Any:
@@ -43,25 +40,26 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     its last mild stage and a test at its first severe stage, if the run states these stages. Faulty
     tests are added to `faults`, and left out.
     """
-    numbers = {str(test.number) for test in scene.tests or ()}
-    free = (number for number in itertools.count(1) if str(number) not in numbers)
-    used_names, tests = set[str](), list[Test]()
+    entered_numbers = {str(test.number) for test in scene.tests or ()}
+    free_numbers = (n for n in itertools.count(1) if str(n) not in entered_numbers)
+    numbers, tests = set[str](), list[Test]()
     for index, entry in enumerate(scene.tests or ()):
         path = f"tests[{index}]"
-        numbered = replace(entry, number=next(free)) if entry.number is None else entry
-        if (name := str(numbered.number)) in used_names:
-            problem = f"{name} is the number of two tests; give each its own, or leave it out"
+        test = replace(entry, number=next(free_numbers)) if entry.number is None else entry
+        number = str(test.number)
+        if number in numbers:
+            problem = f"{number} is the number of two tests; give each its own, or leave it out"
             faults.refuse(f"{path}.number", problem)
-        used_names.add(name)
+        numbers.add(number)
         if faults.touches(path):
             continue
-        if problems := [*test_faults(numbered)]:
+        if problems := [*test_faults(test)]:
             for key, problem in problems:
                 faults.refuse(f"{path}.{key}", problem)
-        elif ends := _ends_of(numbered):
-            tests += _tests_of_run(numbered, ends, path, faults)
+        elif ends := _ends_of(test):
+            tests += _tests_of_run(test, ends, path, faults)
         else:
-            tests.append(numbered)
+            tests.append(test)
     return replace(scene, tests=scene.tests and tuple(tests))
 
 
@@ -73,11 +71,9 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
             if getattr(test, key) is not None:
                 yield key, f"does not fit {keys}; leave it out"
         if len(ends) > 1 and not ends["mild"] < ends["severe"]:
-            low, high = (display(ends[outcome], "N") for outcome in ("severe", "mild"))
-            yield (
-                "severe_at",
-                f"{low} is not above mild_up_to ({high}); give the load of a later stage",
-            )
+            severe, mild = display(ends["severe"], "N"), display(ends["mild"], "N")
+            problem = f"{severe} is not above mild_up_to ({mild}); give the load of a later stage"
+            yield "severe_at", problem
         return
     for key in ("load", "outcome"):
         if getattr(test, key) is None:
@@ -91,9 +87,10 @@ def test_faults(test: Test) -> Iterator[tuple[str, str]]:
         yield "step", 'it belongs to a transition; leave it out, or give outcome = "transition"'
         return
     axis, step = test.step
-    if (value := getattr(test, axis)) is not None and step >= value:
-        step, value = (display(level, UNITS[axis]) for level in (step, value))
-        yield "step", f"{step} must be less than the {axis} ({value})"
+    load_or_velocity = getattr(test, axis)
+    if load_or_velocity is not None and step >= load_or_velocity:
+        limit = display(load_or_velocity, UNITS[axis])
+        yield "step", f"{display(step, UNITS[axis])} must be less than the {axis} ({limit})"
 
 
 def _ends_of(test: Test) -> dict[str, float]:
@@ -102,17 +99,17 @@ def _ends_of(test: Test) -> dict[str, float]:
     return {outcome: load for outcome, load in ends.items() if load is not None}
 
 
-def _tests_of_run(entry: Test, ends: dict[str, float], path: str, faults: Faults) -> Iterator[Test]:
-    """Tests at the last mild and the first severe stage of a run, which `entry` states."""
-    stages, last = entry.stages, max(ends.values())
+def _tests_of_run(run: Test, ends: dict[str, float], path: str, faults: Faults) -> Iterator[Test]:
+    """Tests at the last mild and the first severe stage of a run, whose loads are its `ends`."""
+    stages, last = run.stages, max(ends.values())
     if stages is not None:
         with faults.at(f"{path}.stages"):
             stages = tuple(
                 (load, hold)
                 for load, hold in zip(*stages_of(stages, last), strict=True)
-                if load <= last * (1 + _ROUNDING)  # the specimen ends at the last stage
+                if load <= last * (1 + _ROUNDING)
             )
     for outcome, load in ends.items():
         yield replace(
-            entry, load=load, outcome=outcome, stages=stages, mild_up_to=None, severe_at=None
+            run, load=load, outcome=outcome, stages=stages, mild_up_to=None, severe_at=None
         )

@@ -55,13 +55,14 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
             f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; available: '
             f"{', '.join(shipped)}"
         )
-    short = resources.files("pipeline.scene").joinpath("template.toml")
-    text = short.read_text(encoding="utf-8").replace("NAME", path.stem)
-    copies = []
+    template = resources.files("pipeline.scene").joinpath("template.toml")
+    text = template.read_text(encoding="utf-8").replace("NAME", path.stem)
+    copies = list[tuple[Path, Path]]()
     if like is not None:
         text = shipped[like].read_text(encoding="utf-8")
         names, folder = [*_files_of(tomllib.loads(text))], shipped[like].parent
-        names += [script for script in [f"{like}.py"] if (folder / script).exists()]
+        if (folder / f"{like}.py").exists():  # the script that prints its rows
+            names.append(f"{like}.py")
         copies = [(folder / name, path.parent / Path(name).name) for name in names]
     files = [path, *(copy for _, copy in copies)]
     for file in files:
@@ -78,8 +79,11 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
 
 def _files_of(entries: Entries) -> Iterator[str]:
     """Yield the names of the files that the entries of a scene name."""
-    rows = entry_at(entries, "sweep.along")
-    tables = [rows] if isinstance(rows, dict) else [{"file": rows}] if isinstance(rows, str) else []
-    tables += [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
+    tables = [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
+    along = entry_at(entries, "sweep.along")
+    if isinstance(along, str):
+        tables.insert(0, {"file": along})
+    elif isinstance(along, dict):
+        tables.insert(0, along)
     tables += entries.get("tests", [])
     yield from (str(table["file"]) for table in tables if "file" in table)

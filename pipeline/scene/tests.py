@@ -30,33 +30,34 @@ _SHARED_ENTRIES = (
 )  # fmt: skip
 """Entries that are the same in all tests of a scene."""
 _OMISSIBLE = "load", "outcome", "step", "mild_up_to", "severe_at"
-"""Entries of a test that do not apply to each; without all others the scene's value is used."""
+"""Columns of a file of tests in which a dash leaves out the entry of its row."""
 
 
 def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries:
     """Entries in which tests that name a file are replaced by its rows, each of them a test."""
-    listed, rows = entries.get("tests"), list[Any]()
-    if not isinstance(listed, list):
+    entered, tests = entries.get("tests"), list[Any]()
+    if not isinstance(entered, list):
         return entries
-    for number, entry in enumerate(listed):
+    for index, entry in enumerate(entered):
         if not (isinstance(entry, dict) and "file" in entry):
-            rows.append(entry)
+            tests.append(entry)
             continue
-        before, path = len(faults), f"tests[{number}]"
-        listing = table_of(TableFile).read(entry, path, faults)
-        if len(faults) > before:
+        fault_count, path = len(faults), f"tests[{index}]"
+        table_file = table_of(TableFile).read(entry, path, faults)
+        if len(faults) > fault_count:
             continue
         with faults.at(f"{path}.file"):
-            file = files.path("tests", listing.file)
-            sheet = read_table(file, MOST_SCENES, listing.decimal, listing.ignore, SCENE)
+            file = files.path("tests", table_file.file)
+            sheet = read_table(file, MOST_SCENES, table_file.decimal, table_file.ignore, SCENE)
             is_staged = {"mild_up_to", "severe_at"} & {column.name for column in sheet.columns}
             needed = ("velocity",) if is_staged else ("load", "velocity", "outcome")
-            rows += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed, _OMISSIBLE)
-    remaining = {key: value for key, value in entries.items() if key != "tests"}
-    return remaining | ({"tests": rows} if rows else {})
+            tests += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed, _OMISSIBLE)
+    without_tests = {key: value for key, value in entries.items() if key != "tests"}
+    return without_tests | {"tests": tests} if tests else without_tests
 
 
 def _faults_in(row: Entries) -> Iterator[tuple[str, str]]:
+    """Yield the entries of a test in a row of a file that are faulty, and why."""
     test = table_of(TestEntry).read(row, "", faults := Faults())
     yield from ((fault.key, fault.problem) for fault in faults)
     if not faults:
