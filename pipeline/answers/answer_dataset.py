@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.condition_values import NAMES
+from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.error import PARTS, preset_error_text
 from pipeline.answers.evidence import Evidence, waiting_text
 from pipeline.answers.field import Outcome
@@ -53,14 +53,9 @@ _VARIABLES = {
     "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
     "critical_load": ("N", "lowest load at which severe wear is computed"),
     "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
-    **{
-        f"{name}_safety_factor": ("1", f"critical over operating {meaning}")
-        for name, meaning in {
-            "friction": "coefficient of friction",
-            "velocity": "velocity",
-            "load": "load",
-        }.items()
-    },
+    "friction_safety_factor": ("1", "critical over operating coefficient of friction"),
+    "velocity_safety_factor": ("1", "critical over operating velocity"),
+    "load_safety_factor": ("1", "critical over operating load"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
     "critical_velocity_p05": (
         "m/s",
@@ -107,7 +102,6 @@ ATTRIBUTES = (
     "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
-POINT_CONDITIONS = "given for each point"
 SHARP_PERCENTS = tuple(round(100 * share) for share in SHARP_ENDS)
 _SHARP_ENDS = "sharp pin ends (severe wear at {} to {} % lower velocity)"
 _OTHER_MODEL = (
@@ -151,7 +145,7 @@ def answer_dataset(
 
     `coordinates` replace conditions of the model.
     """
-    axes = {name: getattr(model.conditions, name) for name in NAMES} | {**coordinates}
+    axes = {name: getattr(model.conditions, name) for name in CONDITION_NAMES} | {**coordinates}
     axes |= {name: variables[name] for name in PLANE}
     data = {name: variable for name, variable in variables.items() if name not in axes}
     return with_attributes(xr.Dataset(data, axes)).assign_attrs(answer_attributes(model))

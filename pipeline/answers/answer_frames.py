@@ -9,14 +9,14 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.condition_values import NAMES
+from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.readable import (
     code_text,
     error_of,
     flag_names,
+    format_error,
+    format_value,
     probability_text,
-    rounded,
-    rounded_error,
 )
 from pipeline.answers.scene_wording import usual_unit
 from pipeline.frames import frame_of, without_columns
@@ -24,14 +24,16 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
 _COMPUTED_RISE = "computed over allowable rise [%]"
-_TEST_FORMS = {"governing temperature [°C]": ".0f", "leave-one-out probability [%]": ".2g"}
+_TEST_FORMATS = {"governing temperature [°C]": ".0f", "leave-one-out probability [%]": ".2g"}
 """Forms of computed numbers of tests, with no more digits than their errors allow."""
 _COMMON_ATTRIBUTES = ("conditions", "model_error", "not_included", "notes")
-_ROWS = (
+_MARGIN_VARIABLES = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
-_ROUNDED = re.compile("critical_.*|governing_temperature|temperature_margin|film_.*|.*_factor")
+_WITH_ERROR_DIGITS = re.compile(
+    "critical_.*|governing_temperature|temperature_margin|film_.*|.*_factor"
+)
 """Variables whose digits depend on the numerical error."""
 _HEADINGS = {
     "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
@@ -53,12 +55,8 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     coordinates = [
         str(name) for name, array in answer.coords.items() if array.ndim and name not in dims
     ]
-    user_columns = [
-        name
-        for name in coordinates
-        if name not in (*PLANE, *ATTRIBUTES) and name in (names or coordinates)
-    ]
-    user_columns.sort(key=lambda name: name in NAMES)
+    user_columns = [name for name in _user_columns(answer) if name in (names or coordinates)]
+    user_columns.sort(key=lambda name: name in CONDITION_NAMES)
     names = names or (*coordinates, *map(str, answer.data_vars))
     axes = [name for name in ("load", "velocity") if name not in dims and name not in names]
     plane_columns = [name for name in axes if {*answer[name].dims} <= {*answer[names[0]].dims}]
@@ -76,6 +74,13 @@ def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     return frame_of(headings, frame[all_columns].itertuples(index=False, name=None))
 
 
+def _user_columns(answer: xr.Dataset) -> list[str]:
+    """Names of the columns that a user added to a table, or varied conditions and entries."""
+    program_names = {*answer.sizes, *PLANE, *ATTRIBUTES}
+    coordinates = answer.coords.items()
+    return [str(name) for name, array in coordinates if array.ndim and name not in program_names]
+
+
 def _to_text(variable: xr.DataArray) -> xr.Variable:
     """A variable with text for its codes and flags."""
     if "flag_values" in variable.attrs:
@@ -86,7 +91,7 @@ def _to_text(variable: xr.DataArray) -> xr.Variable:
     return variable.variable
 
 
-def whole_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
+def complete_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     """`answer_frame` with columns for the conditions and notes of all rows, for programs."""
     frame = answer_frame(answer, *names)
     return frame.assign(
@@ -96,18 +101,15 @@ def whole_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 
 def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     """Main columns of `pipeline.margin`, with probabilities in words, for a reader."""
-    hidden = {*answer.sizes, *PLANE, *ATTRIBUTES}
-    user_columns = [
-        str(name) for name, array in answer.coords.items() if array.ndim and name not in hidden
-    ]
-    frame = _rounded_frame(answer, *user_columns, *_ROWS)
+    user_columns = _user_columns(answer)
+    frame = _rounded_frame(answer, *user_columns, *_MARGIN_VARIABLES)
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]
     return without_columns(frame, [CASE] if user_columns and CASE in answer.sizes else [])
 
 
-def tests_frame(comparison: xr.Dataset) -> pd.DataFrame:
+def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
     """Tests and what is computed for them, for a reader: rises in percent of the allowable rise.
 
     A transition with a step has the rises at both of its ends.
@@ -121,7 +123,7 @@ def tests_frame(comparison: xr.Dataset) -> pd.DataFrame:
     ]
     position = [*frame].index("governing temperature [°C]") + 1
     frame.insert(position, _COMPUTED_RISE, [text or None for text in percents])
-    for heading, form in _TEST_FORMS.items():
+    for heading, form in _TEST_FORMATS.items():
         frame[heading] = [None if np.isnan(x) else float(f"{x:{form}}") for x in frame[heading]]
     return frame
 
@@ -143,18 +145,20 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
 
 def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
     """`answer_frame` for a reader: numbers as text, with the digits that their errors allow."""
-    errors = {f"error {k}": name for k, name in enumerate(names) if _ROUNDED.fullmatch(name)}
-    columns = {column: error_of(answer, name) for column, name in errors.items()}
-    plain = {column: (error.dims, error.values) for column, error in columns.items()}
-    frame = answer_frame(answer.assign(plain), *names, *plain)
-    for column, name in errors.items():
+    name_of_error = {
+        f"error {k}": name for k, name in enumerate(names) if _WITH_ERROR_DIGITS.fullmatch(name)
+    }
+    error_arrays = {column: error_of(answer, name) for column, name in name_of_error.items()}
+    error_columns = {column: (array.dims, array.values) for column, array in error_arrays.items()}
+    frame = answer_frame(answer.assign(error_columns), *names, *error_columns)
+    for column, name in name_of_error.items():
         heading = _heading(name, answer)
         pairs = zip(frame[heading], frame.pop(column), strict=True)
-        frame[heading] = [rounded(value, error) or None for value, error in pairs]
+        frame[heading] = [format_value(value, error) or None for value, error in pairs]
     for name in names:
         if name.endswith("_error") or "_error_" in name:
             heading = _heading(name, answer)
-            frame[heading] = [rounded_error(error) or None for error in frame[heading]]
+            frame[heading] = [format_error(error) or None for error in frame[heading]]
     return frame
 
 

@@ -17,11 +17,11 @@ from pipeline.answers.readable import (
     attribute_texts,
     code_text,
     flag_names,
+    format_error,
+    format_value,
+    format_variable,
     outcome_texts,
     probability_text,
-    rounded,
-    rounded_error,
-    rounded_value,
     row_labels,
     verdict_text,
 )
@@ -83,13 +83,13 @@ _TOO_FEW_GROOVES = (
 
 def common_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines below any answer: outliers, tests without a result, missing points, notes."""
-    yield from test_lines(answer)
+    yield from lines_of_tests(answer)
     if missing := answer.attrs["missing_points"]:
         yield f"points that are pending or failed, and were not used: {missing}"
     yield from split_notes(attribute_texts(answer, "notes"))
 
 
-def test_lines(answer: xr.Dataset) -> Iterator[str]:
+def lines_of_tests(answer: xr.Dataset) -> Iterator[str]:
     """Lines on outliers, and on tests without a result."""
     yield from split_notes(attribute_texts(answer, "outliers"))
     yield from withheld_lines(answer)
@@ -120,7 +120,7 @@ def temperature_error_line(answer: xr.Dataset) -> str:
     errors = answer["temperature_error"].values
     if not np.isfinite(errors).any():
         return "numerical error of the governing temperature: unknown"
-    ends = dict.fromkeys(map(rounded_error, (np.nanmin(errors), np.nanmax(errors))))
+    ends = dict.fromkeys(map(format_error, (np.nanmin(errors), np.nanmax(errors))))
     return f"numerical error (95 %): ± {' to '.join(ends)} K of the governing temperature"
 
 
@@ -203,7 +203,7 @@ def headline(point: xr.Dataset) -> str:
 
 
 def _distance(point: xr.Dataset) -> str:
-    margin = rounded_value(point, "temperature_margin")
+    margin = format_variable(point, "temperature_margin")
     if margin.startswith("-"):
         return f"{margin[1:]} K above the critical temperature"
     return f"{margin} K below the critical temperature"
@@ -212,7 +212,7 @@ def _distance(point: xr.Dataset) -> str:
 def _temperature(point: xr.Dataset) -> str:
     """Governing temperature in °C."""
     celsius = point["governing_temperature"].item() - float(ZERO["°C"])
-    return rounded(celsius, point["temperature_error"].item())
+    return format_value(celsius, point["temperature_error"].item())
 
 
 def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
@@ -228,7 +228,7 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
             continue
         is_known = not math.isnan(point[f"critical_{axis}"].item())
         yield f"critical {axis}", _critical(point, axis) if is_known else outcome
-        if axis == "velocity" and (velocity := rounded_value(point, "critical_velocity_p50")):
+        if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
             yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
     yield "critical friction", _critical(point, "friction")
     if point["nearby_tests"].item():
@@ -241,21 +241,21 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
 
 def _critical(point: xr.Dataset, name: str) -> str:
     """A critical value, with its safety factor if the point has a verdict."""
-    value = f"{rounded_value(point, f'critical_{name}')} {UNITS[name]}".rstrip()
-    factor = rounded_value(point, f"{name}_safety_factor")
+    value = f"{format_variable(point, f'critical_{name}')} {UNITS[name]}".rstrip()
+    factor = format_variable(point, f"{name}_safety_factor")
     return f"{value}, safety factor {factor}" if factor else value
 
 
 def error_text(point: xr.Dataset) -> str:
     """The numerical error of a temperature and its parts."""
     parts = {text: point[f"temperature_error_{name}"].item() for name, text in _PART_LABELS.items()}
-    known = ", ".join(f"{name} {rounded_error(part)} K" for name, part in parts.items() if part > 0)
+    known = ", ".join(f"{name} {format_error(part)} K" for name, part in parts.items() if part > 0)
     unknown = " and ".join(name for name, part in parts.items() if math.isnan(part))
     if unknown and known:
         return f"unknown, because a part is unknown: {unknown} ({known})"
     if unknown:
         return f"unknown, because a part is unknown: {unknown}"
-    return f"± {rounded_error(point['temperature_error'].item())} K: {known}"
+    return f"± {format_error(point['temperature_error'].item())} K: {known}"
 
 
 def to_decide(point: xr.Dataset) -> str:
@@ -318,7 +318,7 @@ def next_run_line(answer: xr.Dataset) -> str:
 def _velocities(at_load: xr.Dataset) -> str:
     """Velocities at a load at which severe wear is 50 % probable, and 5 and 95 %, if known."""
     names = "p05", "p50", "p95"
-    texts = {name: rounded_value(at_load, f"critical_velocity_{name}") for name in names}
+    texts = {name: format_variable(at_load, f"critical_velocity_{name}") for name in names}
     template = _VELOCITIES[bool(texts["p05"]), bool(texts["p95"])]
     texts["p50"] = f"{texts['p50']} m/s" if texts["p50"] else "no velocity in the sweep"
     return template.format(load=at_load["load"].item(), **texts)

@@ -14,7 +14,7 @@ from pipeline.answers.condition_values import (
     ConditionValues,
     QueryPoints,
     arguments_of_case,
-    in_arrays,
+    condition_arrays,
     replace_conditions,
 )
 from pipeline.answers.error import PARTS, total
@@ -57,7 +57,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     [2.28, 1.68]
     """
     ds = dataset_of(ds)
-    overrides, cases = in_arrays(conditions), cases_of(ds)
+    overrides, cases = condition_arrays(conditions), cases_of(ds)
     for name in PLANE:
         if name not in ds["status"].dims and cases[0].is_row:
             raise InputError(f"each case has its own {name}, so there is no boundary")

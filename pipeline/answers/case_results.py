@@ -34,7 +34,7 @@ from tribo.simulation.verdict import (
 )
 from tribo.types import Array, Indices, Mask
 
-SPECIMEN = ("realization", *PLANE)
+SPECIMEN_DIMS = ("realization", *PLANE)
 """Axes of the points of one case."""
 _BATCH_SIZE = 16  # realizations whose steps are read at once
 ROUNDING = 1e-6
@@ -111,7 +111,7 @@ class CaseResults:
             sizes = self.ds["status"].sizes.items()
             variable = variable.expand_dims({k: n for k, n in sizes if k not in variable.dims})
             values = variable.transpose(
-                *SPECIMEN, "step", "area_fraction_below", missing_dims="ignore"
+                *SPECIMEN_DIMS, "step", "area_fraction_below", missing_dims="ignore"
             ).values
             self._arrays[name] = (
                 values.astype(float, copy=False) if values.dtype.kind == "f" else values

@@ -18,20 +18,20 @@ from tribo import InputError
 from tribo.types import Array
 
 _COLDEST, _HOTTEST = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
-NAMES = tuple(PATHS)
+CONDITION_NAMES = tuple(PATHS)
 """Conditions that answers take as keywords."""
-Values = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
+ConditionValue = float | str | Sequence[float | str] | np.ndarray[Any, Any] | xr.DataArray
 """One value in SI or text with its unit, or several values along a new dimension."""
 
 
 class ConditionValues(TypedDict, total=False):
     """Conditions that replace those of the scene, as keywords of answers."""
 
-    friction: Values | None
-    bulk_temperature: Values | None
-    critical_temperature: Values | None
-    critical_area_fraction: Values | None
-    added_rise_fraction: Values | None
+    friction: ConditionValue | None
+    bulk_temperature: ConditionValue | None
+    critical_temperature: ConditionValue | None
+    critical_area_fraction: ConditionValue | None
+    added_rise_fraction: ConditionValue | None
 
 
 class QueryPoints(NamedTuple):
@@ -55,7 +55,7 @@ class QueryPoints(NamedTuple):
 
 def override_conditions(conditions: Conditions, overrides: Mapping[str, Any]) -> Conditions:
     """Conditions of a case, some replaced by the single values of `overrides`."""
-    arrays = in_arrays(overrides)
+    arrays = condition_arrays(overrides)
     if several := [name for name, array in arrays.items() if array.size > 1]:
         raise InputError(f"{several[0]} takes a single value here; give it once")
     return replace_conditions(conditions, {name: array.item() for name, array in arrays.items()})
@@ -68,17 +68,17 @@ def replace_conditions(conditions: Conditions, values: Mapping[str, Any]) -> Con
     )
 
 
-def in_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
+def condition_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI; a list has a dimension with the name of its condition."""
-    if unknown := overrides.keys() - {*NAMES}:
+    if unknown := overrides.keys() - {*CONDITION_NAMES}:
         raise InputError(
-            f"{min(unknown)} is not a condition; the conditions are {', '.join(NAMES)}"
+            f"{min(unknown)} is not a condition; the conditions are {', '.join(CONDITION_NAMES)}"
         )
     arrays = dict[str, xr.DataArray]()
     for name, value in overrides.items():
         if value is None:
             continue
-        arrays[name] = in_array(name, value, functools.partial(_si, name), name)
+        arrays[name] = argument_array(name, value, functools.partial(_to_si, name), name)
         if arrays[name].dims == (name,) and not isinstance(value, xr.DataArray):
             values = arrays[name].values.tolist()
             if len(values) != len({*values}):
@@ -87,7 +87,7 @@ def in_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     return arrays
 
 
-def in_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
+def argument_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) -> xr.DataArray:
     """Array of the values of an argument, converted by `read`; a list has the dimension `dim`."""
     plain = plain_value(name, value)
     shape = value.shape if isinstance(value, xr.DataArray) else _shape_of(name, plain)
@@ -111,7 +111,7 @@ def _shape_of(name: str, plain: Any) -> tuple[int, ...]:
     return (len(plain),)
 
 
-def _si(name: str, value: Any) -> float | None:
+def _to_si(name: str, value: Any) -> float | None:
     """A value in SI; None, for the value of the scene, remains None."""
     if value is None:
         return None

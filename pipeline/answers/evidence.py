@@ -28,7 +28,7 @@ from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
 
-_SAME = 1e-9  # relative rounding difference of equal conditions
+_EQUAL_WITHIN = 1e-9  # relative rounding difference of equal conditions
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 _MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test
 
@@ -305,4 +305,4 @@ class Rulings:
 
 def _sign(a: Array, b: float) -> Array:
     """Sign of a − b; 0 if they differ only by rounding."""
-    return np.where(np.abs(a - b) <= _SAME * abs(b), 0.0, np.sign(a - b))
+    return np.where(np.abs(a - b) <= _EQUAL_WITHIN * abs(b), 0.0, np.sign(a - b))

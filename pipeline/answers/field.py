@@ -27,7 +27,7 @@ from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS_OF_INTERVAL, RISE_S
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask
 
-TWINS = 1e-4
+MERGE_DISTANCE = 1e-4
 """Distance in ln(load or velocity) up to which points are merged into one.
 
 PCHIP would take the slope between nearer points, which is that of rounding, for the curve's.

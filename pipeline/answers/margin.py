@@ -12,14 +12,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.answers.answer_dataset import POINT_CONDITIONS, answer_dataset, join_cases
+from pipeline.answers.answer_dataset import answer_dataset, join_cases
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import (
     ConditionValues,
     QueryPoints,
+    argument_array,
     arguments_of_case,
-    in_array,
-    in_arrays,
+    condition_arrays,
     replace_conditions,
 )
 from pipeline.answers.field import Outcome
@@ -96,11 +96,11 @@ def margin(
     if (load is None) != (velocity is None):
         raise InputError("give both a load and a velocity")
     points = {
-        name: in_array(name, values, functools.partial(in_si, name, like=like), "place")
+        name: argument_array(name, values, functools.partial(in_si, name, like=like), "place")
         for name, values, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
         if values is not None
     }
-    overrides = in_arrays(conditions)
+    overrides = condition_arrays(conditions)
     cases = cases_of(ds)
     return join_cases(ds, cases, [_margin_of_case(case, points, overrides) for case in cases])
 
@@ -150,7 +150,7 @@ def _margin_of_case(
     }
     dataset = answer_dataset(model, variables, template.drop_attrs().coords | varied)
     if len(conditions_of_row) > 1:
-        dataset.attrs["conditions"] = POINT_CONDITIONS
+        dataset.attrs["conditions"] = "given for each point"
     return dataset
 
 

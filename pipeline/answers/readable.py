@@ -14,13 +14,13 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.condition_values import NAMES
+from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.scene_wording import value_words
 from pipeline.constants import LEAST_STATED, RISE_SHARE
 from pipeline.store.schema import PLANE
 
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
-_NUMBER = tuple("0123456789+-−.")
+_NUMBER_STARTS = tuple("0123456789+-−.")
 _OUTCOMES = {
     "transition": "transition",
     "mild": "mild over the whole sweep",
@@ -64,10 +64,10 @@ def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
     return [name for name, mask in pairs if flags & int(mask)]
 
 
-def probability_text(probability: float, rounded: Callable[[float], float] = round) -> str:
+def probability_text(probability: float, round_percent: Callable[[float], float] = round) -> str:
     """A probability as text: a percentage of two digits, or "less than 1 %".
 
-    The ends of a range are `rounded` outward, by `math.floor` and `math.ceil`, so that an end that
+    The ends of a range are rounded outward, by `math.floor` and `math.ceil`, so that an end that
     is printed as 95 % decides a verdict as 95 % does.
     """
     if probability < LEAST_STATED:
@@ -75,7 +75,7 @@ def probability_text(probability: float, rounded: Callable[[float], float] = rou
     if probability > 1 - LEAST_STATED:
         return f"more than {100 * (1 - LEAST_STATED):g} %"
     parts = 1 if probability >= 0.1 else 10  # of a percent
-    return f"{rounded(round(100 * parts * probability, 9)) / parts:g} %"
+    return f"{round_percent(round(100 * parts * probability, 9)) / parts:g} %"
 
 
 def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
@@ -91,7 +91,7 @@ def row_labels(answer: xr.Dataset, row: str) -> list[str]:
 
     `row` is the dimension of the rows.
     """
-    hidden = {*PLANE, *ATTRIBUTES, *NAMES}
+    hidden = {*PLANE, *ATTRIBUTES, *CONDITION_NAMES}
     user_columns = [
         name for name, array in answer.coords.items() if array.dims == (row,) and name not in hidden
     ]
@@ -103,10 +103,10 @@ def row_labels(answer: xr.Dataset, row: str) -> list[str]:
     name = str(axis.name).replace("_", " ").partition(" [")
     named_texts = (f"{name[0]} {text} {name[2][:-1]}".rstrip() for text in texts)
     pairs = zip(texts, named_texts, strict=True)
-    return [named_text if text[:1] in _NUMBER else text for text, named_text in pairs]
+    return [named_text if text[:1] in _NUMBER_STARTS else text for text, named_text in pairs]
 
 
-def rounded(value: float, error: float, upwards: bool = True) -> str:
+def format_value(value: float, error: float, upwards: bool = True) -> str:
     """Write a value with the digits that its error allows; empty if it is NaN.
 
     It is rounded to the nearest number, or down if `upwards` is False.
@@ -116,9 +116,9 @@ def rounded(value: float, error: float, upwards: bool = True) -> str:
 
     Examples
     --------
-    >>> rounded(118.43, 1.6), rounded(2.2864, 0.062), rounded(-48.08, 12.2), rounded(626.9, 25.0)
-    ('118.4', '2.29', '-48', '630')
-    >>> rounded(2.2864, 0.062, upwards=False)
+    >>> [format_value(x, error) for x, error in ((118.43, 1.6), (2.2864, 0.062), (-48.08, 12.2))]
+    ['118.4', '2.29', '-48']
+    >>> format_value(2.2864, 0.062, upwards=False)
     '2.28'
     """
     if not math.isfinite(value):
@@ -134,7 +134,7 @@ def rounded(value: float, error: float, upwards: bool = True) -> str:
     return text if float(text) else text.removeprefix("-")
 
 
-def rounded_error(error: float) -> str:
+def format_error(error: float) -> str:
     """Write an error with two digits; empty if it is NaN."""
     return f"{error:.2g}" if math.isfinite(error) else ""
 
@@ -156,6 +156,6 @@ def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:
     return values * (relative if name in _OF_FRICTION else relative / RISE_SHARE)
 
 
-def rounded_value(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:
+def format_variable(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:
     """Write a single value of an answer, plus `offset`, with the digits that its error allows."""
-    return rounded(answer[name].item() + offset, error_of(answer, name).item())
+    return format_value(answer[name].item() + offset, error_of(answer, name).item())

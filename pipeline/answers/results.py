@@ -18,7 +18,7 @@ import xarray as xr
 from pipeline.answers.case_results import (
     NOT_SIMULATED,
     ROUNDING,
-    SPECIMEN,
+    SPECIMEN_DIMS,
     CaseResults,
     TestPoint,
     require_unit,
@@ -118,24 +118,24 @@ def sweep_of(ds: xr.Dataset) -> Sweep:
             "the dataset has no attribute sweep, which describes its scene; use one from "
             "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
         )
-    return _decoded(str(ds.attrs["sweep"]), _Arrays(ds.variables.get(INPUTS)))
+    return _decode_sweep(str(ds.attrs["sweep"]), _InputArrays(ds.variables.get(INPUTS)))
 
 
-class _Arrays:
+class _InputArrays:
     """Input arrays of a scene, equal if their digests are."""
 
     def __init__(self, data: xr.Variable | None) -> None:
         self.data, self.digests = data, "" if data is None else str(data.attrs["digests"])
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Arrays) and self.digests == other.digests
+        return isinstance(other, _InputArrays) and self.digests == other.digests
 
     def __hash__(self) -> int:
         return hash(self.digests)
 
 
 @functools.lru_cache(maxsize=64)
-def _decoded(text: str, arrays: _Arrays) -> Sweep:
+def _decode_sweep(text: str, arrays: _InputArrays) -> Sweep:
     data = arrays.data
     try:
         plain = json.loads(text)
@@ -169,12 +169,12 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     tests, dims = _test_points(ds, sweep), case_dims(ds)
     sizes = [ds.sizes[dim] for dim in dims]
     parts = (ds.isel(dict(zip(dims, index, strict=True))) for index in np.ndindex(*sizes))
-    return [_case(part, sweep, tests) for part in parts]
+    return [_results_of_case(part, sweep, tests) for part in parts]
 
 
 def case_dims(ds: xr.Dataset) -> list[str]:
     """Names of the dimensions of varied entries, and of rows of a table."""
-    return [str(dim) for dim in ds["status"].dims if dim not in SPECIMEN]
+    return [str(dim) for dim in ds["status"].dims if dim not in SPECIMEN_DIMS]
 
 
 def refuse_cases(ds: xr.Dataset) -> None:
@@ -201,14 +201,16 @@ def _identify_case(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     for column in table.chosen_columns:
         if column.name not in ds.coords:
             raise InputError(f"the coordinate {column.name} is missing from the dataset; keep it")
-        name.append((column.name, _label(table.axes[column.name], ds[column.name].item())))
+        name.append((column.name, _nearest_label(table.axes[column.name], ds[column.name].item())))
     if not name:
         return sweep, ()
     words = ", ".join(f"{key} {text}" for key, text in table.to_text(tuple(name)).items())
     return replace(sweep._select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
 
 
-def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]) -> CaseResults:
+def _results_of_case(
+    ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
+) -> CaseResults:
     case, name = _identify_case(ds, sweep)
     labels = {
         str(key): coordinate.item()
@@ -218,7 +220,7 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
     ds = ds.reset_coords([key for key in PROGRESS if key in ds.coords])
     # `expand_dims` reads all values, but fields are large, and no answer needs them.
     ds = ds.drop_vars(FIELDS, errors="ignore")
-    ds = ds.expand_dims([dim for dim in SPECIMEN if dim not in ds["status"].dims])
+    ds = ds.expand_dims([dim for dim in SPECIMEN_DIMS if dim not in ds["status"].dims])
     is_moving = ds["velocity"] > 0
     if is_moving.any() and not is_moving.all():
         ds = ds.isel(velocity=np.flatnonzero(is_moving))
@@ -226,7 +228,7 @@ def _case(ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
     return CaseResults(case, labels, name, ds, tests, is_row)
 
 
-def _label(labels: tuple[Label, ...], value: Any) -> Label:
+def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:
     """Label nearest to a coordinate's value, which may be rounded."""
     if isinstance(labels[0], str):
         return str(value)

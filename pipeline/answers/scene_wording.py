@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
-_SAME = 1e-6  # relative rounding difference of equal frictions
+_EQUAL_WITHIN = 1e-6  # relative rounding difference of equal frictions
 _IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers state elsewhere
 _FRESH_SPECIMEN = (
     "test {}: one specimen at several points, but each is simulated as a fresh specimen and thus "
@@ -49,7 +49,9 @@ def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) ->
 def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
     """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
     frictions = [test.case.conditions.friction for test in tests]
-    if all(math.isclose(friction, conditions.friction, rel_tol=_SAME) for friction in frictions):
+    if all(
+        math.isclose(friction, conditions.friction, rel_tol=_EQUAL_WITHIN) for friction in frictions
+    ):
         return ""
     ends = dict.fromkeys(f"{friction:.3g}" for friction in (min(frictions), max(frictions)))
     return f" (tests {' to '.join(ends)})"
@@ -92,7 +94,7 @@ def signed_percent(share: float) -> str:
 
 def warning_text(warning: SceneWarning) -> str:
     """A warning as text, after the path of its entry."""
-    text = _words(warning)
+    text = _describe_warning(warning)
     if warning.cases or warning.of_case:
         names = listed(warning.cases) or "all cases"
         of_case = f"; numbers are of case {warning.of_case}" if warning.of_case else ""
@@ -115,7 +117,7 @@ def warning_lines(sweep: Sweep, max_count: int = 3, answered: bool = False) -> l
     return lines
 
 
-def _words(warning: SceneWarning) -> str:
+def _describe_warning(warning: SceneWarning) -> str:
     values: Any = warning.values
     match warning.code:
         case "unusual":

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.field import TWINS, Field
+from pipeline.answers.field import MERGE_DISTANCE, Field
 from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.case import Conditions
 from tribo.thermal.quantiles import GROUPS
@@ -29,7 +29,7 @@ from tribo.types import Array, Indices, Mask
 
 _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
 _LEAST_MISFIT = 1e-9  # of equal realizations, in place of 0, in squares of the deviation
-_ALONE = GROUPS - 1.0  # degrees of freedom of the estimate from one realization, at most
+_MAX_FREEDOM = GROUPS - 1.0  # degrees of freedom of the estimate from one realization, at most
 
 
 class RealizationMean(NamedTuple):
@@ -88,12 +88,12 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     usable = case.usable_realizations
     y = case.log_rises(conditions)[usable]
     sampling = _rms_over_realizations(case.sampling(conditions)[usable])
-    freedom = case.sampling_freedom[usable].min(axis=(0, 2), initial=_ALONE)
+    freedom = case.sampling_freedom[usable].min(axis=(0, 2), initial=_MAX_FREEDOM)
     kinds = np.bitwise_or.reduce(case.warning_flags[usable], 0)
     durations = case.durations[usable].max(axis=0)
     axes = [case.loads, case.velocities]
     for axis, x in enumerate(axes):
-        starts = np.flatnonzero(np.append(True, np.diff(np.log(x)) >= TWINS))
+        starts = np.flatnonzero(np.append(True, np.diff(np.log(x)) >= MERGE_DISTANCE))
         if len(starts) < len(x):
             axes[axis] = _group_means(x, starts)
             y, sampling = _group_means(y, starts, axis + 1), _group_means(sampling, starts, axis)
@@ -102,12 +102,12 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
             freedom = np.minimum.reduceat(freedom, starts) if axis == 0 else freedom
     loads, velocities = axes
     is_highest = conditions.critical_area_fraction == 0
-    return merged(loads, velocities, y, sampling, kinds, durations, is_highest, freedom)
+    return merge_realizations(loads, velocities, y, sampling, kinds, durations, is_highest, freedom)
 
 
-def merged(
+def merge_realizations(
     loads: Array, velocities: Array, y: Array, sampling: Array, flags: Indices, durations: Array,
-    is_highest: bool = False, freedom: Array | float = _ALONE,
+    is_highest: bool = False, freedom: Array | float = _MAX_FREEDOM,
 ) -> Specimen:  # fmt: skip
     """Specimen from ln(rise) `y` of realizations (m, n_load, n_velocity), NaN without a result.
 
@@ -221,11 +221,11 @@ def mean_of_realizations(
     scaled_sampling = _scale_to_spread(squares, count, sampling, freedom[:, None])
     deviation, student_t = _deviation(count, squares, scaled_sampling, freedom[:, None])
     if is_highest:
-        offset, alike = (
+        offset, ones = (
             np.where(has_point, differences, -np.inf).max(axis=0),
             np.ones((len(loads),) * 2),
         )
-        return RealizationMean(offset, student_t * deviation, deviation, alike, alike)
+        return RealizationMean(offset, student_t * deviation, deviation, ones, ones)
     correlation, covariance = np.eye(len(loads)), np.diag(1 / np.maximum(count[:, 0], 1))
     scale = np.median(deviation, axis=1)[:, None]
     rows = np.flatnonzero((count[:, 0] > 0) & (scale[:, 0] > 0))

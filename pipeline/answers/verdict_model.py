@@ -43,7 +43,7 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
-_AXES = {"load": "loads", "velocity": "velocities"}
+_AXIS_ENTRIES = {"load": "loads", "velocity": "velocities"}
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -398,5 +398,5 @@ def outside_reason(
         )
     if isinstance(case.sweep.scene.loading, Stages):  # which end at the highest load
         return f"{limits}; run the scene with it into another store"
-    entries = " and ".join(f"sweep.{_AXES[name]}" for name in outside)
+    entries = " and ".join(f"sweep.{_AXIS_ENTRIES[name]}" for name in outside)
     return f"{limits}; add it to {entries}, and run the scene again"

@@ -10,9 +10,9 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_frames import answer_frame, tests_frame, whole_frame
+from pipeline.answers.answer_frames import answer_frame, comparison_frame, complete_frame
 from pipeline.answers.answer_lines import common_lines, margin_lines
-from pipeline.answers.readable import rounded
+from pipeline.answers.readable import format_value
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, working, wrapped
@@ -70,7 +70,7 @@ def point(options: argparse.Namespace) -> Result:
     if sweep_of(ds).base.is_judged:
         margins = pipeline.margin(ds, load, velocity)
         text = [*margin_lines(margins), *common_lines(margins)]
-        frame = whole_frame(margins).join(contact)
+        frame = complete_frame(margins).join(contact)
     warned = pipeline.points_with_warnings(ds)
     return Result(text=wrapped([*text, "", transposed(contact)]), warned=warned, frames=[frame])
 
@@ -119,13 +119,13 @@ def infer(options: argparse.Namespace) -> Result:
     else:
         celsius = shown_in(result["critical_temperature"], "°C")
         finding = (
-            f"critical temperature {rounded(celsius, result['spread_this_rig'])} °C; standard "
+            f"critical temperature {format_value(celsius, result['spread_this_rig'])} °C; standard "
             f"deviation {result['spread_another_rig']:.2g} "
             f"K for another rig, {result['spread_this_rig']:.2g} K for this one, from {count}"
         )
     frame = answer_frame(tests)
     belongs = f"it belongs to {values.attrs['model']}: {_OTHER_MODEL}"
-    text = [finding, belongs, "", without_columns(tests_frame(tests)), *common_lines(tests)]
+    text = [finding, belongs, "", without_columns(comparison_frame(tests)), *common_lines(tests)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

@@ -17,9 +17,9 @@ import pipeline
 from pipeline.answers.answer_frames import (
     answer_frame,
     boundary_frame,
+    comparison_frame,
+    complete_frame,
     margin_frame,
-    tests_frame,
-    whole_frame,
 )
 from pipeline.answers.answer_lines import (
     boundary_lines,
@@ -119,7 +119,7 @@ def margin(options: argparse.Namespace) -> Result:
     else:
         text = _point_text(margins)
     warned = pipeline.points_with_warnings(ds)
-    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(margins)])
+    return Result(text=wrapped(text), warned=warned, frames=[complete_frame(margins)])
 
 
 def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
@@ -203,9 +203,9 @@ def boundary(options: argparse.Namespace) -> Result:
         results = pipeline.compare_tests(ds, **conditions)
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
-        table = without_columns(tests_frame(results))
+        table = without_columns(comparison_frame(results))
         text: list[Any] = ["tests, each at its own conditions", table, *common_lines(results)]
-        return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results)])
+        return Result(text=wrapped(text), warned=warned, frames=[complete_frame(results)])
     with working("computing the boundary"):
         results = pipeline.boundary(ds, **conditions)
     rows = without_columns(boundary_frame(results, options.by))
@@ -214,7 +214,7 @@ def boundary(options: argparse.Namespace) -> Result:
     hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     text = [*conditions_lines(results), "", printed, "", *hint, *boundary_lines(results)]
     names = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
-    return Result(text=wrapped(text), warned=warned, frames=[whole_frame(results, *names)])
+    return Result(text=wrapped(text), warned=warned, frames=[complete_frame(results, *names)])
 
 
 def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:

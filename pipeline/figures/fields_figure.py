@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.condition_values import in_array
+from pipeline.answers.condition_values import argument_array
 from pipeline.answers.results import cases_of, refuse_cases, sweep_of
 from pipeline.answers.scene_wording import heating_words
 from pipeline.answers.verdict_model import conditions_of, outside_reason
@@ -127,7 +127,7 @@ def wanted_values(axis: str, values: Any) -> list[float]:
     if values is None or not np.size(values):
         return []
     read = functools.partial(in_load_or_velocity, axis)
-    numbers: list[float] = in_array(axis, values, read, axis).values.ravel().tolist()
+    numbers: list[float] = argument_array(axis, values, read, axis).values.ravel().tolist()
     return numbers
 
 

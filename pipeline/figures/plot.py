@@ -11,7 +11,7 @@ from typing import Any, Literal, Unpack
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.answers.condition_values import NAMES, ConditionValues
+from pipeline.answers.condition_values import CONDITION_NAMES, ConditionValues
 from pipeline.answers.results import dataset_of, sweep_of
 from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
@@ -119,7 +119,9 @@ def plot(
         default_kind = drawn_by.rpartition("draw_")[2]
         kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
     else:
-        conditions = {name: kind_options.pop(name) for name in NAMES if name in kind_options}
+        conditions = {
+            name: kind_options.pop(name) for name in CONDITION_NAMES if name in kind_options
+        }
         kinds, inputs = KINDS, (dataset_of(ds), conditions)
         table = sweep_of(inputs[0]).case_table
         is_listed = any(table.column(name) for name in PLANE)

@@ -16,8 +16,8 @@ from pipeline.answers.answer_lines import conditions_lines
 from pipeline.answers.readable import (
     attribute_texts,
     error_of,
+    format_value,
     probability_text,
-    rounded,
     row_labels,
 )
 from pipeline.answers.results import sweep_of
@@ -113,7 +113,7 @@ def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical
     for tick, row in zip(ticks, labelled_rows, strict=True):
         weight = "bold" if row == critical_row else "normal"
         tick.label1.set_fontweight(weight)
-        factor = rounded(factors[row], factor_errors[row])
+        factor = format_value(factors[row], factor_errors[row])
         text = f"{probability_text(probabilities[row])}, {factor}" if factor else ""
         axes.annotate(
             "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),

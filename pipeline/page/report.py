@@ -31,7 +31,7 @@ from pipeline.answers.answer_lines import (
     temperature_error_line,
     to_decide,
 )
-from pipeline.answers.readable import code_text, error_of, rounded, row_labels, verdict_text
+from pipeline.answers.readable import code_text, error_of, format_value, row_labels, verdict_text
 from pipeline.answers.results import dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments
@@ -216,7 +216,7 @@ def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) 
         else:
             last_mild = int(is_mild.argmin()) - 1
             error = error_of(margins, axis).values[last_mild]
-            highest = rounded(line[last_mild], error, upwards=False)
+            highest = format_value(line[last_mild], error, upwards=False)
             yield f"{at_point}, wear is mild up to {highest} {unit}"
 
 

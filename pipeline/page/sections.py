@@ -10,13 +10,13 @@ import numpy as np
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_frames import boundary_frame, has_counted_tests, tests_frame
+from pipeline.answers.answer_frames import boundary_frame, comparison_frame, has_counted_tests
 from pipeline.answers.answer_lines import (
     conditions_lines,
     error_lines,
+    lines_of_tests,
     ruling_lines,
     shift_lines,
-    test_lines,
 )
 from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import case_dims, sweep_of
@@ -118,14 +118,14 @@ def _test_elements(
     tests = pipeline.compare_tests(ds, **conditions)
     caption = "Computed rise ratio of each test, next to its outcome."
     yield elements.figure_of(lambda: draw_tests(ds, conditions), caption, caption)
-    table = tests_frame(tests)
+    table = comparison_frame(tests)
     log_ratios = tests["log_rise_ratio"].values
     computed = np.select([log_ratios > 0, log_ratios <= 0], ["severe", "mild"], "")
     table.insert(2, "computed", computed)
     yield elements.table_of(
         table, "Tests, each at its own conditions, and what is computed for them"
     )
-    if lines := [*test_lines(tests)]:
+    if lines := [*lines_of_tests(tests)]:
         yield lines
 
 

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from pipeline.answers.specimen import merged
+from pipeline.answers.specimen import merge_realizations
 from pipeline.run.search import Search
 from pipeline.sweep.case import allowable_rise
 
@@ -38,7 +38,7 @@ class Told:
         """The search in its present state."""
         count = int(np.flatnonzero(self.asked.any(axis=(1, 2))).max(initial=0)) + 1
         y, is_highest = np.log(self._rises[:count]), self.conditions.critical_area_fraction == 0
-        specimen = merged(
+        specimen = merge_realizations(
             self.loads,
             self.velocities,
             y,

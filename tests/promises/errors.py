@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.stats import binom
 
 from pipeline.answers.error import INTERPOLATION, preset_bound, rise_errors, total
-from pipeline.answers.specimen import merged
+from pipeline.answers.specimen import merge_realizations
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
@@ -130,7 +130,9 @@ def plane_of(row, preset, name):
     flags = flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
     flags |= (slopes < SLOWEST) * int(WarningKind.SLOW_RISE)
     same = np.zeros(rises.shape)  # all presets have the same surface
-    return merged(np.array(row["loads"]), velocities, np.log(rises)[None], same, flags, durations)
+    return merge_realizations(
+        np.array(row["loads"]), velocities, np.log(rises)[None], same, flags, durations
+    )
 
 
 def flags_around(plane, loads, velocities):

@@ -18,7 +18,7 @@ from pipeline.answers.error import (
 )
 from pipeline.answers.pchip import Pchip
 from pipeline.answers.posterior import Outcome, Prior, update
-from pipeline.answers.specimen import merged
+from pipeline.answers.specimen import merge_realizations
 
 LOADS, VELOCITIES = np.array([200.0, 300, 400, 600, 750]), np.array([0.5, 1, 1.5, 2.5, 4, 5])
 
@@ -28,7 +28,7 @@ def field():
     f, v = np.log(LOADS)[:, None], np.log(VELOCITIES)
     y = 0.8 * f + 0.62 * v - 0.04 * v**2 + 0.01 * np.sin(9 * f + 5 * v)
     unit = np.ones(y.shape)
-    return merged(LOADS, VELOCITIES, y[None], 0.02 * unit, unit.astype(int), unit)
+    return merge_realizations(LOADS, VELOCITIES, y[None], 0.02 * unit, unit.astype(int), unit)
 
 
 def errors(specimen, loads, velocities):
@@ -107,7 +107,7 @@ def straight(slope=0.6):
     loads, velocities = 400 * np.exp([0.0, 0.5, 1.0]), np.exp([0.0, 0.5, 1.0])
     y = 0.6 * np.log(loads)[:, None] + slope * np.log(velocities)
     unit = np.ones(y.shape)
-    return merged(loads, velocities, y[None], 0.02 * unit, 0 * unit.astype(int), unit)
+    return merge_realizations(loads, velocities, y[None], 0.02 * unit, 0 * unit.astype(int), unit)
 
 
 def test_the_bounds_between_points_are_these_numbers():
@@ -154,7 +154,9 @@ def random_plane(seed, bend=0.07, rough=0.001):
 def specimen_of(loads, velocities, y, known):
     unit = np.ones(y.shape)
     ln_rise = np.where(known, np.log(1200.0) + y, np.nan)
-    return merged(loads, velocities, ln_rise[None], 0.02 * unit, 0 * unit.astype(int), unit)
+    return merge_realizations(
+        loads, velocities, ln_rise[None], 0.02 * unit, 0 * unit.astype(int), unit
+    )
 
 
 def with_one_more(seeds):

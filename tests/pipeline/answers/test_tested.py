@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.answers.answer_frames import boundary_frame, tests_frame
+from pipeline.answers.answer_frames import boundary_frame, comparison_frame
 from pipeline.answers.answer_lines import (
     boundary_lines,
     closing_lines,
@@ -246,7 +246,7 @@ def test_a_table_has_the_rise_of_each_test_and_both_of_a_step_in_percent_of_the_
         f"{100 * 0.1 * float(synthetic.rise(600.0, velocity, 0.9)) / 120:.0f}"
         for velocity in (3.0, 2.5)
     ]
-    table = tests_frame(pipeline.compare_tests(done))
+    table = comparison_frame(pipeline.compare_tests(done))
     rises = table["computed over allowable rise [%]"]
     assert [*rises.dropna()] == [percents[0], f"{percents[1]} to {percents[0]}"]
     assert rises.isna().to_list() == [False, False, True]

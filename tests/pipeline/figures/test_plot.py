@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline import plot
-from pipeline.answers.readable import error_of, rounded, row_labels
+from pipeline.answers.readable import error_of, format_value, row_labels
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
@@ -176,7 +176,7 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     probabilities = "less than 1 %", "37 %", "more than 99 %"
     errors = error_of(row_margins, "friction_safety_factor").values
     expected = [
-        f"{p}, {rounded(*pair)}"
+        f"{p}, {format_value(*pair)}"
         for p, *pair in zip(probabilities, factors[:3], errors[:3], strict=True)
     ]
     assert texts == [*expected, "unknown"]
