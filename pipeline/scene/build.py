@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.limits import MOST_ROWS
 from pipeline.paths import user_path
 from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
 from pipeline.scene.declared_tables import Declared, table_of
@@ -46,7 +45,6 @@ from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
-_RECORD = {"time": "s", "load": "N"}
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ class Files:
     """Folders of the files that a scene names, by the paths of their entries; each is read once."""
 
     folders: Mapping[str, Path] = field(default_factory=dict)
-    known: dict[Any, Any] = field(default_factory=dict, compare=False)
+    contents: dict[Any, Any] = field(default_factory=dict, compare=False)
 
     def path(self, entry: str, name: str) -> Path:
         """Path of the file that the entry at a path names."""
@@ -62,13 +60,13 @@ class Files:
 
     def read_once(self, key: Any, read: Callable[[], Any]) -> Any:
         """Result of `read`, which is called only once for each `key`."""
-        if key not in self.known:
-            self.known[key] = read()
-        return self.known[key]
+        if key not in self.contents:
+            self.contents[key] = read()
+        return self.contents[key]
 
 
 @dataclass(frozen=True)
-class Built:
+class BuiltScene:
     """Declared tables of a scene, its case, and the values taken from the library."""
 
     tables: Any
@@ -76,7 +74,7 @@ class Built:
     sources: tuple[FromLibrary, ...]
 
 
-def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
+def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     """Make the case of a scene's entries; None if an entry is faulty, with all faults added.
 
     A fault that is found in the case itself, such as a too short track, does not make it None.
@@ -87,8 +85,8 @@ def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
 
 
 def build_case(
-    base: Built, entries: Entries, changes: Entries, files: Files, faults: Faults
-) -> Built | None:
+    base: BuiltScene, entries: Entries, changes: Entries, files: Files, faults: Faults
+) -> BuiltScene | None:
     """Make a case of the scene `base`, whose `entries` have some `changes`, as `build` does.
 
     The case shares the table ``[sweep]`` that the scene has read, and has no tests.
@@ -101,24 +99,24 @@ def build_case(
     return build(replace_values(bare, case_entries) | {"sweep": sweep}, files, faults)
 
 
-def _build(entries: Entries, files: Files, faults: Faults) -> Built | None:
+def _build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     resolved, sources = resolve_library(dict(entries), faults)
     tables = expand_tests(table_of(SceneFile).read(resolved, "", faults), faults)
     fidelity, preset = fidelity_of(tables.fidelity, faults)
-    make = partial(_make, tables, faults)
+    converted = partial(_converted, tables, faults)
     parts = {
-        "pixels": make(grid_of, "window", "pin"),
-        "motion": make(motion_of, "motion", "pin", "disk"),
-        "wear": make(lambda wear: tribo.Wear(**vars(wear)), "wear"),
-        "loading": make(partial(loading_of, files, faults), "loading", "sweep.loads"),
-        "roughness": make(
+        "pixels": converted(grid_of, "window", "pin"),
+        "motion": converted(motion_of, "motion", "pin", "disk"),
+        "wear": converted(lambda wear: tribo.Wear(**vars(wear)), "wear"),
+        "loading": converted(partial(loading_of, files, faults), "loading", "sweep.loads"),
+        "roughness": converted(
             partial(roughness_of, files, faults), "disk.roughness", "window", AREAS_ENTRY
         ),
         "fidelity": fidelity,
     }
-    oil = make(oil_of, "oil")
+    oil = converted(oil_of, "oil")
     for body in ("pin", "disk"):
-        make(disc_of, body)  # only to find faults
+        converted(disc_of, body)  # only to find faults
     check_tables(replace(tables, fidelity=fidelity), faults)
     if faults:
         return None
@@ -139,16 +137,16 @@ def _build(entries: Entries, files: Files, faults: Faults) -> Built | None:
     )
     for path, fault in track_faults(tables, case):
         faults.refuse(path, fault)
-    return Built(tables, case, sources)
+    return BuiltScene(tables, case, sources)
 
 
-def _make(tables: Any, faults: Faults, make: Callable[..., Any], *paths: str) -> Any:
-    """Make a part of the tables at `paths`; None if one is faulty, or the first is missing."""
+def _converted(tables: Any, faults: Faults, convert: Callable[..., Any], *paths: str) -> Any:
+    """Convert the tables at `paths`; None if one is faulty, or the first is missing."""
     arguments = [entry_at(tables, path) for path in paths]
     if arguments[0] is None or any(map(faults.touches, paths)):
         return None
     with faults.at(f"{paths[0]}.file" if hasattr(arguments[0], "file") else paths[0]):
-        return make(*arguments)
+        return convert(*arguments)
     return None
 
 
@@ -160,10 +158,10 @@ def set_entries(table: Declared) -> dict[str, Any]:
 def scene_of(tables: Any, **parts: Any) -> tribo.Scene:
     """Scene of a file's tables and of finished `parts`."""
     pin, friction = tables.pin, tables.friction
-    kind: Any = tribo.PINS[pin.shape]
+    pin_class: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
     return tribo.Scene(
-        pin=kind(**sizes, material=material_of(tables.materials[pin.material])),
+        pin=pin_class(**sizes, material=material_of(tables.materials[pin.material])),
         disk=material_of(tables.materials[tables.disk.material]),
         friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
         **parts,
@@ -204,23 +202,25 @@ def loading_of(
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
-    times, forces = files.read_once(path, partial(_record, path, table))
-    record = tribo.MeasuredLoad(times, forces, table.reference_load)
+    times, record_loads = files.read_once(path, partial(_record, path, table))
+    record = tribo.MeasuredLoad(times, record_loads, table.reference_load)
     if not table.fit:
         return record
     rate, onset = record.linear_fit()
-    line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
-    faults.note("loading.file", f"fitted by {line}")
+    onset = round(onset, 3) + 0  # without the sign of -0
+    faults.note("loading.file", f"fitted by {rate:.4g} N/s from {onset:g} s on")
     return record.ramp()
 
 
 def _record(path: Path, table: Record) -> tuple[Array, Array]:
     """Times [s] and loads [N] of a recorded load."""
-    sheet = read_table(path, MOST_ROWS, table.decimal, table.ignore, SCENE)
-    times, forces = numbers_of(sheet, _RECORD).values()
-    if reason := find_fault(times, forces):
-        raise tribo.InputError(f"row {sheet.lines[reason[0]]}: {reason[1]}")
-    return times, forces
+    max_rows = 1_000_000  # which are read within a minute
+    sheet = read_table(path, max_rows, table.decimal, table.ignore, SCENE)
+    times, loads = numbers_of(sheet, {"time": "s", "load": "N"}).values()
+    if fault := find_fault(times, loads):
+        row, problem = fault
+        raise tribo.InputError(f"row {sheet.lines[row]}: {problem}")
+    return times, loads
 
 
 def roughness_of(
@@ -235,8 +235,10 @@ def roughness_of(
             raise tribo.InputError(
                 "one pixel cannot be rough; give more window.pixels, or no table"
             )
-        pair = _pair(table.correlation_length)
-        return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": pair})
+        lengths = table.correlation_length
+        if not isinstance(lengths, tuple):
+            lengths = lengths, lengths
+        return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": lengths})
     path = files.path("disk.roughness.file", table.file)
     areas = tuple(realizations_of(realizations, 0)) or (0,)
     cut = partial(_scanned, files, path, table, window, areas)
@@ -265,20 +267,15 @@ def oil_of(table: OilTable) -> tribo.Oil:
     return tribo.Oil(table.kinematic_viscosity, table.density, table.pressure_viscosity_coefficient)
 
 
-def _pair(value: Any) -> tuple[float, float]:
-    """Return a pair unchanged, and a single value twice."""
-    return value if isinstance(value, tuple) else (value, value)
-
-
 def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
     """Conditions by which the points of a scene are judged."""
     values = {name: entry_at(tables, path) for name, path in PATHS.items()}
     values["corrections"] = corrections_of(tables, scene)
-    # Without [model], the added rise has its default.
     if math.isnan(values["critical_temperature"] or 0.0):  # from tests
         values["critical_temperature"] = None
-    known = {name: value for name, value in values.items() if value is not None}
-    return Conditions(**known).with_loading(scene.loading)
+    # Without [model], the added rise has its default.
+    entered = {name: value for name, value in values.items() if value is not None}
+    return Conditions(**entered).with_loading(scene.loading)
 
 
 def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
@@ -299,10 +296,10 @@ def _track_of(body: Any, pin: tribo.Pin, material: tribo.Material) -> tribo.Trac
 
 def fidelity_of(table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
     """Numerical choices, and the name of the preset that has them, or None."""
-    name = (table and table.preset) or USUAL_PRESET
-    fidelity = tribo.PRESETS[name]
-    for key, value in (set_entries(table) if table else {}).items():
-        if key != "preset":
-            with faults.at(f"fidelity.{key}"):
-                fidelity = replace(fidelity, **{key: value})
-    return fidelity, name if fidelity == tribo.PRESETS[name] else None
+    settings = set_entries(table) if table else {}
+    preset = settings.pop("preset", USUAL_PRESET)
+    fidelity = tribo.PRESETS[preset]
+    for name, value in settings.items():
+        with faults.at(f"fidelity.{name}"):
+            fidelity = replace(fidelity, **{name: value})
+    return fidelity, preset if fidelity == tribo.PRESETS[preset] else None

@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
 from pipeline.messages import is_unprintable, quoted
-from pipeline.scene.build import Built, Files, build_case, realizations_of
+from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.declared_tables import Entry, Table, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
@@ -161,7 +161,7 @@ def _read_point(index: int, row: CaseRow, first: CaseRow, faults: Faults) -> Cas
     return point
 
 
-def listed_cases(scene: Built, along: list[CaseRow]) -> Cases:
+def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:
     """Cases of a scene: the rows of ``along``, by ``over``, by the seeds of its surfaces."""
     sweep, cases = scene.tables.sweep, Cases()
     if along:
@@ -238,7 +238,9 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
         return tuple(map(str, values)), None
 
 
-def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key: str) -> list[Case]:
+def read_cases(
+    entries: Entries, files: Files, scene: BuiltScene, listed: Cases, key: str
+) -> list[Case]:
     """Read the listed cases; those that differ in the seed of a random surface are read once.
 
     Raises an `InputError` for the first faulty case, which names `key`, the entry that lists
@@ -265,7 +267,9 @@ def read_cases(entries: Entries, files: Files, scene: Built, listed: Cases, key:
     return cases
 
 
-def _build_case(entries: Entries, files: Files, base: Built, changes: Entries, key: str) -> Case:
+def _build_case(
+    entries: Entries, files: Files, base: BuiltScene, changes: Entries, key: str
+) -> Case:
     """Case of the scene `base` with some changes; its stored fields must have the same grid."""
     if not changes:
         return base.case

@@ -47,7 +47,7 @@ def check_tables(scene: Any, faults: Faults) -> None:
     """Add to `faults` each conflict between entries of a scene."""
     for paths, find in _CHECKS:
         if not any(map(faults.touches, paths)):
-            faults.extend(Fault(path, words) for path, words in find(scene))
+            faults.extend(Fault(path, problem) for path, problem in find(scene))
 
 
 def track_faults(scene: Any, case: Case) -> Misfits:
@@ -104,16 +104,16 @@ def _loads_without_stage(scene: Any) -> Misfits:
     if not isinstance(scene.loading, StagesTable):
         return
     if scene.sweep.steps == "course":
-        problem = "onset and end of each stage are stored, and no other step"
-        yield "sweep.steps", f"{problem}; leave it out"
+        problem = "onset and end of each stage are stored, and no other step; leave it out"
+        yield "sweep.steps", problem
     loads = np.array(scene.sweep.loads)
     stages = np.array(stages_of(scene.loading.stages, loads.max())[0])
     ascending = np.append(np.sort(stages), np.inf)
-    following = ascending[np.searchsorted(ascending, loads * (1 - _LOAD_ROUNDING))]
-    if (wrong := loads[following > loads * (1 + _LOAD_ROUNDING)]).size:
-        listed = ", ".join(f"{stage:g}" for stage in stages)
-        problem = f"{display(wrong[0], 'N')} is not a load stage; choose from {listed} N"
-        yield "sweep.loads", problem
+    next_stages = ascending[np.searchsorted(ascending, loads * (1 - _LOAD_ROUNDING))]
+    if (unstaged_loads := loads[next_stages > loads * (1 + _LOAD_ROUNDING)]).size:
+        stage_list = ", ".join(f"{stage:g}" for stage in stages)
+        load = display(unstaged_loads[0], "N")
+        yield "sweep.loads", f"{load} is not a load stage; choose from {stage_list} N"
 
 
 @_check("pin.length", "window.pixels", "window.pixel_size")
@@ -132,7 +132,7 @@ def _unfit_sizes(scene: Any) -> Misfits:
         if size in sizes_of(shape) and not is_given:
             yield f"pin.{size}", f"missing; required for a {shape} pin"
         if size not in sizes_of(shape) and is_given:
-            shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
+            shapes = " or ".join(f'"{name}"' for name in tribo.PINS if size in sizes_of(name))
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 

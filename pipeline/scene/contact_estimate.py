@@ -17,8 +17,6 @@ from tribo.simulation.lubrication import SurfaceSummary, find_lubrication, summa
 from tribo.types import Array
 from tribo.wear import evaluate_wear
 
-_ROUGH_RISE = 3.0  # height of peaks above the smooth contact, in root mean square heights
-
 
 class Span(NamedTuple):
     """Range of a quantity over the loads and velocities of a sweep, in SI."""
@@ -70,16 +68,19 @@ def single_cases(sweep: Sweep, max_count: int) -> list[tuple[str, Sweep]]:
     names, rows = sweep.case_table.without_surfaces.names, sweep.case_table.rows
     if len(names) == 1:
         return [("", sweep)]
-    labels = [column for column in sweep.case_table.columns if column.along and not column.entry]
-    labels = [column for column in labels if column.name not in PLACE_UNITS]
+    word_columns = [
+        column
+        for column in sweep.case_table.columns
+        if column.along and not column.entry and column.name not in PLACE_UNITS
+    ]
     cases = list[tuple[str, Sweep]]()
     for name in names[:: math.ceil(len(names) / max_count)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
-        case, words = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
+        case, labels = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
         if "load" in row:
             case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
-            words = [label.to_text(row[label.name]) for label in labels] or words
-        cases.append((" ".join(map(str, words)), case))
+            labels = [column.to_text(row[column.name]) for column in word_columns] or labels
+        cases.append((" ".join(map(str, labels)), case))
     return cases
 
 
@@ -88,7 +89,7 @@ def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
     scene, (load,), (velocity,) = sweep.scene, sweep.loads, sweep.velocities
     hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
     pin, disk = scene.velocities_at(velocity)
-    film, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
+    lubrication, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
     bulk = sweep.conditions.bulk_temperature
     return CaseEstimate(
         case=label,
@@ -98,21 +99,20 @@ def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
         pin_velocity=pin,
         disk_velocity=disk,
         slide_roll_ratio=(disk - pin) / mean if mean else math.inf,
-        film_parameter=float(film.film_parameter(load, velocity, bulk)) if film else math.nan,
+        film_parameter=(
+            float(lubrication.film_parameter(load, velocity, bulk)) if lubrication else math.nan
+        ),
     )
 
 
 def estimate_contacts(cases: Sequence[tuple[str, Sweep]]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
-    first, *later = (estimate_contact(case) for _, case in cases)
-    spans: dict[str, Any] = {
-        name: Span.from_values(
-            [end for estimate in (first, *later) for end in getattr(estimate, name) or ()]
-        )
-        for name in (field.name for field in fields(ContactEstimate))
-        if isinstance(getattr(first, name), Span)
-    }
-    return replace(first, **spans)
+    estimates, spans = [estimate_contact(case) for _, case in cases], dict[str, Any]()
+    for name in (field.name for field in fields(ContactEstimate)):
+        if isinstance(getattr(estimates[0], name), Span):
+            ends = [end for estimate in estimates for end in getattr(estimate, name) or ()]
+            spans[name] = Span.from_values(ends)
+    return replace(estimates[0], **spans)
 
 
 def estimate_contact(sweep: Sweep) -> ContactEstimate:
@@ -168,30 +168,31 @@ def expect_contacts(
     hertz = [scene.pin.hertz(load, modulus) for load in loads]
     half_widths = np.array([contact.half_width for contact in hertz])
     durations, impulses = np.transpose([_loading_integrals(scene, load) for load in loads])
-    slid, wear = np.outer(durations, velocities), scene.wear
-    mean = math.pi / 4 if scene.pin.length is not None else 2 / 3  # over the peak pressure
-    rates = np.zeros(slid.shape)
-    for (i, j), distance in np.ndenumerate(slid):
+    distances, wear = np.outer(durations, velocities), scene.wear
+    mean_over_peak = math.pi / 4 if scene.pin.length is not None else 2 / 3  # of Hertz's pressure
+    wear_rates = np.zeros(distances.shape)
+    for (i, j), distance in np.ndenumerate(distances):
         if wear:
-            pressure = mean * hertz[i].peak_pressure
+            pressure = mean_over_peak * hertz[i].peak_pressure
             total = evaluate_wear(wear, 0.0, distance, pressure, velocities[j])
-            rates[i, j] = total.specific_wear_rate
-    worn = rates * np.outer(impulses, velocities)
+            wear_rates[i, j] = total.specific_wear_rate
+    volumes = wear_rates * np.outer(impulses, velocities)
     if scene.velocities_at(max(velocities)).pin:  # a rolling pin wears all around, and stays round
-        unworn = 2 * half_widths[:, None]
-        along_y = unworn / 1.5 if scene.pin.length is None else scene.pin.length
-        widths, depths = unworn + 0 * worn, worn / (scene.track_length * along_y)
+        unworn_widths = 2 * half_widths[:, None]
+        lengths = unworn_widths / 1.5 if scene.pin.length is None else scene.pin.length
+        widths, depths = unworn_widths + 0 * volumes, volumes / (scene.track_length * lengths)
     else:
-        widen = np.vectorize(scene.pin.worn, otypes=[float, float])
-        widths, depths = widen(half_widths[:, None], worn)
+        wear_pin = np.vectorize(scene.pin.worn, otypes=[float, float])
+        widths, depths = wear_pin(half_widths[:, None], volumes)
     if rms_height:
-        widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)
+        peak_height = 3 * rms_height  # of the roughness above the smooth contact
+        widths = np.sqrt(widths**2 + 8 * scene.pin.radius * peak_height)
     estimates = {
         "hertz_pressure": np.array([contact.peak_pressure for contact in hertz]),
         "hertz_half_width": half_widths,
         "contact_width": widths,
         "duration": durations,
-        "sliding_distance": slid,
+        "sliding_distance": distances,
     }
     return estimates | ({"wear_depth": depths} if wear else {})
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.limits import MOST_SCENES
 from pipeline.messages import quoted
-from pipeline.scene.build import Built, Files, build_case
+from pipeline.scene.build import BuiltScene, Files, build_case
 from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import Entries
 from pipeline.scene.faults import Faults
@@ -65,13 +65,17 @@ def _faults_in(row: Entries) -> Iterator[tuple[str, str]]:
 
 
 def read_tests(
-    entries: Entries, files: Files, scene: Built, faults: Faults
+    entries: Entries, files: Files, scene: BuiltScene, faults: Faults
 ) -> tuple[SpecimenTest, ...]:
     """Tests of a scene, each with the case to simulate; faults are added to `faults`.
 
     The scene is built once for each different `with`.
     """
-    known, tests, base = dict[str, tuple[Built | None, Faults]](), list[SpecimenTest](), scene.case
+    known, tests, base = (
+        dict[str, tuple[BuiltScene | None, Faults]](),
+        list[SpecimenTest](),
+        scene.case,
+    )
     for number, entry in enumerate(scene.tables.tests or ()):
         path, changes, built = f"tests[{number}]", entry.with_ or {}, scene
         wrong = [*_path_faults(entry, changes)]
@@ -96,7 +100,7 @@ def read_tests(
     return tuple(tests)
 
 
-def _changed_case(built: Built, base: Case) -> Case:
+def _changed_case(built: BuiltScene, base: Case) -> Case:
     """Case of changed entries; critical temperature, area fraction and `[model]` are of `base`."""
     changed = built.case
     if changed is base:
