@@ -78,12 +78,6 @@ def done_points(path):
     return store.points_where(store.flags == DONE)
 
 
-def make(path, sweep):
-    """Create or extend the store of a sweep, without committing points."""
-    with writing(path, sweep) as store:
-        return store
-
-
 def plain_values(path):
     """Values of all variables of a store and its groups, as plain xarray reads them.
 

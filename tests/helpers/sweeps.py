@@ -2,16 +2,12 @@
 
 import json
 
-import numpy as np
-import xarray as xr
-
 import tribo
-from pipeline.answers.condition_values import override_conditions as judged_by
-from pipeline.answers.results import cases_of, sweep_of
+from pipeline.answers.results import sweep_of
 from pipeline.scene.build import Files
 from pipeline.scene.faults import Faults
 from pipeline.scene.scene_file import Source
-from pipeline.store.schema import INPUTS, PLANE, split_arrays
+from pipeline.store.schema import INPUTS, split_arrays
 from pipeline.sweep.stored import plain_sweep
 from tests.helpers.entries import FIELDS, changed
 
@@ -55,19 +51,3 @@ def with_fields(ds, **values):
     """Copy of a dataset whose sweep has other values of these fields."""
     digests = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
     return ds.assign_attrs(attributes_of(changed(sweep_of(ds), **values), digests))
-
-
-def deciding_rise(ds, conditions):
-    """Deciding rise [K] at friction 1 of each point as a labelled array; NaN if not done."""
-    (case,) = cases_of(ds)
-    rises = np.exp(case.log_rises(conditions))
-    coords = {name: case.ds[name] for name in ("load", "velocity")}
-    coords |= {"realization": ds["realization"]} if "realization" in ds.dims else {}
-    rise = xr.DataArray(rises, coords, ("realization", *PLANE)).reindex(velocity=ds["velocity"])
-    return rise if "realization" in ds.dims else rise.squeeze("realization")
-
-
-def deciding(ds, **conditions):
-    """Deciding temperature [K] at each point of one scene, as a labelled array."""
-    judged = judged_by(sweep_of(ds).conditions, conditions)
-    return judged.contact_temperature(deciding_rise(ds, judged))

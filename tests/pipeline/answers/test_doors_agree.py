@@ -317,9 +317,9 @@ def test_what_is_no_load_and_no_condition_is_refused_in_a_line(name):
 
 
 def test_a_load_that_no_contact_has_is_unknown_and_said():
-    impossible = np.nan, np.inf, -400.0, 0, "-4 N"
-    margin = pipeline.margin(plane(), [*impossible, 400.0], 2.0)
-    assert words(margin).tolist() == ["unknown"] * len(impossible) + ["undecided"]
+    loads = [np.nan, np.inf, -400.0, 0, "-4 N", 400.0, 400.0]
+    margin = pipeline.margin(plane(), loads, [*[2.0] * 5, 0.0, 2.0])
+    assert words(margin).tolist() == ["unknown"] * 6 + ["undecided"]
     assert np.isnan(margin["probability"].values[:-1]).all()
     assert all("give a value inside it" in reason for reason in margin["reason"].values[:-1])
 

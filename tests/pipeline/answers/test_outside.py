@@ -9,24 +9,6 @@ from pipeline.store.schema import PENDING
 from tests.helpers import synthetic, tiny
 from tests.helpers.answer_at import asked, named
 from tests.helpers.entries import placed_rows
-from tests.helpers.scenes import SCENE
-from tests.pipeline.conftest import commit_all
-
-
-def test_a_place_outside_is_known_after_a_run_with_it(tmp_path):
-    scene = tmp_path / "rig.toml"
-    scene.write_text(SCENE.replace(', "600 N"]', "]").replace(', "4 m/s"]', "]"), encoding="utf-8")
-    store = tmp_path / "rig.zarr"
-    commit_all(store, pipeline.load_scene(scene))
-    before = asked(pipeline.open_sweep(store), 150.0, 1.5)
-    assert before.verdict == "unknown"
-    assert before.reason == (
-        "load 150 N is outside the sweep (200 to 400 N); add it to sweep.loads, and run the scene "
-        "again"
-    )
-    new = {"sweep.loads": ["150 N", "200 N", "400 N"]}
-    commit_all(store, pipeline.load_scene(scene, overrides=new))
-    assert asked(pipeline.open_sweep(store), 150.0, 1.5).verdict != "unknown"
 
 
 def test_what_to_do_outside_depends_on_the_kind_of_sweep():
@@ -44,11 +26,6 @@ def test_what_to_do_outside_depends_on_the_kind_of_sweep():
         "load 300 N, velocity 1 m/s is not a case of the sweep, in which each case has its own "
         "load and velocity; add it to sweep.along, and run the scene again"
     )
-
-
-@pytest.mark.parametrize("point", [(-1.0, 2.0), (400.0, 0.0), (float("inf"), 2.0), (400.0, 9e9)])
-def test_what_is_no_place_of_the_plane_is_outside(point):
-    assert "is outside the sweep" in asked(synthetic.sweep(), *point).reason
 
 
 @pytest.mark.parametrize("point", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])

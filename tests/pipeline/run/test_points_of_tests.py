@@ -13,7 +13,6 @@ from pipeline.store.create import writing
 from pipeline.sweep import plan
 from tests.helpers import scenes
 from tests.helpers.stores import killed_after
-from tests.helpers.sweeps import deciding_rise
 
 SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace(
     'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true',
@@ -88,7 +87,7 @@ def test_points_of_tests_have_the_rises_of_their_own_scenes(tested_store):
         assert rise == simulated_rise(sweep, load_of, velocity, **changes)
     ds = pipeline.open_sweep(path)
     assert ds.sizes["test_step"] == 2  # the onset of the hold, and its end
-    plane = deciding_rise(ds, sweep.conditions).values[0]
+    plane = np.exp(cases_of(ds)[0].log_rises(sweep.conditions)).ravel()
     assert [rise for *_, rise in test_rises[:2]] == pytest.approx(plane.tolist(), rel=1e-12)
 
 

@@ -27,7 +27,9 @@ MEANT = {
     ("1 N", 300.0): ["300 N", "300N", "0.3 kN", "3e2 N", "3·10² N", "3 x 10^2 N", "3 × 10² N",
                      "300 newton", "300 J/m", "300 kg m/s2", "30 daN", "300000 mN"],
     ("1 K", 298.15): ["25 degC", "25 °C", "25°C", "25 celsius", "25 deg C", "25 ℃", "77 °F",
-                      "77 degF", "298.15 K", "536.67 degR", "25 ºC"],
+                      "77 degF", "298.15 K", "536.67 degR", "25 ºC", "25 degrees C",
+                      "77 deg F"],
+    ("1 K", 233.15): ["−40 degC"],
     ("1 m/s", 1.5): ["1.5 m/s", "1500 mm/s", "5.4 km/h", "90 m/min", "1.5 m s-1", "1.5 m·s⁻¹",
                      "954.929658551372 rpm at radius 15 mm"],
     ("1 m", 2e-3): ["2 mm", "2mm", "0.2 cm", "2000 um", "2000 µm", "2000 μm", "2000 micron"],
@@ -38,7 +40,8 @@ MEANT = {
     ("1 kg/m^3", 7800.0): ["7.8 g/cm3", "7800 kg/m3", "7.8 kg/dm³"],
     ("1 J/(kg K)", 470.0): ["470 J/kgK", "0.47 kJ/(kg K)", "0.47 J/gK"],
     ("1 m^2/s", 32e-6): ["32 cSt", "32 mm²/s", "0.32 St"],
-    ("1 1/GPa", 2e-8): ["20 1/GPa", "20 GPa^-1", "20 /GPa"],
+    ("1 1/GPa", 2e-8): ["20 1/GPa", "20 GPa^-1", "20 /GPa", "20 GPa-1", "20 GPa⁻¹"],
+    ("1 N m", 100.0): ["100 Nm", "100 N m", "100 N·m", "100 N-m"],
 }  # fmt: skip
 REFUSED = {
     "1 N": ["2 x 100 N", "3 × 100 N", "3 x 10 N", "3x102 N", "2*100 N", "600/2 N", "300 lb",
@@ -48,6 +51,8 @@ REFUSED = {
     "1 K": ["25 C", "77 F", "25 grad", "2 * 25 degC", "300 delta_degC", "25 mdegC"],
     "1 m/s": ["1.5 ms", "1.5 ms-1", "1.5 M/S", "500 rpm", "9 rpm at 15 mm", "15 Hz"],
     "1 m": ["2 mm2", "2 MM", "2000 u", "R2 mm", "2 x 1 mm", "2,0 mm", "2.0.0 mm"],
+    "1 W/K": ["2 W/mK", "45 W/m K"],
+    "1 J/K": ["470 J/kgK"],
     "1 Pa": ["6.6 gpa", "62-64 HRC", "62 Rc", "750 hv"],
 }  # fmt: skip
 
@@ -178,6 +183,7 @@ UNITS = {
     "1 W/(m K)": {
         1: (
             "W/(m K) | W/mK | W/m K | W/m/K | W/(m·K) | W/(mK) | W/(m*K) | W m-1 K-1 | W·m⁻¹·K⁻¹ "
+            "| W/m·K | W/m*K | W / m K | W/(m.K) "
             "| W/(m °C) | W/(m·°C) | W/m°C | W/m-K | N/(s K) | J/(s m K) | J/(m s K)"
         ),
         1e3: "kW/(m K) | W/(mm K)",
@@ -194,7 +200,7 @@ UNITS = {
     "1 m^2/N": {
         1: "m2/N | m²/N | m^2/N | m3/(N m) | m³/Nm | 1/Pa | Pa^-1 | m3/J",
         1e-9: (
-            "mm3/Nm | mm³/Nm | mm^3/Nm | mm3/(N m) | mm³/(N m) | mm^3/(N m) | mm³/(N·m) | mm3/N/m "
+            "mm3/Nm | mm³/Nm | mm^3/Nm | mm3/(N m) | mm³/(N m) | mm^3/(N m) | mm³/(N·m) | mm³/N·m | mm3/N/m "
             "| mm3/N m | mm³ N⁻¹ m⁻¹ | mm3 N-1 m-1 | mm^3 N^-1 m^-1 | mm³/J | 1/GPa | GPa⁻¹"
         ),
         1e-18: "µm3/(N m) | um3/(N m)",
@@ -230,6 +236,8 @@ def test_units_have_their_size_in_each_spelling_and_number(like):
                     assert quantity is None, text
                 else:
                     assert quantity == pytest.approx(value * size, rel=1e-9), text
+            if unit[0] not in "1/":
+                assert to_si(f"3{unit}", like) == pytest.approx(3 * size, rel=1e-9), unit
             for wrong in ("3,5", "1,200", "3-4", "~3", "3 ± 1", "<3", "ca. 3", "n/a", "--3", "3 3"):
                 assert read_or_refused(to_si, f"{wrong} {unit}", like) is None, (wrong, unit)
 

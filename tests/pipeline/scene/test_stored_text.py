@@ -12,7 +12,7 @@ from pipeline.scene.declared_tables import table_of
 from pipeline.scene.format import RandomSurface
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
-from tests.helpers.stores import make
+from tests.helpers.stores import commit
 
 
 def back(sweep):
@@ -28,7 +28,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatc
     (tmp_path / "base.toml").write_text(SCENE)
     scene.write_text(f'extends = "base.toml"\n{without}{steel}')
     sweep = pipeline.load_scene(scene)
-    make(path, sweep)
+    commit(path, sweep, ())
     keys, finer = table_of(RandomSurface).keys, {"contact_tolerance": 1e-3}
     monkeypatch.setitem(keys, "seed", keys["seed"]._replace(default=1))
     standard = replace(tribo.PRESETS["standard"], **finer)
@@ -39,7 +39,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatc
     assert reread == sweep != pipeline.load_scene(scene)
     assert reread.preset == sweep.preset == "standard"
     with pytest.raises(pipeline.StoreMismatchError) as caught:
-        make(path, pipeline.load_scene(scene))
+        commit(path, pipeline.load_scene(scene), ())
     for entry in (
         "disk.roughness.seed: 0 in the store, 1 in the scene",
         "fidelity.contact_tolerance: 0.12 in the store, 0.001 in the scene",

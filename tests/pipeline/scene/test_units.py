@@ -8,7 +8,6 @@ import pytest
 from pipeline import to_si
 from pipeline.quantities import SIZES, UNITS, display
 from pipeline.scene.library import library
-from pipeline.units import UnitError
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
 
@@ -101,45 +100,6 @@ def test_every_unit_in_which_values_are_shown_has_a_size():
     assert [(name, unit) for name, unit in UNITS.items() if unit and unit not in SIZES] == []
     assert display(418.15, "°C") == "145 °C"
     assert display(6.6e9, "GPa") == "6.6 GPa"
-
-
-PRINTED = [  # the unit of SI, a value in it, its number in the units, and their spellings
-    ("1 W/(m K)", 45.0, "45", ("W/mK", "W/m K", "W/m·K", "W/(m·K)", "W/(mK)", "W·m⁻¹·K⁻¹",
-                               "W m-1 K-1", "W/m°C", "W/m-K", "W/m*K", "W / m K", "W/(m.K)")),
-    ("1 J/(kg K)", 470.0, "470", ("J/kgK", "J/kg K", "J/(kg·K)", "J/kg°C", "J/kg-K")),
-    ("1 m^2/N", 1.2e-15, "1.2e-6", ("mm³/Nm", "mm3/Nm", "mm³/N·m", "mm3/N/m", "mm^3 N^-1 m^-1")),
-    ("1 m^2/s", 32e-6, "32", ("mm2/s", "mm²/s", "cSt")),
-    ("1 Pa", 2.1e11, "210000", ("N/mm2", "N/mm²", "MPa", "N mm-2")),
-    ("1 kg/m^3", 7850.0, "7850", ("kg/m3", "kg/m³", "kg m-3")),
-    ("1 Pa s", 0.028, "28", ("mPas", "mPa·s", "mPa.s", "cP", "mPa s")),
-    ("1 m", 2e-3, "2", ("mm",)),
-    ("1 m/s", 1.5, "1.5", ("m/s", "m s-1", "m·s⁻¹")),
-    ("1 N/s", 150.0, "150", ("N/s", "N s-1")),
-    ("1 1/GPa", 2e-8, "20", ("1/GPa", "GPa-1", "GPa⁻¹", "/GPa")),
-    ("1 N m", 100.0, "100", ("Nm", "N m", "N·m", "N-m")),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("like", "value", "number", "units"), PRINTED)
-def test_units_are_read_as_data_sheets_print_them(like, value, number, units):
-    for unit in units:
-        assert to_si(f"{number} {unit}", like) == pytest.approx(value, rel=1e-12)
-        assert unit[0] == "1" or to_si(f"{number}{unit}", like) == pytest.approx(value, rel=1e-12)
-
-
-@pytest.mark.parametrize("text", ["25 deg C", "25 °C", "25°C", "25 degrees C", "25 ºC", "77 deg F"])
-def test_temperatures_are_read_as_printed(text):
-    assert to_si(text, "1 K") == 298.15
-    assert to_si("−40 degC", "1 K") == 233.15
-
-
-@pytest.mark.parametrize(
-    ("text", "like"),
-    [("2 W/mK", "1 W/K"), ("470 J/kgK", "1 J/K"), ("45 W/m K", "1 W/K"), ("1 Nm", "1 N")],
-)
-def test_no_spelling_is_read_as_another_dimension(text, like):
-    with pytest.raises(UnitError, match="cannot be converted"):
-        to_si(text, like)
 
 
 @pytest.mark.parametrize(

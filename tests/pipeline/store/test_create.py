@@ -35,7 +35,6 @@ from tests.helpers.stores import (
     commit,
     contents,
     killed_after,
-    make,
     opened,
     record,
 )
@@ -298,10 +297,10 @@ MISFITS = {
 @pytest.mark.parametrize("kind", MISFITS)
 def test_a_sweep_that_does_not_fit_the_store_is_refused(path, kind):
     stored, requested, complaint = MISFITS[kind]
-    make(path, several(**stored))
+    commit(path, several(**stored), ())
     before = contents(path)
     with pytest.raises(StoreMismatchError, match=complaint):
-        make(path, several(**requested))
+        commit(path, several(**requested), ())
     assert contents(path) == before
 
 

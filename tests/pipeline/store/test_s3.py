@@ -25,7 +25,6 @@ from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
     done_points,
-    make,
     opened,
     record,
 )
@@ -136,8 +135,9 @@ def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(address, tmp_pat
 )
 def test_plain_xarray_reads_fields_before_and_after_a_refused_growth(stored, larger):
     before = xr.open_zarr(stored, group="fields")
+    sweep = tiny.full(**{"loads": SWEEP.loads, "velocities": SWEEP.velocities} | larger)
     with pytest.raises(StoreError, match="a plane on an object store cannot grow"):
-        make(stored, tiny.full(**{"loads": SWEEP.loads, "velocities": SWEEP.velocities} | larger))
+        commit(stored, sweep, ())
     for fields in (before, xr.open_zarr(stored, group="fields", chunks=None)):
         for name in FIELDS:
             field = fields[name].sel(load=POINT.load, velocity=POINT.velocity)

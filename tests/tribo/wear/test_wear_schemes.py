@@ -7,17 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import tribo
 from tests.helpers.scenes import STEEL
-from tribo import (
-    Cylinder,
-    Fidelity,
-    Grid,
-    MeasuredLoad,
-    Ramp,
-    Scene,
-    Wear,
-    measures,
-)
 from tribo.simulation import advance, start
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
@@ -26,13 +17,13 @@ LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 def plane(**fidelity):
     """Scene with the paper's wear under a smooth pin, whose elements are rows."""
     choices = {"pixels_per_element": 1, "contact_tolerance": 1e-9} | fidelity
-    return Scene(
-        pin=Cylinder(2e-3, 3.4e-3, STEEL),
+    return tribo.Scene(
+        pin=tribo.Cylinder(2e-3, 3.4e-3, STEEL),
         disk=STEEL,
-        pixels=Grid((120, 1), (3.264e-6, 456e-6)),
-        loading=Ramp(150.0, 750.0),
-        wear=Wear(1.2e-15, "swept"),
-        fidelity=Fidelity(**choices),
+        pixels=tribo.Grid((120, 1), (3.264e-6, 456e-6)),
+        loading=tribo.Ramp(150.0, 750.0),
+        wear=tribo.Wear(1.2e-15, "swept"),
+        fidelity=tribo.Fidelity(**choices),
     )
 
 
@@ -45,15 +36,15 @@ def end(scene):
 
 
 # The load falls in steps to 0 and below, and rises and falls between two steps of the simulation.
-RECORD = MeasuredLoad(
+RECORD = tribo.MeasuredLoad(
     np.array([0.0, 0.7, 1.0, 1.2, 2.0, 2.6, 2.65, 2.7, 3.5, 4.0]),
     np.array([-5.0, 300.0, 20.0, 400.0, 0.0, -30.0, 500.0, 0.0, 0.0, 750.0]),
 )
 LOADINGS = {
-    "ramp": Ramp(150.0, 750.0),
-    "ramp and hold": Ramp(150.0, 750.0, hold=3.0),
+    "ramp": tribo.Ramp(150.0, 750.0),
+    "ramp and hold": tribo.Ramp(150.0, 750.0, hold=3.0),
     "record": RECORD,
-    "record that rises at once": MeasuredLoad(
+    "record that rises at once": tribo.MeasuredLoad(
         np.array([0.0, 1e-9, 2.0]), np.array([9.0, 400.0, 750.0])
     ),
 }
@@ -61,7 +52,7 @@ LOADINGS = {
 
 def work_of(loading):
     """Integral of the positive load over time, from triangles and trapezia."""
-    if isinstance(loading, Ramp):
+    if isinstance(loading, tribo.Ramp):
         return LOAD * (LOAD / loading.rate / 2 + loading.hold)
     total = 0.0
     for (t0, t1), (F0, F1) in zip(
@@ -77,10 +68,10 @@ def work_of(loading):
 @pytest.mark.parametrize("name", LOADINGS)
 def test_the_worn_volume_is_that_of_the_load_on_its_way(name, increments):
     scene = plane(increments=increments, contact_tolerance=1e-3)
-    scene = replace(scene, loading=LOADINGS[name], pixels=Grid((48, 1), (8e-6, 456e-6)))
+    scene = replace(scene, loading=LOADINGS[name], pixels=tribo.Grid((48, 1), (8e-6, 456e-6)))
     state = end(scene)
     expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
-    assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
+    assert tribo.measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
 
 
 def test_worn_depth_converges_at_second_order():
