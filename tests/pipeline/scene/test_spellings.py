@@ -201,7 +201,8 @@ UNITS = {
         1: "m2/N | m²/N | m^2/N | m3/(N m) | m³/Nm | 1/Pa | Pa^-1 | m3/J",
         1e-9: (
             "mm3/Nm | mm³/Nm | mm^3/Nm | mm3/(N m) | mm³/(N m) | mm^3/(N m) | mm³/(N·m) "
-            "| mm³/N·m | mm3/N/m | mm3/N m | mm³ N⁻¹ m⁻¹ | mm3 N-1 m-1 | mm^3 N^-1 m^-1 | mm³/J | 1/GPa | GPa⁻¹"
+            "| mm³/N·m | mm3/N/m | mm3/N m | mm³ N⁻¹ m⁻¹ | mm3 N-1 m-1 | mm^3 N^-1 m^-1 "
+            "| mm³/J | 1/GPa | GPa⁻¹"
         ),
         1e-18: "µm3/(N m) | um3/(N m)",
         1e-6: "mm3/(N mm) | mm2/N | cm3/(N m) | 1/MPa",
