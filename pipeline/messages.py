@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
-from pipeline.limits import MOST_FAULTS
+from pipeline.limits import MAX_FAULTS
 
 _MAX_FAULTS = 18  # that a message lists
 _MAX_NAMED = 6  # names that a message lists
@@ -42,7 +42,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     """Join faults to a message that names the file; several have a line each, 20 at most."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
-    heading = "{}: {} faults or more" if len(faults) >= MOST_FAULTS else "{}: {} faults"
+    heading = "{}: {} faults or more" if len(faults) >= MAX_FAULTS else "{}: {} faults"
     lines = [heading.format(name, len(faults)), *faults[:_MAX_FAULTS]]
     if (more := len(faults) - _MAX_FAULTS) > 0:
         lines.append(f"and {more} more")

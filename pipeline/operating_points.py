@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import MOST_OPERATING_POINTS
 from pipeline.messages import quoted
 from pipeline.sweep.case import CONDITION_ENTRIES, OIL_WORKS
 from pipeline.table import PYTHON, Advice, rows_of
@@ -49,7 +48,8 @@ class OperatingPoints(NamedTuple):
         """
         path_or_columns = Path(source) if isinstance(source, str | os.PathLike) else source
         entries = {path: name for name, path in CONDITION_ENTRIES.items()}
-        sheet = read_table(path_or_columns, MOST_OPERATING_POINTS, decimal, ignore, advice)
+        max_rows = 100_000  # which are judged within a minute
+        sheet = read_table(path_or_columns, max_rows, decimal, ignore, advice)
         sheet, names = sheet.renamed(entries), (*_LOAD_AND_VELOCITY, *CONDITION_ENTRIES)
         rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY)
         columns = {

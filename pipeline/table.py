@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.limits import MOST_FAULTS
+from pipeline.limits import MAX_FAULTS
 from pipeline.messages import did_you_mean, fault_lines, quoted
 from pipeline.units import GROUPED, NUMBER, to_si
 from tribo import InputError
@@ -64,7 +64,7 @@ class TableFaults(list[str]):
     def append(self, fault: str) -> None:
         """Add a fault."""
         super().append(fault)
-        if len(self) >= MOST_FAULTS:
+        if len(self) >= MAX_FAULTS:
             raise TableError(self.name, self)
 
     def extend(self, faults: Iterable[str]) -> None:

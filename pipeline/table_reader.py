@@ -13,13 +13,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.arguments import plain_value
-from pipeline.limits import (
-    MOST_BYTES_OF_LINE,
-    MOST_BYTES_OF_TEXT,
-    MOST_CELLS_OF_TEXT,
-    MOST_COLUMNS,
-)
-from pipeline.messages import quoted
+from pipeline.messages import pluralized, quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.table import PYTHON, Advice, Column, Sheet, TableFaults, split_number
 from pipeline.units import GROUPED
@@ -35,8 +29,6 @@ _PYTHON_UNITS = {
     "critical_temperature": "K",
 }
 """Units of numbers that are given in Python without one."""
-_MAX_LINES_ABOVE = 1000  # most lines above the rows
-_MAX_HEADING_LENGTH = 200
 
 
 def read_table(
@@ -60,7 +52,7 @@ def read_table(
             raise
         except OSError as error:
             raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
-        except _UNREADABLE as error:
+        except (ValueError, ImportError, csv.Error) as error:
             raise InputError(f"{path} is not a table with a row of headings: {error}") from error
     else:
         path, rows, is_local = Path("the table"), _rows_of_frame(source), False
@@ -71,11 +63,8 @@ def read_table(
     sheet = replace(_sheet(str(path), rows, ignore), advice=advice, decimal=decimal)
     cells = [cell for column in sheet.columns for cell in column.cells]
     # A number with a point and not three decimals shows that points are decimal marks.
-    points = [number for number, _ in map(split_number, cells) if "." in number]
-    return replace(sheet, is_local=is_local and all(map(GROUPED.fullmatch, points)))
-
-
-_UNREADABLE = ValueError, ImportError, csv.Error
+    with_points = [number for number, _ in map(split_number, cells) if "." in number]
+    return replace(sheet, is_local=is_local and all(map(GROUPED.fullmatch, with_points)))
 
 
 def _rows_of_frame(
@@ -90,33 +79,28 @@ def _rows_of_frame(
         raise InputError("a Dataset is not a table; give its variables as load and velocity")
     else:
         columns = [(str(heading), cells) for heading, cells in source.items()]
-    lists, sizes = list[list[str]](), dict[str, int]()
-    for heading, cells in columns:
-        plain, column = (
-            plain_value(f"column {quoted(heading)}", cells),
-            Column.from_heading(heading),
-        )
-        if not isinstance(plain, list):
+    headings, cell_columns = [heading for heading, _ in columns], list[list[str]]()
+    for heading, values in columns:
+        plain_values = plain_value(f"column {quoted(heading)}", values)
+        if not isinstance(plain_values, list):
             raise InputError(f"column {quoted(heading)} is not a list; give one value for each row")
-        lists.append([_text(column, item) for item in plain])
-        sizes[heading] = len(plain)
-    if len({*sizes.values()}) > 1:
-        counts = ", ".join(f"{quoted(heading)} {size}" for heading, size in sizes.items())
+        column = Column.from_heading(heading)
+        cell_columns.append([_cell_text(column, value) for value in plain_values])
+    if len({*map(len, cell_columns)}) > 1:
+        pairs = zip(headings, cell_columns, strict=True)
+        counts = ", ".join(f"{quoted(heading)} {len(cells)}" for heading, cells in pairs)
         raise InputError(f"columns have different numbers of rows: {counts}; give each the same")
-    headings = [heading for heading, _ in columns]
-    return [*enumerate([headings, *map(list, zip(*lists, strict=True))])]
+    return [*enumerate([headings, *map(list, zip(*cell_columns, strict=True))])]
 
 
-def _text(column: Column, value: Any) -> str:
+def _cell_text(column: Column, value: Any) -> str:
     """Cell of a value of Python; a number under a heading without a unit is in SI."""
     if value is None or value != value:  # NaN
         return ""
-    is_bare = isinstance(value, int | float) and not isinstance(value, bool) and not column.unit
-    return (
-        f"{value!r} {_PYTHON_UNITS[column.name]}"
-        if is_bare and column.name in _PYTHON_UNITS
-        else str(value)
-    )
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and not column.unit and column.name in _PYTHON_UNITS:
+        return f"{value!r} {_PYTHON_UNITS[column.name]}"
+    return str(value)
 
 
 def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]:
@@ -124,7 +108,7 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
 
     Also true if points of numbers may divide thousands: where cells are not divided by commas.
     """
-    content = read_file(path, MOST_BYTES_OF_TEXT)
+    content = read_file(path, max_bytes=40_000_000)
     if content.startswith(b"PK"):
         rows, delimiter = [*enumerate(workbook_rows(path, content), start=1)], ","
     elif kind := kind_of(content):
@@ -132,22 +116,20 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
     else:
         _require_few_lines(path, content, max_rows)
         rows, delimiter = _rows_of_text(path, _decoded(content))
-    return [
-        (line, row) for line, row in rows if any(cell.strip() for cell in row)
-    ], delimiter != ","
+    filled_rows = [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
+    return filled_rows, delimiter != ","
 
 
 def _require_few_lines(path: Path, content: bytes, max_rows: int) -> None:
     """Raise an `InputError` for a text with too many or too long lines, before it is parsed."""
     count = content.count(b"\n")
-    if count > 2 * max_rows + _MAX_LINES_ABOVE:  # with an empty line below each row
+    if count > 2 * max_rows + 1000:  # with an empty line below each row, and lines above the table
         raise InputError(f"{path} has {count} lines; at most {max_rows} rows are read")
-    if (longest := max(map(len, io.BytesIO(content)), default=0)) > MOST_BYTES_OF_LINE:
-        raise InputError(
-            f"{path} has a line of {longest} bytes; {MOST_BYTES_OF_LINE} at most are read"
-        )
-    if (cells := max(map(content.count, (b"\t", b";", b",")))) > MOST_CELLS_OF_TEXT:
-        raise InputError(f"{path} has {cells} cells; at most {MOST_CELLS_OF_TEXT} are read")
+    max_length, max_cells = 100_000, 5_000_000  # a cell becomes an object of 60 bytes
+    if (longest := max(map(len, io.BytesIO(content)), default=0)) > max_length:
+        raise InputError(f"{path} has a line of {longest} bytes; {max_length} at most are read")
+    if (cells := max(map(content.count, (b"\t", b";", b",")))) > max_cells:
+        raise InputError(f"{path} has {cells} cells; at most {max_cells} are read")
 
 
 def _decoded(content: bytes) -> str:
@@ -163,32 +145,32 @@ def _rows_of_text(path: Path, text: str) -> tuple[list[tuple[int, list[str]]], s
     if "\0" in text:
         raise InputError(f"{path} is binary; save the table as .csv")
     lines = text.splitlines()
-    above = next((k for k, row in enumerate(lines) if row.strip() and row[0] != "#"), len(lines))
-    heading = re.sub('"[^"]*"', "", lines[above]) if lines[above:] else ""
-    delimiter = next((mark for mark in "\t;," if mark in heading), ",")
-    reader = csv.reader(lines[above:], delimiter=delimiter, strict=True)
+    table_lines = (k for k, line in enumerate(lines) if line.strip() and line[0] != "#")
+    start = next(table_lines, len(lines))
+    headings = re.sub('"[^"]*"', "", lines[start]) if lines[start:] else ""
+    delimiter = next((mark for mark in "\t;," if mark in headings), ",")
+    reader = csv.reader(lines[start:], delimiter=delimiter, strict=True)
     try:
-        return [(above + reader.line_num, row) for row in reader], delimiter
+        return [(start + reader.line_num, row) for row in reader], delimiter
     except csv.Error as error:
         if re.match("unexpected end of data|field larger", str(error)):
             raise InputError(f"{path}: a quote is not closed; close or remove it") from error
-        raise InputError(f"{path}: row {above + reader.line_num}: {error}") from error
+        raise InputError(f"{path}: row {start + reader.line_num}: {error}") from error
 
 
 def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]) -> Sheet:
     """Columns of a table; rows with more or fewer cells than headings are faults, and left out."""
     (first, headings), *body = rows
-    width = max((k + 1 for k, heading in enumerate(headings) if heading.strip()), default=0)
+    width = _filled_length(headings)
     faults, body_rows = TableFaults(name), list[tuple[int, list[str]]]()
-    if width > MOST_COLUMNS:
-        raise InputError(f"{name} has {width} columns; at most {MOST_COLUMNS} are read")
+    if width > 1000:
+        raise InputError(f"{name} has {width} columns; at most 1000 are read")
     for line, row in body:
         if len(row) < width or any(cell.strip() for cell in row[width:]):
-            count = len(row) if len(row) < width else len(_stripped(row))
-            faults.append(
-                f"row {line} has {count} cell{'s' * (count != 1)} below {width} heading"
-                f"{'s' * (width != 1)}; give one for each"
-            )
+            count = len(row) if len(row) < width else _filled_length(row)
+            cells = pluralized(count, "cell", "cells")
+            below = pluralized(width, "heading", "headings")
+            faults.append(f"row {line} has {cells} below {below}; give one for each")
         else:
             body_rows.append((line, row))
     if len(faults) == len(body) and width == 1:
@@ -204,11 +186,11 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
         } & ignored.keys()
         if keys:
             skipped |= keys
-        elif len(column.heading) > _MAX_HEADING_LENGTH:
+        elif len(column.heading) > 200:
             faults.append(f"the heading of column {k + 1} is too long; give a short one")
         elif not column.heading:
-            problem = f"column {k + 1} has no heading; give one, and merge no cells"
-            faults.extend([problem] * any(column.cells))
+            if any(column.cells):
+                faults.append(f"column {k + 1} has no heading; give one, and merge no cells")
         elif column.name in positions:
             both = f"in columns {positions[column.name]} and {k + 1}"
             faults.append(
@@ -239,6 +221,6 @@ def _faults_of_formulas(column: Column, lines: Sequence[int]) -> Iterator[str]:
             yield f"row {line}, {column.heading}: {cell} is an error of a formula; correct it"
 
 
-def _stripped(row: list[str]) -> list[str]:
-    """A row without empty cells at its end."""
-    return row[: max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)]
+def _filled_length(row: Sequence[str]) -> int:
+    """Number of cells of a row without the empty ones at its end."""
+    return max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)

@@ -9,18 +9,16 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from pipeline.limits import (
-    MOST_BYTES_OF_BOOK,
-    MOST_CELLS_OF_SHEET,
-    MOST_MARKS_OF_SHEETS,
-    MOST_MARKS_OF_STYLES,
-    MOST_PARTS_OF_BOOK,
-)
 from pipeline.messages import quoted
 from pipeline.units import GROUPED
 from tribo import InputError
 
 _SAVE_AS = "save the table as .csv"
+_MAX_BYTES = 10_000_000  # of a workbook, also when it is unpacked
+_MAX_PARTS = 1000  # files in a workbook: two for each sheet or figure
+_MAX_CELLS = 1_000_000  # of a sheet, with the empty cells before the last filled one
+# Tags and attributes: about six for each cell. Those of other parts take five times as long.
+_MAX_MARKS_OF_SHEETS, _MAX_MARKS_OF_OTHERS = 120_000, 30_000
 
 
 def workbook_rows(path: Path, content: bytes) -> list[list[str]]:
@@ -30,40 +28,44 @@ def workbook_rows(path: Path, content: bytes) -> list[list[str]]:
     """
     try:
         _require_small(path, content)
-        filled = {title: rows for title, rows in _sheets(path, content) if rows}
+        tables = {title: rows for title, rows in _sheets(path, content) if rows}
     except InputError:
         raise
     except Exception as error:  # of damaged files, errors of many kinds
         reason = " ".join(f"{error}".split()) or type(error).__name__
         raise InputError(f"{path} is not a workbook: {reason:.200}; {_SAVE_AS}") from error
-    if len(filled) != 1:
-        problem = f"{path} has no sheet with cells; fill one"
-        if filled:
-            titles = ", ".join(map(quoted, filled))
-            problem = f"{path} has {len(filled)} sheets with cells: {titles}; keep one"
-        raise InputError(problem)
-    return next(iter(filled.values()))
+    if not tables:
+        raise InputError(f"{path} has no sheet with cells; fill one")
+    if len(tables) > 1:
+        titles = ", ".join(map(quoted, tables))
+        raise InputError(f"{path} has {len(tables)} sheets with cells: {titles}; keep one")
+    (rows,) = tables.values()
+    return rows
 
 
 def _require_small(path: Path, content: bytes) -> None:
     """Raise an `InputError` for a workbook that would take more time or memory than a table."""
-    if len(content) > MOST_BYTES_OF_BOOK:
-        raise InputError(_too_large(path, f"{len(content) / 1e6:.3g} MB", MOST_BYTES_OF_BOOK))
+    if len(content) > _MAX_BYTES:
+        raise InputError(_too_large(path, f"{len(content) / 1e6:.3g} MB", _MAX_BYTES))
     with zipfile.ZipFile(io.BytesIO(content)) as book:
         members = book.infolist()
         if "[Content_Types].xml" not in book.namelist():
             raise InputError(f"{path} is an archive, not a workbook; {_SAVE_AS}")
-        if len(members) > MOST_PARTS_OF_BOOK:
+        if len(members) > _MAX_PARTS:
             raise InputError(
-                f"{path} has {len(members)} parts, of which {MOST_PARTS_OF_BOOK} can be read; "
-                f"{_SAVE_AS}"
+                f"{path} has {len(members)} parts, of which {_MAX_PARTS} can be read; {_SAVE_AS}"
             )
         size = sum(member.file_size for member in members)
-        if size > MOST_BYTES_OF_BOOK:
-            raise InputError(_too_large(path, f"{size / 1e6:.3g} MB unpacked", MOST_BYTES_OF_BOOK))
-        sheets = [_count_marks(book, member) for member in members if _is_sheet(member)]
-        other_parts = [_count_marks(book, member) for member in members if not _is_sheet(member)]
-        if sum(sheets) > MOST_MARKS_OF_SHEETS or sum(other_parts) > MOST_MARKS_OF_STYLES:
+        if size > _MAX_BYTES:
+            raise InputError(_too_large(path, f"{size / 1e6:.3g} MB unpacked", _MAX_BYTES))
+        marks_of_sheets = [_count_marks(book, member) for member in members if _is_sheet(member)]
+        marks_of_others = [
+            _count_marks(book, member) for member in members if not _is_sheet(member)
+        ]
+        if (
+            sum(marks_of_sheets) > _MAX_MARKS_OF_SHEETS
+            or sum(marks_of_others) > _MAX_MARKS_OF_OTHERS
+        ):
             raise InputError(f"{path} has more cells or styles than can be read; {_SAVE_AS}")
 
 
@@ -74,7 +76,7 @@ def _is_sheet(member: zipfile.ZipInfo) -> bool:
 def _count_marks(book: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
     """Number of tags and attributes in a part, which is not unpacked beyond its limit."""
     with book.open(member) as stream:
-        part = stream.read(MOST_BYTES_OF_BOOK)
+        part = stream.read(_MAX_BYTES)
     return part.count(b"<") + part.count(b"=")
 
 
@@ -97,9 +99,9 @@ def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]
         pairs = zip(sheet.iter_rows(), formula_sheet.iter_rows(), strict=True)
         for number, (cells, formula_cells) in enumerate(pairs, 1):
             widest = max(widest, len(cells))
-            if number * widest > MOST_CELLS_OF_SHEET:
+            if number * widest > _MAX_CELLS:
                 raise InputError(
-                    f"{path} has more than {MOST_CELLS_OF_SHEET} cells up to its last one, empty "
+                    f"{path} has more than {_MAX_CELLS} cells up to its last one, empty "
                     "ones included; delete what lies far from the table"
                 )
             texts = [_cell_text(*pair) for pair in zip(cells, formula_cells, strict=True)]
@@ -110,8 +112,9 @@ def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]
                         "times as much; make it a number"
                     )
             rows.append(texts)
-        filled = any(cell.strip() for row in rows for cell in row)
-        yield sheet.title, [row + [""] * (widest - len(row)) for row in rows] if filled else []
+        is_empty = not any(cell.strip() for row in rows for cell in row)
+        padded = [row + [""] * (widest - len(row)) for row in rows]
+        yield sheet.title, [] if is_empty else padded
 
 
 def _cell_text(cell: Any, formula_cell: Any) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
+from pipeline.limits import MAX_CASES, MAX_ON_AXIS, MAX_VARIED_ENTRIES
 from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.declared_tables import Entry, Table, table_of
@@ -69,9 +69,9 @@ def with_first_case(
     """
     over = entry_at(entries, "sweep.over")
     varied = [*flat(over)] if isinstance(over, dict) else []
-    if len(varied) > MOST_VARIED:
+    if len(varied) > MAX_VARIED_ENTRIES:
         faults.refuse(
-            "sweep.over", f"{len(varied)} entries are too many; vary {MOST_VARIED} at most"
+            "sweep.over", f"{len(varied)} entries are too many; vary {MAX_VARIED_ENTRIES} at most"
         )
         return replace_values(entries, {"sweep.over": None}), []
     firsts = {path: values[0] for path, values in varied if isinstance(values, list) and values}
@@ -95,7 +95,7 @@ def with_first_case(
 def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
     fault_count = len(faults)
-    if isinstance(along, list) and len(along) > MOST_ON_AXIS:
+    if isinstance(along, list) and len(along) > MAX_ON_AXIS:
         return []  # refused by the format
     if isinstance(along, list) and all(isinstance(row, dict) for row in along):
         with faults.at("sweep.along"):
@@ -108,7 +108,7 @@ def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
     with faults.at("sweep.along"):
         path = files.path("sweep.along", declared.file)
         advice = _CASE_ADVICE if isinstance(along, str) else SCENE
-        sheet = read_table(path, MOST_ON_AXIS, declared.decimal, declared.ignore, advice)
+        sheet = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, advice)
         columns, label_columns = _read_columns(sheet, tuple(_POINT.keys))
         return [
             {column.name: column.entry(row) for column in columns}
@@ -121,8 +121,10 @@ def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
 def _rows_of_scene(rows: list[CaseRow]) -> list[CaseRow]:
     """Rows with entries by path, and labels as text; `InputError` for a heading of no meaning."""
     names = [*dict.fromkeys(name for row in rows for name in row)]
-    if len(names) > MOST_VARIED:
-        raise InputError(f"rows have {len(names)} different entries; give {MOST_VARIED} at most")
+    if len(names) > MAX_VARIED_ENTRIES:
+        raise InputError(
+            f"rows have {len(names)} different entries; give {MAX_VARIED_ENTRIES} at most"
+        )
     columns = [
         TableColumn(name, name, "", [str(row.get(name, "")) for row in rows]) for name in names
     ]
@@ -179,8 +181,8 @@ def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:
 
 
 def _cases_over(over: dict[str, Any]) -> Cases:
-    if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
-        raise InputError(f"sweep.over: {count} cases exceed the limit of {MOST_SCENES}")
+    if (count := math.prod(map(len, over.values()))) > MAX_CASES:
+        raise InputError(f"sweep.over: {count} cases exceed the limit of {MAX_CASES}")
     cases = Cases()
     for path, values in over.items():
         labels, unit = labels_of(values)

@@ -30,7 +30,7 @@ from typing import (
     get_type_hints,
 )
 
-from pipeline.limits import MOST_HINTS, MOST_ON_AXIS, MOST_SCENES, MOST_VARIED
+from pipeline.limits import MAX_CASES, MAX_HINTS, MAX_ON_AXIS, MAX_VARIED_ENTRIES
 from pipeline.messages import did_you_mean, key_path, pluralized, quoted
 from pipeline.scene.entries import flat
 from pipeline.scene.faults import Faults
@@ -119,7 +119,7 @@ class List(Kind):
     item_kind: Kind
     length: int | None = None
     distinct: bool = False
-    max_length: int = MOST_SCENES
+    max_length: int = MAX_CASES
 
     def __str__(self) -> str:
         if self.length:
@@ -200,7 +200,7 @@ class Range(Kind):
             "from": Entry(self.item_kind, is_needed=True),
             "to": Entry(self.item_kind, is_needed=True),
             "step": Entry(replace(self.item_kind, zero=False)),
-            "count": Entry(Integer(at_least=2, at_most=MOST_ON_AXIS)),
+            "count": Entry(Integer(at_least=2, at_most=MAX_ON_AXIS)),
         }
         Table(entries).read(value, path, faults)
         if len(faults) > fault_count:
@@ -217,10 +217,10 @@ class Range(Kind):
             return tuple(float(first + fraction * (last - first)) for fraction in fractions)
         step = exact_si(value["step"], like=self.item_kind.example)
         step_count = (last - first) / step
-        if step_count > MOST_ON_AXIS or abs(step_count - round(step_count)) > 1e-9:
+        if step_count > MAX_ON_AXIS or abs(step_count - round(step_count)) > 1e-9:
             raise InvalidValueError(
                 f"{span} there are {step_count:.6g} steps of {quoted(value['step'])}; the number "
-                f"of steps must be whole, and at most {MOST_ON_AXIS}"
+                f"of steps must be whole, and at most {MAX_ON_AXIS}"
             )
         return tuple(float(first + i * step) for i in range(round(step_count) + 1))
 
@@ -309,7 +309,7 @@ class Table(Kind):
             return None
         for key in value:
             if key not in self.keys:
-                hint = did_you_mean(key, self.keys) if len(faults) < MOST_HINTS else ""
+                hint = did_you_mean(key, self.keys) if len(faults) < MAX_HINTS else ""
                 problem = f"unknown key{hint}; allowed: {', '.join(self.keys)}"
                 refused_keys = getattr(self.construct, "refused", {})
                 faults.refuse(key_path(path, key), refused_keys.get(key, problem))
@@ -352,9 +352,9 @@ class Changes(Kind):
     def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
         changes = dict(flat(value))
-        if len(changes) > MOST_VARIED:
+        if len(changes) > MAX_VARIED_ENTRIES:
             raise InvalidValueError(
-                f"{len(changes)} entries are too many; give {MOST_VARIED} at most"
+                f"{len(changes)} entries are too many; give {MAX_VARIED_ENTRIES} at most"
             )
         return changes
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from pipeline.limits import MOST_FAULTS
+from pipeline.limits import MAX_FAULTS
 from pipeline.messages import fault_lines
 from pipeline.shipped import name_of
 from pipeline.sweep.notes import SceneNote, SceneWarning
@@ -46,7 +46,7 @@ class Faults(list[Fault]):
         Raises a `TooManyFaultsError` if this is the last fault to list.
         """
         self.append(Fault(key, problem))
-        if len(self) >= MOST_FAULTS:
+        if len(self) >= MAX_FAULTS:
             raise TooManyFaultsError
 
     def note(self, key: str, text: str) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
 import tribo
-from pipeline.limits import MOST_ON_AXIS, MOST_SCENES, MOST_WITHOUT
+from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.scene.declared_tables import (
     ByPath,
     Changes,
@@ -290,12 +290,12 @@ class Model(Declared):
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],
-        Sorted(List(LOAD, distinct=True, max_length=MOST_ON_AXIS), Range(LOAD)), "Normal loads."]
+        Sorted(List(LOAD, distinct=True, max_length=MAX_ON_AXIS), Range(LOAD)), "Normal loads."]
     velocities: A[tuple[float, ...],
-        Sorted(List(VELOCITY, distinct=True, max_length=MOST_ON_AXIS), Range(VELOCITY)),
+        Sorted(List(VELOCITY, distinct=True, max_length=MAX_ON_AXIS), Range(VELOCITY)),
         "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
-        Either(Integer(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
+        Either(Integer(at_least=1, at_most=MAX_CASES), List(SEED, distinct=True)),
         "Surface realizations, their number or a list: seeds of random surfaces, from `seed` on, "
         "or areas of a scan, from 0 on."] = None
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
@@ -303,7 +303,7 @@ class SweepTable(Declared):
         "combination has a sweep."] = None
     along: A[Any, Either(
             Text(), table_of(TableFile),
-            List(ByPath(Scalar(), "paths of other entries"), max_length=MOST_ON_AXIS)),
+            List(ByPath(Scalar(), "paths of other entries"), max_length=MAX_ON_AXIS)),
         "Cases, each with its own load and velocity: a table as CSV or Excel, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or words."] = None
@@ -317,7 +317,7 @@ class SweepTable(Declared):
 class SceneFile(Declared):
     extends: A[str | None,
         "Shipped scene, or path of another file, that supplies missing entries."] = None
-    without: A[tuple[str, ...] | None, List(Text(), distinct=True, max_length=MOST_WITHOUT),
+    without: A[tuple[str, ...] | None, List(Text(), distinct=True, max_length=1000),
         'Paths of entries that it does not supply, such as ["wear", "friction.band"].'] = None
     title: A[str | None, "Title of figures; by default the name of the file."] = None
     note: A[str | None,

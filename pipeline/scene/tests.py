@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from pipeline.limits import MOST_SCENES
+from pipeline.limits import MAX_CASES
 from pipeline.messages import quoted
 from pipeline.scene.build import BuiltScene, Files, build_case
 from pipeline.scene.declared_tables import table_of
@@ -48,7 +48,7 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
             continue
         with faults.at(f"{path}.file"):
             file = files.path("tests", table_file.file)
-            sheet = read_table(file, MOST_SCENES, table_file.decimal, table_file.ignore, SCENE)
+            sheet = read_table(file, MAX_CASES, table_file.decimal, table_file.ignore, SCENE)
             is_staged = {"mild_up_to", "severe_at"} & {column.name for column in sheet.columns}
             needed = ("velocity",) if is_staged else ("load", "velocity", "outcome")
             tests += rows_of(sheet, table_of(TestEntry).keys, _faults_in, needed, _OMISSIBLE)

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.limits import MOST_HINTS
+from pipeline.limits import MAX_HINTS
 from pipeline.messages import did_you_mean, key_path, quoted
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.declared_tables import table_of
@@ -156,7 +156,7 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
         for index, key in enumerate(keys):
             if entry_at(entries, key) is None:
                 names = [*entries, *(path for path, _ in flat(entries))]
-                hint = did_you_mean(key, names) if len(wrong) < MOST_HINTS else ""
+                hint = did_you_mean(key, names) if len(wrong) < MAX_HINTS else ""
                 wrong.refuse(
                     f"without[{index}]",
                     f"{quoted(key)} is not an entry of {name_of(document.file)}{hint}; name one "

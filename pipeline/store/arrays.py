@@ -20,7 +20,7 @@ from zarr.core.buffer import Buffer, default_buffer_prototype
 from zarr.core.sync import sync
 from zarr.storage import StorePath
 
-from pipeline.limits import MOST_BYTES_OF_ROOT, MOST_MARKS_OF_ROOT
+from pipeline.limits import MAX_BYTES_OF_ROOT, MAX_MARKS_OF_ROOT
 from pipeline.store.folder_store import FolderStore
 from pipeline.store.location import Location
 from pipeline.store.schema import Variable, attributes_of, path_of
@@ -153,7 +153,7 @@ def read_document(location: Location, key: str) -> bytes | None:
 
 def find_excess(content: bytes, proportion: float = 1.0) -> str:
     """What a document has more of than a `proportion` of the limits; else empty."""
-    max_bytes, max_marks = proportion * MOST_BYTES_OF_ROOT, proportion * MOST_MARKS_OF_ROOT
+    max_bytes, max_marks = proportion * MAX_BYTES_OF_ROOT, proportion * MAX_MARKS_OF_ROOT
     if len(content) > max_bytes:
         return f"it has {len(content) / 1e6:.4g} MB; at most {max_bytes / 1e6:.4g} MB are read"
     if (marks := sum(map(content.count, (b"[", b"{", b",")))) > max_marks:

@@ -9,7 +9,7 @@ from zarr.abc.store import ByteRequest
 from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
 from zarr.storage import LocalStore
 
-from pipeline.limits import MOST_BYTES_OF_ROOT
+from pipeline.limits import MAX_BYTES_OF_ROOT
 from pipeline.paths import read_file
 from pipeline.store.files import store_file, wrong_kind
 
@@ -34,7 +34,7 @@ class FolderStore(LocalStore):
     ) -> Buffer | None:
         """Content of the file `key`; None if there is none."""
         make = (prototype or default_buffer_prototype()).buffer.from_bytes
-        max_bytes = self.max_bytes.get(key.rpartition("/")[0], MOST_BYTES_OF_ROOT)
+        max_bytes = self.max_bytes.get(key.rpartition("/")[0], MAX_BYTES_OF_ROOT)
         try:
             return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
         except FileNotFoundError:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.limits import MOST_INPUTS
+from pipeline.limits import MAX_INPUTS
 from pipeline.paths import path_hint, store_hint
 from pipeline.store.arrays import (
     Document,
@@ -315,7 +315,7 @@ def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dic
     """Arrays from the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
-    if (count := sum(sizes.values())) > MOST_INPUTS:
+    if (count := sum(sizes.values())) > MAX_INPUTS:
         raise InputError(f"it contains {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
     document = array_document(variable, {DIM: sum(sizes.values())}, {}, growths)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import tribo
-from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.sweep.case import Case, Conditions, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, apply_difference, decode, encode, encode_difference
@@ -55,8 +55,8 @@ _CLASSES: dict[str, type] = {
 }  # fmt: skip
 """Classes whose objects a store may contain; no others are built from its data."""
 _MOST = {
-    "loads": MOST_ON_AXIS, "velocities": MOST_ON_AXIS, "cases": MOST_SCENES,
-    "tests": 2 * MOST_SCENES, "former_tests": 2 * MOST_SCENES,
+    "loads": MAX_ON_AXIS, "velocities": MAX_ON_AXIS, "cases": MAX_CASES,
+    "tests": 2 * MAX_CASES, "former_tests": 2 * MAX_CASES,
 }  # fmt: skip
 """Most items in the lists of a sweep; a specimen that passes load stages has two tests."""
 

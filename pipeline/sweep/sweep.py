@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 from pipeline.arguments import typed_arguments
-from pipeline.limits import MOST_POINTS
+from pipeline.limits import MAX_POINTS
 from pipeline.sweep.case import LARGEST, Case, Conditions, SpecimenTest
 from pipeline.sweep.case_table import AREAS_ENTRY, CaseName, CaseTable, in_order, surface_table
 from pipeline.sweep.codec import NOT_STORED, digest
@@ -139,9 +139,9 @@ class Sweep:
         table = self.case_table
         loads = len(self.loads) if table.column("load") is None else 1
         velocities = len(self.velocities) if table.column("velocity") is None else 1
-        if (count := len(table) * loads * velocities) > MOST_POINTS:
+        if (count := len(table) * loads * velocities) > MAX_POINTS:
             raise InputError(
-                f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by "
+                f"sweep: {count:.4g} points are too many; give {MAX_POINTS:.0e} at most, by "
                 "fewer loads, velocities or cases"
             )
 
