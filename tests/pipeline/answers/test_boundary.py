@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline import boundary
+from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.answer_lines import boundary_lines, next_run_line
 from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic
@@ -115,6 +116,13 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
     printed = re.match(r"severe wear is 50 % probable at ([\d.]+) m/s", next_run_line(answer))[1]
     rounding = abs(float(printed) / answer["critical_velocity_p50"][0] - 1)
     assert rounding <= 0.25 * answer["velocity_error"][0]
+
+
+def test_rows_by_velocity_have_the_critical_load_and_rows_by_load_the_critical_velocity(sweep):
+    by_load, by_velocity = (boundary_frame(boundary(sweep), by) for by in ("load", "velocity"))
+    assert [*by_load][:2] == ["load [N]", "critical velocity [m/s]"]
+    assert [*by_velocity][:2] == ["velocity [m/s]", "critical load [N]"]
+    assert len(by_velocity) == len(VELOCITIES)
 
 
 def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_it():

@@ -232,10 +232,11 @@ def test_growth_by_realizations_leaves_the_files_of_fields(path, monkeypatch, se
         raise OSError(errno.EPERM, "no hard links")
 
     monkeypatch.setattr(Path, "hardlink_to", refused)
-    fewer = tiny.full(**axes, case_table=surface_table((number + 3,)))
-    with writing(path, fewer):
+    lower = tiny.full(**axes, case_table=surface_table((number - 1,)))
+    with writing(path, lower):
         assert verify_store(path).is_clean
     assert len(inodes()) == len(before)
+    assert xr.open_zarr(path, group="fields")["field_realization"].item() == number
 
 
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
