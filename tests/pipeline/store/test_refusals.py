@@ -132,9 +132,9 @@ def replaced():
     return boundary(ds)
 
 
-def of_a_scene():
-    Path("a.toml").write_text("[pin]\n")
-    return summary("a.toml")
+def of_file(name):
+    Path(name).write_text("[pin]\n")
+    return summary(name)
 
 
 OLD = b'{"attributes": {"format": 3, "history": ["computed by irg-transition 0.1"]}}'
@@ -145,7 +145,8 @@ REFUSALS = {
     "nothing": (lambda: summary("a.zarr"), "no store at "),
     "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
     "memory": (lambda: commit("memory://b.zarr", SWEEP, ()), "memory://b.zarr can only be read"),
-    "scene": (of_a_scene, "it is a scene file; run it with irg run"),
+    "scene": (lambda: of_file("a.toml"), "it is a scene file; run it with irg run"),
+    "text": (lambda: of_file("a.txt"), "it is not a folder; give the folder written by irg run"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
     "link": (changed(lambda path: lock_of(path).symlink_to(path), go_on), "cannot be written: "),
