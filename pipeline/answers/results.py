@@ -26,7 +26,7 @@ from pipeline.answers.case_results import (
 from pipeline.answers.scene_wording import value_words
 from pipeline.arguments import typed_arguments
 from pipeline.paths import found_store
-from pipeline.store.dataset import completed, open_store
+from pipeline.store.dataset import open_store, with_sweep_and_tests
 from pipeline.store.location import PathLike
 from pipeline.store.schema import (
     AT_TESTS,
@@ -112,7 +112,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 def sweep_of(ds: xr.Dataset) -> Sweep:
     """Sweep of a dataset."""
-    ds = completed(ds)
+    ds = with_sweep_and_tests(ds)
     if "sweep" not in ds.attrs:
         raise InputError(
             "the dataset has no attribute sweep, which describes its scene; use one from "
@@ -161,7 +161,7 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
         Dataset of `open_sweep`, of which some loads, velocities, surfaces or values of entries may
         be selected; or path of a store.
     """
-    ds = completed(dataset_of(source))
+    ds = with_sweep_and_tests(dataset_of(source))
     sweep = sweep_of(ds)
     if ds.attrs.get("without_tests"):
         sweep = replace(sweep, tests=())

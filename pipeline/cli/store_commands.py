@@ -49,9 +49,9 @@ from pipeline.messages import pluralized, quoted
 from pipeline.shipped import typed_name
 from pipeline.store.location import REMEDY, StoreError
 from pipeline.store.resume import mismatches
-from pipeline.store.root import GOAL
+from pipeline.store.root import GOAL_PREFIX
 from pipeline.store.schema import PLANE
-from pipeline.store.status import states
+from pipeline.store.status import summary_and_sweep
 from tribo import InputError, TriboError
 from tribo.types import Mask
 
@@ -60,7 +60,7 @@ _MAX_ROWS = 8  # rows of a printed table, and those of tests; --all, --json and 
 
 def status(options: argparse.Namespace) -> Result:
     """Answer ``irg status``: count the points of a store."""
-    state, sweep = states(options.store)
+    state, sweep = summary_and_sweep(options.store)
     failed = [*state.failed, *(state.tests.failed if state.tests else ())]
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
     text = [state.title, f"{state.total} points: {counts}"]
@@ -146,7 +146,7 @@ def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
         return ""
     is_usual = Path(options.store).absolute() == Path("results", f"{sweep.name}.zarr").absolute()
     history = str(ds.attrs.get("history", "")).splitlines()
-    goals = [line.removeprefix(GOAL) for line in history if line.startswith(GOAL)]
+    goals = [line.removeprefix(GOAL_PREFIX) for line in history if line.startswith(GOAL_PREFIX)]
     choices = list[str]() if is_usual else ["-o", str(options.store)]
     if goals:
         choices += ["--accuracy", goals[-1]]

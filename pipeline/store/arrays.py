@@ -120,14 +120,20 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
 
 def write_arrays(location: Location, arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
     """Write parts of arrays."""
-    sync(_all(arrays[name].async_array.setitem(where, values) for name, where, values in parts))
+    sync(
+        _all(
+            arrays[name].async_array.setitem(selection, values) for name, selection, values in parts
+        )
+    )
     location.sync()
 
 
 def write_documents(location: Location, documents: Mapping[str, Document]) -> None:
     """Create or replace documents of a store, by key."""
-    make = default_buffer_prototype().buffer.from_bytes
-    contents = {key: make(json.dumps(document).encode()) for key, document in documents.items()}
+    to_buffer = default_buffer_prototype().buffer.from_bytes
+    contents = {
+        key: to_buffer(json.dumps(document).encode()) for key, document in documents.items()
+    }
     sync(_all(location.zarr.set(key, content) for key, content in contents.items()))
     location.sync()
 

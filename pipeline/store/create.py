@@ -46,7 +46,7 @@ from pipeline.store.location import (
 )
 from pipeline.store.lock import Lock, locked
 from pipeline.store.resume import join, mismatches
-from pipeline.store.root import FACTS, GOAL, WRITER, Root, find_root, stale_documents
+from pipeline.store.root import FACTS, GOAL_PREFIX, WRITER_PREFIX, Root, find_root, stale_documents
 from pipeline.store.schema import DONE, FAILED, FIELDS, PENDING, path_of
 from pipeline.store.store import Store
 from pipeline.store.transfer import transfer
@@ -71,7 +71,7 @@ def writing(
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
     """
-    location, notes = location_of(path), [f"{GOAL}{100 * accuracy:g}%"] if accuracy else []
+    location, notes = location_of(path), [f"{GOAL_PREFIX}{100 * accuracy:g}%"] if accuracy else []
     if isinstance(location, Folder):
         with suppress(DamagedError):  # it may be restored below
             find_root(location)  # raises before a lock is created next to another program's files
@@ -79,7 +79,7 @@ def writing(
             keep_best_copy(location, sweep, progress)
             yield _open(location, sweep, lock, progress, notes)
         return
-    if not location.is_written:
+    if not location.is_writable:
         raise StoreError(f"{location} can only be read; write to a folder, or to s3://…")
     progress(Progress(f"{location} cannot be locked: make sure that only one run writes to it"))
     yield _open(location, sweep, None, progress, notes)
@@ -102,7 +102,7 @@ def _open(
     if before:
         _require_same_scene(location, before, sweep)
     joined = join(before.sweep if before else None, sweep)
-    history = [*(before.history if before else ()), f"{WRITER}{versions()}", *notes]
+    history = [*(before.history if before else ()), f"{WRITER_PREFIX}{versions()}", *notes]
     root = Root.from_sweep(joined, history, before.growths if before else (0, 0))
     root.require_small()
     if before and before.layout == root.layout:
@@ -127,7 +127,7 @@ def _require_same_scene(location: Location, root: Root, sweep: Sweep) -> None:
     """Raise a `StoreMismatchError` if a sweep cannot continue a store."""
     if differences := [*mismatches(root.sweep, sweep)]:
         advice = "use the values of the store, or write to another store"
-        goals = [line for line in root.history if line.startswith(GOAL)]
+        goals = [line for line in root.history if line.startswith(GOAL_PREFIX)]
         more = [f"the store is grown by: irg {goals[-1].replace('with', 'SCENE')}"] if goals else []
         raise StoreMismatchError(
             "\n  ".join([f"{location} belongs to another scene: {advice}", *differences, *more])

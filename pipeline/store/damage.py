@@ -23,7 +23,7 @@ _THREADS = 8  # concurrent requests to an object store
 class Checked(NamedTuple):
     """A batch of points with their values by variable and the fault of each."""
 
-    where: Indices  # index along each dimension, shape (n, n_dim)
+    indices: Indices  # index along each dimension, shape (n, n_dim)
     values: dict[str, Any]  # by variable; None if a chunk is damaged
     faults: list[str]  # empty for sound points
 
@@ -46,22 +46,22 @@ def checked_points(store: Store, progress: Report = silent) -> Iterator[Checked]
         with ThreadPoolExecutor(_THREADS) as threads:
             values_of_chunk = [*threads.map(store.try_read, columns, parts)]
         within = np.argwhere(np.isin(store.flags[block], (DONE, FAILED)))
-        for indices in np.split(within, range(max_points, len(within), max_points)):
+        for chunk_indices in np.split(within, range(max_points, len(within), max_points)):
             values = dict[str, Any]()
             for name, chunk_values in zip(columns, values_of_chunk, strict=True):
-                at = tuple(store.group.point_indices(name, indices).T)
-                values[name] = None if chunk_values is None else chunk_values[at]
-            where = indices + [part.start for part in block]
-            values |= {name: _read_fields(store, name, where) for name in fields}
-            yield Checked(where, values, _faults(store, where, values))
+                positions = tuple(store.group.point_indices(name, chunk_indices).T)
+                values[name] = None if chunk_values is None else chunk_values[positions]
+            indices = chunk_indices + [part.start for part in block]
+            values |= {name: _read_fields(store, name, indices) for name in fields}
+            yield Checked(indices, values, _faults(store, indices, values))
         progress(Progress(done=count, total=len(chunks)))
 
 
-def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
+def _read_fields(store: Store, name: str, indices: Indices) -> list[Any]:
     """A field of each point; None if it is lost, or the point is not done or has no fields."""
-    fields: list[Any] = [None] * len(where)
-    rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(where.T)])
-    chunks = store.group.point_indices(name, where[rows]).tolist()  # a chunk has one point
+    fields: list[Any] = [None] * len(indices)
+    rows = np.flatnonzero((store.group.with_fields & (store.flags == DONE))[tuple(indices.T)])
+    chunks = store.group.point_indices(name, indices[rows]).tolist()  # a chunk has one point
     parts = [block_at(chunk, [1] * len(chunk)) for chunk in chunks]
     with ThreadPoolExecutor(_THREADS) as threads:
         read_parts = threads.map(store.try_read, [name] * len(parts), parts)
@@ -70,16 +70,16 @@ def _read_fields(store: Store, name: str, where: Indices) -> list[Any]:
     return fields
 
 
-def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str]:
+def _faults(store: Store, indices: Indices, values: Mapping[str, Any]) -> list[str]:
     """Fault of each point, from its stored values; empty for sound points."""
-    group, done = store.group, store.flags[tuple(where.T)] == DONE
+    group, done = store.group, store.flags[tuple(indices.T)] == DONE
     lost = [name for name, array in values.items() if array is None]
     if lost:
         fault = f"{', '.join(lost)} cannot be read"
         is_of_all = bool({*lost} - {*DATA, "steps"})  # points that failed have no results
         return [fault if is_done or is_of_all else "" for is_done in done]
-    faults, has_fields = [], done & group.with_fields[tuple(where.T)]
-    is_written = checksums(group, where, values, done) == values["checksum"]
+    faults, has_fields = [], done & group.with_fields[tuple(indices.T)]
+    is_written = checksums(group, indices, values, done) == values["checksum"]
     names = [name for name in values if name in DATA]
     for row, is_done in enumerate(done):
         fault = "" if is_written[row] else "its values are not those that were written"
@@ -96,14 +96,15 @@ def _faults(store: Store, where: Indices, values: Mapping[str, Any]) -> list[str
 def find_damage(store: Store, progress: Report = silent) -> Damage:
     """Read all data to find what is damaged."""
     for checked in checked_points(store, progress):
-        for index, fault in zip(checked.where.tolist(), checked.faults, strict=True):
+        for index, fault in zip(checked.indices.tolist(), checked.faults, strict=True):
             if fault:
                 store.damage.points[tuple(index)] = fault
     for name, values in sorted(store.group.coordinates.items()):
         stored = store.try_read(name, tuple(slice(0, n) for n in store.arrays[name].shape))
-        right = np.asarray(values, store.arrays[name].dtype)
-        if stored is None or not np.array_equal(stored, right, equal_nan=right.dtype.kind == "f"):
-            store.damage.files.pop(store.key(name, [0] * right.ndim), None)
+        expected = np.asarray(values, store.arrays[name].dtype)
+        has_nan = expected.dtype.kind == "f"
+        if stored is None or not np.array_equal(stored, expected, equal_nan=has_nan):
+            store.damage.files.pop(store.key(name, [0] * expected.ndim), None)
             store.damage.files[f"{store.group.prefix}{path_of(name)}"] = name, ..., values
     return store.damage
 

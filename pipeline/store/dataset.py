@@ -69,7 +69,7 @@ def fields_of(ds: xr.Dataset) -> xr.Dataset | None:
     return _fields_of(store) if store and store.sweep.fields else None
 
 
-def completed(ds: xr.Dataset) -> xr.Dataset:
+def with_sweep_and_tests(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with its sweep and the results of tests, which plain xarray leaves in the store.
 
     A dataset without a store is returned as it is.
@@ -129,7 +129,7 @@ def _variable_of(store: Store, name: str) -> xr.Variable:
         dtype = object if variable.dtype == "str" else variable.dtype
         values = np.array(store.group.coordinates[name], dtype)
     else:
-        values = indexing.LazilyIndexedArray(_Masked(store, name))
+        values = indexing.LazilyIndexedArray(_MaskedVariable(store, name))
     attributes = attributes_of(variable)
     attributes.pop("coordinates", None)
     return xr.Variable(variable.dims, values, attributes)
@@ -149,7 +149,7 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     return {TEST: ds[TEST].variable, **coordinates}
 
 
-class _Masked(BackendArray):
+class _MaskedVariable(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data."""
 
     def __init__(self, store: Store, name: str) -> None:

@@ -44,16 +44,16 @@ def _folders_above(folder: Path, key: str) -> Iterator[Path]:
 
 def write_file(path: Path, content: bytes) -> None:
     """Write a file under a temporary name, sync it to the disk, and rename it."""
-    begun = path.with_name(path.name + PARTIAL)
-    begun.unlink(missing_ok=True)  # left by a kill, or a link to another file
+    partial_file = path.with_name(path.name + PARTIAL)
+    partial_file.unlink(missing_ok=True)  # left by a kill, or a link to another file
     try:
-        with begun.open("xb") as stream:
+        with partial_file.open("xb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
-        begun.replace(path)
+        partial_file.replace(path)
     except BaseException:
-        begun.unlink(missing_ok=True)
+        partial_file.unlink(missing_ok=True)
         raise
 
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
-    DIM,
     FIELD_REALIZATION,
     FIELDS,
+    INPUT_DIM,
     INPUTS,
     OF_FIELDS,
     PLANE,
@@ -42,7 +42,7 @@ Axes = dict[str, list[Any]]
 """Values along each dimension, and of coordinates along another dimension."""
 Slices = tuple[slice, ...]
 
-_OF_POINT = ("message", "warning_flags")  # also stored for failed points
+_OF_FAILED = ("message", "warning_flags")  # variables that failed points have, too
 _MAX_BYTES, _MAX_POINTS = 2**22, 1024  # limits of a chunk
 
 
@@ -102,7 +102,7 @@ class Group:
     def sizes(self) -> dict[str, int]:
         """Lengths of the dimensions."""
         lengths = {name: len(values) for name, values in self.axes.items()}
-        lengths[DIM] = sum(sizes_of(self.inputs).values())
+        lengths[INPUT_DIM] = sum(sizes_of(self.inputs).values())
         return lengths
 
     @property
@@ -133,9 +133,9 @@ class Group:
         """True for each of `dims` that a variable has."""
         return [dim in self.variables[name].dims for dim in self.dims]
 
-    def point_indices(self, name: str, where: Indices) -> Indices:
+    def point_indices(self, name: str, indices: Indices) -> Indices:
         """Indices of points, shape (n, n_dim), along those of `dims` that a variable has."""
-        return where[:, self.has_dims(name)]
+        return indices[:, self.has_dims(name)]
 
     def values_at(self, name: str, points: Mask) -> Mask:
         """True at the values of a variable that belong to any of some points."""
@@ -204,12 +204,12 @@ class Group:
             values[INPUTS] = np.concatenate([array.ravel() for array in self.inputs.values()])
         return values
 
-    def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at indices; `where` has an array for each of `dims`, as from `numpy.nonzero`."""
+    def points_at(self, indices: Sequence[Indices]) -> list[Point]:
+        """Points at indices; `indices` has an array for each of `dims`, as from `numpy.nonzero`."""
         names, columns = [*PLANE, *self.sweep.case_table.axes], []
         for name in names:
-            indices = where[self.dims.index(self.variables[name].dims[0])]
-            columns.append([self.axes[name][index] for index in indices.tolist()])
+            dim_indices = indices[self.dims.index(self.variables[name].dims[0])]
+            columns.append([self.axes[name][index] for index in dim_indices.tolist()])
         return [
             Point(load, velocity, tuple(zip(names[2:], labels, strict=True)))
             for load, velocity, *labels in zip(*columns, strict=True)
@@ -244,21 +244,21 @@ def block_at(chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
 
 
 def checksums(
-    group: Group, where: Indices, values: Mapping[str, Any], done: Mask
+    group: Group, indices: Indices, values: Mapping[str, Any], done: Mask
 ) -> NDArray[np.uint32]:
     """CRC-32 of each point: of its scene, load, velocity and stored values.
 
     It detects files that were exchanged. Points that failed have no results.
     """
-    sums = np.zeros(len(where), np.uint32)
+    sums = np.zeros(len(indices), np.uint32)
     names = sorted(values.keys() - {"checksum", "wall_time"})
-    has_fields = done & group.with_fields[tuple(where.T)]
-    for row, point in enumerate(group.points_at(tuple(where.T))):
+    has_fields = done & group.with_fields[tuple(indices.T)]
+    for row, point in enumerate(group.points_at(tuple(indices.T))):
         identity = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
         crc = zlib.crc32(identity.encode())
         for name in names:
             has_values = has_fields if name in FIELDS else done
-            if not (has_values[row] or name in _OF_POINT) or (stored := values[name][row]) is None:
+            if not (has_values[row] or name in _OF_FAILED) or (stored := values[name][row]) is None:
                 continue
             if name == "message":
                 stored = str(stored).encode()

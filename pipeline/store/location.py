@@ -120,7 +120,7 @@ class Folder:
 
 
 # Errors of fsspec for a missing object; older versions raise the last one for a zip file.
-_MISSING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
+_MISSING_OBJECT_ERRORS = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Bucket:
     """Location of a store: an address, such as ``s3://bucket/sweep.zarr``."""
 
     address: str
-    is_written: bool
+    is_writable: bool
     """True if stores can be written there; at other kinds of addresses they are only read."""
 
     def __str__(self) -> str:
@@ -143,8 +143,8 @@ class Bucket:
         only_s3 = {"max_concurrency": 1} if self.address.startswith("s3://") else {}
         return FsspecStore.from_url(
             self.address,
-            read_only=not self.is_written,
-            allowed_exceptions=_MISSING,
+            read_only=not self.is_writable,
+            allowed_exceptions=_MISSING_OBJECT_ERRORS,
             storage_options={"use_listings_cache": False, **only_s3},
         )
 
@@ -188,11 +188,11 @@ def location_of(path: PathLike | None) -> Location:
     Raises a `StoreError` for the root of a file system.
     """
     if path is None:
-        return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr", is_written=True)
+        return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr", is_writable=True)
     require_path(path)
     address = os.fspath(path).removeprefix("file://")
     if "://" in address:
-        return Bucket(address.rstrip("/"), is_written=address.startswith("s3://"))
+        return Bucket(address.rstrip("/"), is_writable=address.startswith("s3://"))
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; choose a folder below it")

@@ -24,7 +24,8 @@ _ENTRIES = {
 }  # fmt: skip
 """Entries of the scene file by the beginning of an object's path, if they differ."""
 
-_MORE_FIELDS: tuple[Any, ...] = False, True, "steps"
+_FIELDS_ASCENDING: tuple[Any, ...] = False, True, "steps"
+"""Values of ``sweep.fields``, from no fields to those of all steps."""
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
@@ -79,12 +80,12 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
 
 def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
     """Tests of a store with points that the tests of a scene lack: results are kept."""
-    known, former = {slot[:3] for slot in list_points_of_tests(sweep)}, list[SpecimenTest]()
+    known, former_tests = {point[:3] for point in list_points_of_tests(sweep)}, list[SpecimenTest]()
     for test in (*before.tests, *before.former_tests):
         test_points = {(sweep._hash_scene(test.case.scene), *point) for point in test.points}
-        former += [test] if test_points - known else []
+        former_tests += [test] if test_points - known else []
         known |= test_points
-    return tuple(former)
+    return tuple(former_tests)
 
 
 def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
@@ -97,7 +98,9 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         return
     for name in old_hashes.keys() & new_hashes.keys():
         before, after = old.by_name[name], new.by_name[name]
-        different = [_differs(k, before[k], after[k]) for k in before if before[k] != after.get(k)]
+        different = [
+            _difference_text(k, before[k], after[k]) for k in before if before[k] != after.get(k)
+        ]
         if old_hashes[name] != new_hashes[name]:
             scenes = (compared.case(name).scene for compared in (stored, sweep))
             different += changes_in_words(*scenes)
@@ -106,9 +109,9 @@ def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
             yield from (f"{row}{words}" for words in different)
             break  # one differing case is enough
     if (steps := sweep.steps) not in (None, choose_stored_steps(stored).steps):
-        yield _differs("sweep.steps", choose_stored_steps(stored).steps, steps)
-    if _MORE_FIELDS.index(sweep.fields) > _MORE_FIELDS.index(stored.fields):
-        yield _differs("sweep.fields", quoted(stored.fields), quoted(sweep.fields))
+        yield _difference_text("sweep.steps", choose_stored_steps(stored).steps, steps)
+    if _FIELDS_ASCENDING.index(sweep.fields) > _FIELDS_ASCENDING.index(stored.fields):
+        yield _difference_text("sweep.fields", quoted(stored.fields), quoted(sweep.fields))
     try:
         join(stored, sweep)
     except InputError as error:
@@ -122,14 +125,14 @@ def changes_in_words(old: Any, new: Any) -> Iterator[str]:
         first = next(
             (entry for entry in _ENTRIES if path == entry or path.startswith(f"{entry}.")), ""
         )
-        yield _differs(_ENTRIES.get(first, "") + path[len(first) :], before, after)
+        yield _difference_text(_ENTRIES.get(first, "") + path[len(first) :], before, after)
 
 
-def _differs(path: str, old: Any, new: Any) -> str:
-    return f"{path}: {_text(old)} in the store, {_text(new)} in the scene"
+def _difference_text(path: str, old: Any, new: Any) -> str:
+    return f"{path}: {_value_text(old)} in the store, {_value_text(new)} in the scene"
 
 
-def _text(value: Any) -> str:
+def _value_text(value: Any) -> str:
     match value:
         case None:
             return "none"

@@ -40,8 +40,8 @@ from pipeline.store.location import (
 from pipeline.store.lock import holder_of
 from pipeline.store.schema import (
     ABOUT,
-    DIM,
     FORMAT,
+    INPUT_DIM,
     INPUTS,
     OF_FIELDS,
     OF_TESTS,
@@ -57,15 +57,14 @@ from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
 from tribo.types import Array
 
-WRITER = "computed by "
+WRITER_PREFIX = "computed by "
 """Beginning of a line in the history of a store that names the versions of programs."""
-GOAL = "run with --accuracy "
+GOAL_PREFIX = "run with --accuracy "
 """Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
 """Key of the document with the data of the sweep, which makes a folder a store."""
 _MAX_PROPORTION = 0.75  # of the limits of documents that are read, up to which they are written
-_COPY = "consolidated_metadata"
-_SOURCE = "simulated by irg-transition"
+_CONSOLIDATED = "consolidated_metadata"
 _WRONG_KIND = AttributeError, LookupError, OverflowError, TypeError, ValueError
 """Errors of data of another kind than this version reads, such as text in place of a number."""
 _LOST = (
@@ -133,7 +132,7 @@ class Root:
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.title,
-            "source": _SOURCE,
+            "source": "simulated by irg-transition",
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
             "scene": self.sweep.text,
@@ -178,7 +177,7 @@ class Root:
         }
         consolidated = {"kind": "inline", "must_understand": False, "metadata": members}
         keys = {f"{path}/{ROOT}": document for path, document in documents.items()}
-        return {ROOT: _group(self.attributes) | {_COPY: consolidated}} | keys
+        return {ROOT: _group(self.attributes) | {_CONSOLIDATED: consolidated}} | keys
 
 
 def _group(attributes: Document) -> Document:
@@ -274,9 +273,11 @@ def _parse(location: Location, key: str, content: bytes) -> Root:
     """
     try:
         document = json.loads(content)
-        facts = (document if key == FACTS else document[_COPY]["metadata"][ABOUT])["attributes"]
+        facts = (document if key == FACTS else document[_CONSOLIDATED]["metadata"][ABOUT])[
+            "attributes"
+        ]
         version, history = facts["format"], facts["history"]
-        writer = [f"{line}" for line in history if f"{line}".startswith(WRITER)][-1]
+        writer = [f"{line}" for line in history if f"{line}".startswith(WRITER_PREFIX)][-1]
         is_intact = version == FORMAT and facts["digest"] == _digest(facts)
     except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
         raise _damaged(location, key, f"{type(error).__name__} {error}") from error
@@ -318,7 +319,7 @@ def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dic
     if (count := sum(sizes.values())) > MAX_INPUTS:
         raise InputError(f"it contains {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
-    document = array_document(variable, {DIM: sum(sizes.values())}, {}, growths)
+    document = array_document(variable, {INPUT_DIM: sum(sizes.values())}, {}, growths)
     array = open_arrays(location.zarr, {INPUTS: document})[INPUTS]
     with read_errors(location, INPUTS):
         return split_arrays(array[:], variable.attributes)
@@ -365,10 +366,15 @@ def stale_documents(location: Location, root: Root) -> dict[str, Document]:
 def _with_additions(stored: Document, right: Document) -> Document:
     """The document `right` with what users added to the `stored` one."""
     complete = stored | right | {"attributes": stored.get("attributes", {}) | right["attributes"]}
-    if stored and _COPY in right:  # Zarr drops the copy of all metadata if an array is added
-        complete[_COPY], old = stored.get(_COPY), (stored.get(_COPY) or {}).get("metadata", {})
+    if (
+        stored and _CONSOLIDATED in right
+    ):  # Zarr drops the copy of all metadata if an array is added
+        complete[_CONSOLIDATED], old = (
+            stored.get(_CONSOLIDATED),
+            (stored.get(_CONSOLIDATED) or {}).get("metadata", {}),
+        )
         if old:
-            members = right[_COPY]["metadata"].items()
+            members = right[_CONSOLIDATED]["metadata"].items()
             merged = {path: _with_additions(old.get(path, {}), member) for path, member in members}
-            complete[_COPY] = right[_COPY] | {"metadata": old | merged}
+            complete[_CONSOLIDATED] = right[_CONSOLIDATED] | {"metadata": old | merged}
     return complete

@@ -19,7 +19,7 @@ FORMAT = 42
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
-DIM = "input"
+INPUT_DIM = "input"
 """Dimension of the variable `INPUTS`, which has no coordinate."""
 
 
@@ -40,14 +40,14 @@ It is not called ``realization``, since xarray gives a group the dimensions of t
 """
 PLANE = ("load", "velocity")
 """Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
-_STEP = (*PLANE, "step")
-_QUANTILES = (*_STEP, "area_fraction_below")
-_FIELD = (*PLANE, "x", "y")
-_RISE = "per unit friction coefficient"
+_STEP_DIMS = (*PLANE, "step")
+_QUANTILE_DIMS = (*_STEP_DIMS, "area_fraction_below")
+_FIELD_DIMS = (*PLANE, "x", "y")
+_PER_FRICTION = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    return Variable(_FIELD, units, long_name, "float32")  # half the size
+    return Variable(_FIELD_DIMS, units, long_name, "float32")  # half the size
 
 
 COORDINATES = {
@@ -63,30 +63,36 @@ COORDINATES = {
     FIELD_REALIZATION: Variable((), "1", "surface realization of the fields", "int64"),
 }
 PROGRESS = {
-    "time": Variable(_STEP, "s", "time since the start of the ramp"),
-    "normal_load": Variable(_STEP, "N", "normal load on the pin"),
-    "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
+    "time": Variable(_STEP_DIMS, "s", "time since the start of the ramp"),
+    "normal_load": Variable(_STEP_DIMS, "N", "normal load on the pin"),
+    "sliding_distance": Variable(_STEP_DIMS, "m", "sliding distance since the start of the ramp"),
 }
 """Results at each step that are coordinates of the dataset, equal for all realizations."""
 COLUMNS = {
     **PROGRESS,
-    "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
-    "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
-    "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
-    "mean_pressure": Variable(_STEP, "Pa", "mean pressure over the contact"),
-    "plastic_fraction": Variable(_STEP, "1", "share of the contact area at the hardness (plastic)"),
-    "wear_depth_max": Variable(_STEP, "m", "maximum wear depth of the pin"),
-    "wear_volume": Variable(_STEP, "m^3", "worn volume of the whole pin"),
-    "iterations": Variable(_STEP, "1", "iterations of the contact solver"),
-    "residual": Variable(_STEP, "1", "residual of the contact solver"),
-    "max_rise": Variable(_STEP, "K", f"highest temperature rise of the contact {_RISE}"),
-    "mean_rise": Variable(_STEP, "K", f"mean temperature rise of the contact {_RISE}"),
-    "pin_heat_share": Variable(_STEP, "1", "share of the friction heat that enters the pin"),
-    "rise_quantile": Variable(_QUANTILES, "K", f"quantile of the rise of the contact {_RISE}"),
+    "contact_fraction": Variable(_STEP_DIMS, "1", "share of the window in contact"),
+    "contact_width": Variable(_STEP_DIMS, "m", "width of the contact along the sliding direction"),
+    "max_pressure": Variable(_STEP_DIMS, "Pa", "highest contact pressure"),
+    "mean_pressure": Variable(_STEP_DIMS, "Pa", "mean pressure over the contact"),
+    "plastic_fraction": Variable(
+        _STEP_DIMS, "1", "share of the contact area at the hardness (plastic)"
+    ),
+    "wear_depth_max": Variable(_STEP_DIMS, "m", "maximum wear depth of the pin"),
+    "wear_volume": Variable(_STEP_DIMS, "m^3", "worn volume of the whole pin"),
+    "iterations": Variable(_STEP_DIMS, "1", "iterations of the contact solver"),
+    "residual": Variable(_STEP_DIMS, "1", "residual of the contact solver"),
+    "max_rise": Variable(
+        _STEP_DIMS, "K", f"highest temperature rise of the contact {_PER_FRICTION}"
+    ),
+    "mean_rise": Variable(_STEP_DIMS, "K", f"mean temperature rise of the contact {_PER_FRICTION}"),
+    "pin_heat_share": Variable(_STEP_DIMS, "1", "share of the friction heat that enters the pin"),
+    "rise_quantile": Variable(
+        _QUANTILE_DIMS, "K", f"quantile of the rise of the contact {_PER_FRICTION}"
+    ),
 }
 FIELDS = {
     "pressure": _field("Pa", "contact pressure"),
-    "rise": _field("K", f"temperature rise of the pin {_RISE}"),
+    "rise": _field("K", f"temperature rise of the pin {_PER_FRICTION}"),
     "wear_depth": _field("m", "wear depth of the pin"),
 }
 SAMPLING = {
@@ -107,19 +113,19 @@ FILM = {
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth, worn contact"),
 }
 """Variables of the contact at the last step, from which answers compute the oil film."""
-_STATES = {
+_STATUS_ATTRIBUTES = {
     "flag_values": [NOT_NEEDED, DONE, FAILED, PENDING],
     "flag_meanings": "not_needed done failed pending",
 }
-_WARNINGS = {
+_WARNING_ATTRIBUTES = {
     "flag_masks": [int(kind) for kind in WarningKind],
     "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
 }
 RECORDS = {
-    "status": Variable(PLANE, None, "state of the point", "int8", _STATES),
+    "status": Variable(PLANE, None, "state of the point", "int8", _STATUS_ATTRIBUTES),
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
     "message": Variable(PLANE, None, "reason for a failure", "str"),
-    "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _WARNINGS),
+    "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _WARNING_ATTRIBUTES),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
     "checksum": Variable(PLANE, None, "CRC-32 of case, load, velocity and values", "uint32"),
 }
@@ -253,7 +259,7 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the sweep names by their digests, one after the other"
-    return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
+    return {INPUTS: Variable((INPUT_DIM,), None, meaning, attributes=table)} if sizes else {}
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:

@@ -91,10 +91,10 @@ def summary(path: PathLike) -> Summary:
     >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-    return states(path)[0]
+    return summary_and_sweep(path)[0]
 
 
-def states(path: PathLike) -> tuple[Summary, Sweep]:
+def summary_and_sweep(path: PathLike) -> tuple[Summary, Sweep]:
     """Progress of a store, and its sweep."""
     store = opened(path)
     return summary_of(store), store.sweep

@@ -81,9 +81,9 @@ class Store:
         may_be_damaged: bool = False,
     ) -> None:
         self.location, self.root, self.lock, self.damage = location, root, lock, Damage()
-        self.group = layout = group or root.plane
-        self.sweep, self.axes, self.dims = layout.sweep, layout.axes, layout.dims
-        self.arrays = open_arrays(location.zarr, layout.arrays, layout.prefix)
+        self.group = group or root.plane
+        self.sweep, self.axes, self.dims = self.group.sweep, self.group.axes, self.group.dims
+        self.arrays = open_arrays(location.zarr, self.group.arrays, self.group.prefix)
         self._numbers = [
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
@@ -174,9 +174,9 @@ class Store:
     def commit(self, records: Iterable[PointRecord]) -> None:
         """Write the data of points, then their statuses, so that points that are done have data."""
         if records := [*records]:
-            where = np.array([self.index(record.point) for record in records])
+            indices = np.array([self.index(record.point) for record in records])
             states = [FAILED if record.data is None else DONE for record in records]
-            self.write(where, self._columns(records), np.array(states, np.int8))
+            self.write(indices, self._columns(records), np.array(states, np.int8))
 
     def _columns(self, records: Sequence[PointRecord]) -> dict[str, list[Any]]:
         """Values of records by variable; results are None at points without them."""
@@ -203,24 +203,25 @@ class Store:
 
     def write(
         self,
-        where: Indices,
+        indices: Indices,
         values: Mapping[str, Any],
         states: NDArray[np.int8],
         stored: Collection[str] = (),
     ) -> None:
         """Write the values of points by variable, then their statuses once the values are on disk.
 
-        `where` has the index of each point, shape (n, n_dim). Values at steps are those of the last
-        ones. A result is None at points without it. The files of the variables `stored` have these
-        values already.
+        `indices` has the index of each point, shape (n, n_dim). Values at steps are those of the
+        last ones. A result is None at points without it. The files of the variables `stored` have
+        these values already.
         """
         is_done = states == DONE
-        values = {**values, "checksum": checksums(self.group, where, values, is_done)}
-        has_fields, chunks = self.group.with_fields[tuple(where.T)], list[tuple[Any, ...]]()
+        values = {**values, "checksum": checksums(self.group, indices, values, is_done)}
+        has_fields, chunks = self.group.with_fields[tuple(indices.T)], list[tuple[Any, ...]]()
         for name in values.keys() - {*stored}:
             rows_by_chunk = defaultdict[Index, list[int]](list)
-            at, column = self.group.point_indices(name, where), values[name]
-            for row, chunk in enumerate((at // self.block_of(name)).tolist()):
+            variable_indices = self.group.point_indices(name, indices)
+            column = values[name]
+            for row, chunk in enumerate((variable_indices // self.block_of(name)).tolist()):
                 # A point that failed must not replace times that it shares with others.
                 has_value = name not in DATA or is_done[row]
                 if name in FIELDS:
@@ -228,17 +229,19 @@ class Store:
                 if has_value:
                     rows_by_chunk[tuple(chunk)].append(row)
             chunks += [
-                (name, chunk, at[rows], [column[row] for row in rows])
+                (name, chunk, variable_indices[rows], [column[row] for row in rows])
                 for chunk, rows in rows_by_chunk.items()
             ]
         with ThreadPoolExecutor(_THREADS) as threads:
-            self.put([*threads.map(lambda chunk: self._changed(*chunk), chunks)])
+            self.put([*threads.map(lambda chunk: self._part_of_chunk(*chunk), chunks)])
         flags = self.flags.copy()
-        flags[tuple(where.T)] = states
+        flags[tuple(indices.T)] = states
         self.set_flags(flags)
 
-    def _changed(self, name: str, chunk: Index, at: Indices, new_values: Sequence[Any]) -> Part:
-        """Part for `write_arrays`: a chunk of a variable with new values at the indices `at`."""
+    def _part_of_chunk(
+        self, name: str, chunk: Index, indices: Indices, new_values: Sequence[Any]
+    ) -> Part:
+        """Part for `write_arrays`: a chunk of a variable with new values at some indices."""
         array, block = self.arrays[name], block_at(chunk, self.block_of(name))
         was_written = self.group.values_at(name, np.isin(self.flags, (DONE, FAILED)))[block]
         if name not in FIELDS and was_written.any():
@@ -246,7 +249,7 @@ class Store:
         else:  # the chunk has no results yet, and may be damaged
             shape = was_written.shape + array.shape[len(block) :]
             values = np.full(shape, array.fill_value, array.dtype)
-        for index, value in zip(at - [part.start for part in block], new_values, strict=True):
+        for index, value in zip(indices - [part.start for part in block], new_values, strict=True):
             if self.group.is_stepped(name):
                 steps = values[tuple(index)]
                 count = min(len(value), len(steps))  # steps beyond the chunk have no values
@@ -265,8 +268,8 @@ class Store:
     def ask(self, points: Iterable[Point]) -> None:
         """Mark `points` as needed, and all others that are not done as not needed."""
         self.ask_for(points := [*points])
-        is_left = self._mask(points) | (self.flags == DONE)
-        self.set_flags(np.where(is_left, self.flags, np.int8(NOT_NEEDED)))
+        is_unchanged = self._mask(points) | (self.flags == DONE)
+        self.set_flags(np.where(is_unchanged, self.flags, np.int8(NOT_NEEDED)))
 
     def ask_for(self, points: Iterable[Point]) -> None:
         """Mark further points as needed."""
