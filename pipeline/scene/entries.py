@@ -19,6 +19,16 @@ def entry_at(tables: Any, path: str) -> Any:
     return entry
 
 
+def is_within(path: str, table_path: str) -> bool:
+    """True if an entry is that at `table_path`, or an entry of this table or list."""
+    return path == table_path or path.startswith((f"{table_path}.", f"{table_path}["))
+
+
+def are_nested(first: str, second: str) -> bool:
+    """True if two paths are equal, or one is within the other."""
+    return is_within(first, second) or is_within(second, first)
+
+
 def too_deep_key(tables: Any, level: int = 0) -> str:
     """Key below which tables or lists are nested more than `MAX_LEVELS` deep; else empty."""
     members = tables.items() if isinstance(tables, dict) else enumerate(tables)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from pipeline.limits import MAX_FAULTS
 from pipeline.messages import fault_lines
+from pipeline.scene.entries import are_nested
 from pipeline.shipped import name_of
 from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.table import TableError
@@ -66,10 +67,7 @@ class Faults(list[Fault]):
 
     def touches(self, path: str) -> bool:
         """True if there is a fault in the entry at a path, within it, or in the table around it."""
-        return any(
-            key == path or key.startswith((f"{path}.", f"{path}[")) or path.startswith(f"{key}.")
-            for key, *_ in self
-        )
+        return any(are_nested(fault.key, path) for fault in self)
 
     def raise_first(self) -> None:
         """Raise the first fault, if there is one, as an `InputError`."""

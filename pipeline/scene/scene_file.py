@@ -21,8 +21,10 @@ from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import (
     MAX_LEVELS,
     Entries,
+    are_nested,
     entry_at,
     flat,
+    is_within,
     replace_value,
     replace_values,
     too_deep_key,
@@ -155,8 +157,7 @@ class Source:
         lists = {path: "over" for path, _ in flat(over)} if isinstance(over, dict) else {}
         lists |= dict.fromkeys(along[0] if along else (), "along")
         for path, list_name in lists.items():
-            is_within = fault.key == path or fault.key.startswith((f"{path}.", f"{path}["))
-            if is_within and entry_at(self.entries, path) is None:
+            if is_within(fault.key, path) and entry_at(self.entries, path) is None:
                 return fault._replace(key=f"sweep.{list_name}.{quoted(path)}")
         return fault
 
@@ -225,7 +226,7 @@ def _paths_in(path: str, value: Any) -> list[str]:
 def _is_set(path: str, entries: Entries) -> bool:
     """True if `entries`, by path, have the entry at a path, a table around it, or one within it."""
     return any(
-        f"{path}.".startswith(f"{set_path}.") or set_path.startswith(f"{path}.")
+        are_nested(path, set_path)
         for key, value in entries.items()
         for set_path in _paths_in(key, value)
     )

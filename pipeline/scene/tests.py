@@ -11,7 +11,7 @@ from pipeline.limits import MAX_CASES
 from pipeline.messages import quoted
 from pipeline.scene.build import BuiltScene, Files, build_case
 from pipeline.scene.declared_tables import table_of
-from pipeline.scene.entries import Entries
+from pipeline.scene.entries import Entries, are_nested
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile
 from pipeline.scene.format import Test as TestEntry
@@ -71,38 +71,33 @@ def read_tests(
 
     The scene is built once for each different `with`.
     """
-    known, tests, base = (
-        dict[str, tuple[BuiltScene | None, Faults]](),
-        list[SpecimenTest](),
-        scene.case,
-    )
+    changed_scenes, tests = dict[str, tuple[BuiltScene | None, Faults]](), list[SpecimenTest]()
     for number, entry in enumerate(scene.tables.tests or ()):
-        path, changes, built = f"tests[{number}]", entry.with_ or {}, scene
-        wrong = [*_path_faults(entry, changes)]
-        if changes and not wrong:
-            if (key := json.dumps(changes)) not in known:
+        path, changes, scene_of_test = f"tests[{number}]", entry.with_ or {}, scene
+        problems = [*_path_faults(entry, changes)]
+        if changes and not problems:
+            if (key := json.dumps(changes)) not in changed_scenes:
                 case_faults = Faults()
-                built_case = build_case(scene, entries, changes, files, case_faults)
-                known[key] = built_case, case_faults
-            other, case_faults = known[key]
-            wrong = [f"{fault.key}: {fault.problem}" for fault in case_faults]
+                changed_scene = build_case(scene, entries, changes, files, case_faults)
+                changed_scenes[key] = changed_scene, case_faults
+            changed_scene, case_faults = changed_scenes[key]
+            scene_of_test = changed_scene or scene
+            problems = [f"{fault.key}: {fault.problem}" for fault in case_faults]
             faults.notes += [note for note in case_faults.notes if note.path in changes]
             faults.warnings += [
                 warning for warning in case_faults.warnings if warning.path in changes
             ]
-            built = other or scene
-        for problem in wrong:
+        for problem in problems:
             faults.refuse(f"{path}.with", problem)
         with faults.at(path):
-            case = _changed_case(built, base)
+            case = _changed_case(scene_of_test.case, scene.case)
             case = replace(case, scene=_with_stages(case.scene, entry, scene.tables))
             tests.append(_test_of(entry, test_case(case, number, entry)))
     return tuple(tests)
 
 
-def _changed_case(built: BuiltScene, base: Case) -> Case:
+def _changed_case(changed: Case, base: Case) -> Case:
     """Case of changed entries; critical temperature, area fraction and `[model]` are of `base`."""
-    changed = built.case
     if changed is base:
         return base
     conditions = with_test_conditions(
@@ -171,13 +166,8 @@ def _with_stages(scene: Scene, entry: Any, tables: Any) -> Scene:
 def _path_faults(entry: Any, changes: Mapping[str, Any]) -> Iterator[str]:
     """Faults of changed paths that other entries of the test set, or that no test may set."""
     for path in changes:
-        if any(_is_in(path, other) for other in _SHARED_ENTRIES):
+        if any(are_nested(path, shared_path) for shared_path in _SHARED_ENTRIES):
             yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
-        for name, other in _REPLACED_ENTRIES.items():
-            if getattr(entry, name) is not None and _is_in(path, other):
+        for name, replaced_path in _REPLACED_ENTRIES.items():
+            if getattr(entry, name) is not None and are_nested(path, replaced_path):
                 yield f"{quoted(path)} is set by the {name} of this test; give one of them"
-
-
-def _is_in(path: str, other: str) -> bool:
-    """True if an entry is another one, or in its table, or its table has the other one."""
-    return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")

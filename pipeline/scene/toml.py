@@ -23,6 +23,7 @@ from pipeline.scene.entries import (
     Entries,
     entry_at,
     flat,
+    is_within,
     merged,
     replace_value,
     too_deep_key,
@@ -65,11 +66,7 @@ class Document(NamedTuple):
 
     def without(self, path: str) -> Document:
         """A new document without the entry at `path`."""
-        files = {
-            entry_path: file
-            for entry_path, file in self.files.items()
-            if not f"{entry_path}.".startswith(f"{path}.")
-        }
+        files = {key: file for key, file in self.files.items() if not is_within(key, path)}
         return Document(self.file, replace_value(self.entries, path, None), files)
 
     def file_of(self, key: str) -> Path:
