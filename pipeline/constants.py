@@ -16,7 +16,7 @@ window that stands still. A pin that wears under strips of the disk errs at rand
 
 Judged by `python -m tests.promises.front`.
 """
-BOUNDS_OF_HIGHEST = {"standard": 0.05}
+HIGHEST_TEMPERATURE_BOUNDS = {"standard": 0.05}
 """Error bounds of presets where the highest temperature governs, if larger than usual.
 
 The error of critical velocities is then up to 3.6 % at 99 % of 811 points, and up to 1.3 % with a
@@ -24,12 +24,12 @@ critical area fraction of a tenth.
 
 Judged by `python -m tests.promises.errors`.
 """
-HIGHEST_SHARE = 0.05
+HIGHEST_TEMPERATURE_FRACTION = 0.05
 """Critical area fraction below which the governing temperature counts as the highest.
 
 Judged by `python -m tests.promises.errors`.
 """
-BOUNDS_OF_MOST = {"standard": 0.03}
+LARGE_FRACTION_BOUNDS = {"standard": 0.03}
 """Error bounds of presets where the temperature of most of the contact governs, if larger.
 
 The error of critical velocities is then up to 2.4 % at 99 % of 811 points, and up to 1.3 % with a
@@ -37,29 +37,29 @@ critical area fraction of a tenth.
 
 Judged by `python -m tests.promises.errors`.
 """
-MOST_SHARE = 0.3
-"""Critical area fraction from which on `BOUNDS_OF_MOST` applies.
+LARGE_AREA_FRACTION = 0.3
+"""Critical area fraction from which on `LARGE_FRACTION_BOUNDS` applies.
 
 Judged by `python -m tests.promises.errors`.
 """
-RISE_SHARE = 0.65
+RISE_EXPONENT = 0.65
 """Relative error of a rise over that of the critical velocity: rises grow as velocity^0.5 to 0.7.
 
 Found by `make promises`.
 """
-BEYOND = 0.12
+EXPONENT_ERROR = 0.12
 """Error of the exponent of an extrapolated power law, per unit of ln(velocity).
 
 The distance in ln(velocity) is from the second outermost point.
 
 Found by `python -m tests.promises.errors`.
 """
-LEAST_BENT, UNSEEN_BENT = 0.1, 0.25
+MIN_CURVATURE, UNSEEN_CURVATURE = 0.1, 0.25
 """Least assumed curvature d²y/d ln(velocity)² of a curve through three points, and through two.
 
 Judged by `python -m tests.promises.errors`.
 """
-ROUGH_GAP = 0.008
+ROUGHNESS_ERROR = 0.008
 """Interpolation error between two velocities due to roughness, over ln of their ratio.
 
 With it the bound holds at 96 % of velocities between those of `fine` on 24 scenes, and at 96 % on
@@ -88,7 +88,7 @@ WARNING_ERRORS = {
 
 Found by `python -m tests.promises.errors`.
 """
-APART_FOR_EXPONENT = 1.1
+MIN_VELOCITY_RATIO = 1.1
 """Least ratio of two velocities that give an exponent of the rise.
 
 Judged by `python -m tests.promises.errors`.
@@ -96,12 +96,12 @@ Judged by `python -m tests.promises.errors`.
 
 # Lines of ln(rise/limit)
 
-FARTHEST = 3.0
+MAX_EXTRAPOLATION = 3.0
 """Factor beyond the computed velocities up to which a line is extrapolated.
 
 Judged by `python -m tests.promises.errors`.
 """
-LEAST_SLOPE = 0.05
+MIN_SLOPE = 0.05
 """Least slope of ln(rise) over ln(velocity or load) for extrapolation beyond the ends of a line.
 
 Judged by `python -m tests.promises.errors`.
@@ -127,22 +127,22 @@ Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 
 # Search of the boundary
 
-STEEPEST, FLATTEST = 3.0, 0.1
+STEEPEST_SLOPE, FLATTEST_SLOPE = 3.0, 0.1
 """Largest and least slope of y; a slope beyond is ignored, as a rise may start at 0 or decrease.
 
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
-CURVATURE = 0.3
+MAX_CURVATURE = 0.3
 """Bound of d²(y − ln µ)/d ln(velocity)².
 
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
-ROUGH_LINE = 0.003
+ROUGHNESS_DEVIATION = 0.003
 """Deviation of the rise of a rough contact from a smooth curve, from velocity to velocity.
 
 0.2 % is observed. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
-VELOCITY_SHARE, LOAD_SHARE = 1 / 3, 0.65
+VELOCITY_BUDGET, LOAD_BUDGET = 1 / 3, 0.65
 """Share of the error budget of a goal for interpolation along velocity, and along load.
 
 The budget is what the preset's error leaves. If the error along load is above its share, the load
@@ -151,7 +151,7 @@ gets points of its own, which cost less than further realizations at its neighbo
 Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 
-GAP_SHARE = 1 / 2
+CROSSING_BUDGET = 1 / 2
 """Share of the error budget above which the sweep gets a velocity at the crossing.
 
 An interpolation error of half the budget takes a third more realizations.
@@ -165,23 +165,23 @@ SHARP_ENDS = 0.09, 0.23
 
 Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
 """
-DECIDED = (0.05, 0.5, 0.95)
+VERDICT_PROBABILITIES = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: the verdict is mild up to the first, severe from the last.
 
 They are chosen; how often verdicts hold is measured.
 Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
 """
-LEAST_STATED = 0.01
+MIN_STATED_PROBABILITY = 0.01
 """Least probability that is stated as a number, because the tails are not known better.
 
 Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
 """
-WORTH = 4
+PRIOR_WEIGHT = 4
 """Degrees of freedom of the bias, and number of results equivalent to the prior of the scatter.
 
 Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
 """
-UNLIKELY = 0.01
+OUTLIER_PROBABILITY = 0.01
 """Leave-one-out probability below which a test is listed as an outlier.
 
 Judged by `python -m pytest tests/pipeline/answers/test_tested.py`.

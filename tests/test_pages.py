@@ -11,7 +11,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.cli.parser import parse
-from pipeline.constants import BOUNDS_OF_HIGHEST, PRESET_BOUNDS
+from pipeline.constants import HIGHEST_TEMPERATURE_BOUNDS, PRESET_BOUNDS
 
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = ROOT / "workflows"
@@ -135,4 +135,4 @@ def test_the_bounds_of_presets_are_those_of_the_answers():
         {name: PRESET_BOUNDS[name] for name in ("standard", "fine")}
     )
     (highest,) = re.findall(r"0 is the highest temperature \| (\d+) %", page)
-    assert float(highest) / 100 == BOUNDS_OF_HIGHEST["standard"]
+    assert float(highest) / 100 == HIGHEST_TEMPERATURE_BOUNDS["standard"]

@@ -25,7 +25,7 @@ from pipeline.answers.readable import (
     row_labels,
     verdict_text,
 )
-from pipeline.constants import DECIDED
+from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.messages import listed, split_notes
 from pipeline.quantities import UNITS, ZERO
 from tribo.types import Array
@@ -266,7 +266,7 @@ def to_decide(point: xr.Dataset) -> str:
     if verdict_text(point) != "undecided" or point["reason"].item():
         return ""
     low, middle, high = (point[f"probability{end}"].item() for end in ("_low", "", "_high"))
-    mild, _, severe = DECIDED
+    mild, _, severe = VERDICT_PROBABILITIES
     sizes = {name: point[f"temperature_error_{name}"].item() for name in _REMEDIES}
     largest = max(sizes, key=lambda name: math.inf if math.isnan(sizes[name]) else sizes[name])
     test = _TESTED_POINT if point["nearby_tests"].item() else _TEST_POINT

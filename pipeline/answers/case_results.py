@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.constants import APART_FOR_EXPONENT
+from pipeline.constants import MIN_VELOCITY_RATIO
 from pipeline.store.schema import (
     COORDINATES,
     DONE,
@@ -255,7 +255,7 @@ def _require_equal(values: Array, stored: Array, problem: str) -> None:
 def _exponents(x: Array, y: Array) -> Array:
     """Slope at each point of a curve y(x) from its neighbours; NaN without neighbours."""
     slopes, known = np.full(x.shape, np.nan), np.flatnonzero(np.isfinite(y))
-    x, y, min_distance = x[known], y[known], math.log(APART_FOR_EXPONENT)
+    x, y, min_distance = x[known], y[known], math.log(MIN_VELOCITY_RATIO)
     low = np.maximum(np.searchsorted(x, x - min_distance, "right") - 1, 0)
     high = np.minimum(np.searchsorted(x, x + min_distance), len(known) - 1)
     is_apart = x[high] - x[low] >= min_distance

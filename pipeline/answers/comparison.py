@@ -17,7 +17,7 @@ from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import JudgedCase
 from pipeline.arguments import typed_arguments
-from pipeline.constants import DECIDED
+from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.store.location import PathLike
 
 
@@ -59,7 +59,8 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     comparison = comparison if columns else xr.Dataset(coords={"test": np.array([], object)})
     bulk = np.full(1, model.conditions.bulk_temperature)
     levels = [
-        float(evidence.log_rise_ratio_quantiles(probability, bulk)[0]) for probability in DECIDED
+        float(evidence.log_rise_ratio_quantiles(probability, bulk)[0])
+        for probability in VERDICT_PROBABILITIES
     ]
     return with_attributes(comparison).assign_attrs(
         answer_attributes(model), missing_points=0, levels=levels

@@ -29,7 +29,7 @@ from pipeline.answers.posterior import (
     update,
 )
 from pipeline.answers.specimen import Specimen
-from pipeline.constants import WORTH
+from pipeline.constants import PRIOR_WEIGHT
 from pipeline.sweep.case import Conditions
 from tribo import InputError
 from tribo.types import Array
@@ -102,7 +102,9 @@ def _median_excess(evidence: Evidence, start: float, bulk: float) -> tuple[float
     """Median of Tc − bulk temperature [K] without a bias, and standard deviation of its ln."""
     temperatures = bulk + _PRIOR_MEDIAN * np.exp(_NODES)
     logs = _log_likelihood(evidence, start, temperatures, np.zeros(1))[:, 0]
-    weights = np.exp(logs - (WORTH + 1) / 2 * np.log1p(_NODES**2 / WORTH) - logs.max())
+    weights = np.exp(
+        logs - (PRIOR_WEIGHT + 1) / 2 * np.log1p(_NODES**2 / PRIOR_WEIGHT) - logs.max()
+    )
     weights /= weights.sum()
     median = float(np.interp(0.5, np.cumsum(weights) - weights / 2, _NODES))
     variance = float(weights @ (_NODES - weights @ _NODES) ** 2)
@@ -128,7 +130,9 @@ def _biases(prior: Prior) -> tuple[Array, Array]:
     """Nodes of the bias, and ln(weights)."""
     u = np.linspace(-_FARTHEST, _FARTHEST, _BIASES)
     bias = max(prior.bias, LEAST_BIAS) * np.sinh(u)
-    return bias, np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(np.sinh(u) ** 2 / WORTH)
+    return bias, np.log(np.cosh(u)) - (PRIOR_WEIGHT + 1) / 2 * np.log1p(
+        np.sinh(u) ** 2 / PRIOR_WEIGHT
+    )
 
 
 def _reweighted_nodes(nodes: Posterior, evidence: Evidence, bulk: float, width: float) -> Posterior:
@@ -138,7 +142,7 @@ def _reweighted_nodes(nodes: Posterior, evidence: Evidence, bulk: float, width: 
     reach = math.asinh(MAX_CHANGE / (_GRID_SCALE * width))
     u = np.linspace(-reach, reach, _GRID_BIASES)[:, None]
     bias, scatter = _GRID_SCALE * width * np.sinh(u), np.exp(v)
-    logs = np.log(np.cosh(u)) - (WORTH + 1) / 2 * np.log1p(bias**2 / WORTH)
+    logs = np.log(np.cosh(u)) - (PRIOR_WEIGHT + 1) / 2 * np.log1p(bias**2 / PRIOR_WEIGHT)
     logs = logs + log_prior_scatter(v, prior)
     for outcome, test_bulk in _outcomes_and_bulks(evidence):
         if test_bulk == bulk:
@@ -160,9 +164,11 @@ def _joint(
     """
     biases, log_prior = _biases(evidence.prior)
     logs = biases - nodes.bias[:, None]
-    log_prior_sum = -(WORTH + 1) / 2 * np.log1p(nodes.bias**2 / WORTH)
+    log_prior_sum = -(PRIOR_WEIGHT + 1) / 2 * np.log1p(nodes.bias**2 / PRIOR_WEIGHT)
     u = logs + math.log((temperature - bulk) / _PRIOR_MEDIAN)
-    joint = log_prior - (WORTH + 1) / 2 * np.log1p(u**2 / WORTH) - log_prior_sum[:, None]
+    joint = (
+        log_prior - (PRIOR_WEIGHT + 1) / 2 * np.log1p(u**2 / PRIOR_WEIGHT) - log_prior_sum[:, None]
+    )
     temperatures = bulk + (temperature - bulk) * np.exp(logs)
     for outcome, test_bulk in _outcomes_and_bulks(evidence):
         if test_bulk != bulk:

@@ -3,8 +3,8 @@
 - Interpolation: 0 at simulated points. It depends only on neighbouring points: further points make
   it smaller nearby, and do not change it elsewhere.
 - Discretization: the error that the preset promises for critical velocities where the rise grows as
-  velocity to the power of `RISE_SHARE`. Where it grows more slowly, the same error of the rise is a
-  larger one of the velocity.
+  velocity to the power of `RISE_EXPONENT`. Where it grows more slowly, the same error of the rise
+  is a larger one of the velocity.
 - Warnings of neighbouring points.
 - Surface: other realizations of it have other summits.
 
@@ -24,17 +24,17 @@ import numpy as np
 
 from pipeline.answers.pchip import Pchip
 from pipeline.constants import (
-    BEYOND,
-    BOUNDS_OF_HIGHEST,
-    BOUNDS_OF_MOST,
-    HIGHEST_SHARE,
-    LEAST_BENT,
-    MOST_SHARE,
+    EXPONENT_ERROR,
+    HIGHEST_TEMPERATURE_BOUNDS,
+    HIGHEST_TEMPERATURE_FRACTION,
+    LARGE_AREA_FRACTION,
+    LARGE_FRACTION_BOUNDS,
+    MIN_CURVATURE,
     PRESET_BOUNDS,
-    RISE_SHARE,
-    ROUGH_GAP,
-    ROUGH_LINE,
-    UNSEEN_BENT,
+    RISE_EXPONENT,
+    ROUGHNESS_DEVIATION,
+    ROUGHNESS_ERROR,
+    UNSEEN_CURVATURE,
     WARNING_ERRORS,
 )
 from pipeline.sweep.sweep import Sweep
@@ -54,7 +54,7 @@ PARTS = {
 """Meaning of each part, by its name, in their order."""
 INTERPOLATION, PRESET, _, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03
-"""Like `ROUGH_GAP`, but between loads, for a single realization.
+"""Like `ROUGHNESS_ERROR`, but between loads, for a single realization.
 
 With each load of five sweeps left out in turn, the bound held at 115 of 115 points, and 95 % of the
 errors were below 0.6 of it.
@@ -76,7 +76,7 @@ def rise_errors(
     along, between = interpolation_errors(specimen, loads, velocities)
     return np.stack(np.broadcast_arrays(
         np.hypot(along.sum(axis=0), between),
-        np.nan if preset_error is None else RISE_SHARE * preset_error,
+        np.nan if preset_error is None else RISE_EXPONENT * preset_error,
         field.bilinear(point_errors, loads, velocities),
         surface_sampling_errors(specimen, loads, velocities),
     ))  # fmt: skip
@@ -102,7 +102,7 @@ def velocity_errors(field: Field, parts: Array, loads: Array, velocities: Array)
     """
     exponent = exponents(field, loads, velocities)
     errors = parts / exponent
-    errors[PRESET] = parts[PRESET] / np.minimum(exponent, RISE_SHARE)
+    errors[PRESET] = parts[PRESET] / np.minimum(exponent, RISE_EXPONENT)
     return errors
 
 
@@ -157,7 +157,7 @@ def _row_errors(specimen: Specimen, rows: Indices, velocities: Array) -> Array:
     """Relative errors (k,) along velocity at the loads with indices `rows` (k,)."""
     field, errors = specimen.field, np.full(len(rows), np.nan)
     # The mean of several realizations is smooth; the curve of the first one is not.
-    noise = np.where(specimen.realizations > 1, ROUGH_LINE, 0.0)
+    noise = np.where(specimen.realizations > 1, ROUGHNESS_DEVIATION, 0.0)
     for curve_rows, curves in field.curves:
         indices = np.flatnonzero(np.isin(rows, curve_rows))
         if indices.size:
@@ -185,10 +185,10 @@ def _curve_errors(curves: Pchip, columns: Indices, at: Array, noise: Array | flo
         return np.where(at == x[0], 0.0, np.nan)
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     gap = x[i + 1] - x[i]
-    bounds = _interpolation_bounds(curves, ROUGH_GAP, np.unique(i), noise=noise)[i, columns]
+    bounds = _interpolation_bounds(curves, ROUGHNESS_ERROR, np.unique(i), noise=noise)[i, columns]
     interpolated = bounds * _gap_shape((at - x[i]) / gap)
     beyond = np.maximum(np.maximum(x[0] - at, at - x[-1]), 0.0)
-    return np.asarray(interpolated + beyond * np.hypot(_SLOPE, BEYOND * (beyond + gap)))
+    return np.asarray(interpolated + beyond * np.hypot(_SLOPE, EXPONENT_ERROR * (beyond + gap)))
 
 
 def _interpolation_bounds(
@@ -226,10 +226,10 @@ def _smooth_bounds(curves: Pchip, roughness: Array) -> Array:
     x, y, gap = curves.x, curves.y, np.diff(curves.x)[:, None]
     if len(x) > 2:
         sagitta = curves.beyond((x[:-1] + x[1:]) / 2) - (y[:-1] + y[1:]) / 2
-        curved = np.maximum(np.abs(sagitta), LEAST_BENT * gap**2 / 8)
+        curved = np.maximum(np.abs(sagitta), MIN_CURVATURE * gap**2 / 8)
         curved[1:-1] /= 2
     else:
-        curved = np.broadcast_to(UNSEEN_BENT * gap**2 / 8, y[1:].shape)
+        curved = np.broadcast_to(UNSEEN_CURVATURE * gap**2 / 8, y[1:].shape)
     return np.hypot(curved, np.maximum(roughness[:-1], roughness[1:])[:, None] * gap)
 
 
@@ -285,10 +285,10 @@ def preset_bound(preset: str, share: float) -> float | None:
     `share` is the critical area fraction.
     """
     bounds = dict[str, float]()
-    if share < HIGHEST_SHARE:
-        bounds = BOUNDS_OF_HIGHEST
-    elif share >= MOST_SHARE:
-        bounds = BOUNDS_OF_MOST
+    if share < HIGHEST_TEMPERATURE_FRACTION:
+        bounds = HIGHEST_TEMPERATURE_BOUNDS
+    elif share >= LARGE_AREA_FRACTION:
+        bounds = LARGE_FRACTION_BOUNDS
     return bounds.get(preset, PRESET_BOUNDS.get(preset))
 
 

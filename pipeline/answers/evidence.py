@@ -21,7 +21,7 @@ from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.answers.condition_values import QueryPoints
 from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
-from pipeline.constants import UNLIKELY
+from pipeline.constants import OUTLIER_PROBABILITY
 from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, SpecimenTest, allowable_rise, with_test_conditions
 from tribo import InputError
@@ -123,7 +123,7 @@ class Evidence:
             if row.is_outside:
                 yield f"{row} gives no probability: an oil film carried more than 20 % of the load"
         for rows, share in zip(self.specimens, self.posterior.loo_probabilities, strict=True):
-            if share < UNLIKELY:
+            if share < OUTLIER_PROBABILITY:
                 names = " and ".join(map(str, rows))
                 yield f"outlier: {names} has a probability of less than 1 % by the other tests"
 

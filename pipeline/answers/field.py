@@ -23,7 +23,7 @@ import numpy as np
 
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.pchip import Pchip, roots
-from pipeline.constants import LEAST_SLOPE, MAX_SLANT, PARTS_OF_INTERVAL, RISE_SHARE
+from pipeline.constants import MAX_SLANT, MIN_SLOPE, PARTS_OF_INTERVAL, RISE_EXPONENT
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask
 
@@ -90,7 +90,7 @@ class Field:
             middles.append(x[is_known].mean())
             fits.append(np.polyfit(x[is_known] - middles[-1], y[is_known], 1))
         slopes, levels = np.transpose(fits)
-        slope = np.maximum((slopes[1:] + slopes[:-1]) / 2, LEAST_SLOPE)
+        slope = np.maximum((slopes[1:] + slopes[:-1]) / 2, MIN_SLOPE)
         fall = np.diff(levels) / slope - np.diff(middles)
         return np.asarray(np.clip(fall / np.diff(np.log(self.loads[rows])), 0.0, MAX_SLANT))
 
@@ -124,7 +124,7 @@ class Field:
             for column, row in enumerate(rows.tolist()):
                 curve = Pchip(curves.x, curves.y[:, [column]])
                 values[row] = curve.beyond(np.log(row_velocities[row]))[:, 0]
-        return values + RISE_SHARE * np.log(velocities / row_velocities)
+        return values + RISE_EXPONENT * np.log(velocities / row_velocities)
 
     def __call__(self, loads: Array, velocities: Array) -> Array:
         """Values at k pairs of load and velocity; NaN outside the loads."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.constants import LEAST_SLOPE
+from pipeline.constants import MIN_SLOPE
 from tribo.types import Array, Indices
 
 _MAX_ITERATIONS = 60  # of root finding, which needs 5 to 10
@@ -44,7 +44,7 @@ class Pchip:
     def beyond(self, x: Array) -> Array:
         """Values (m, k) of all curves at `x` (m,); beyond an end a power law continues.
 
-        It passes through the two outermost points, with an exponent of at least `LEAST_SLOPE`.
+        It passes through the two outermost points, with an exponent of at least `MIN_SLOPE`.
         """
         if len(self.x) == 1:
             return self.grid(x)
@@ -52,7 +52,7 @@ class Pchip:
         for end, neighbour, is_beyond in ((0, 1, x < self.x[0]), (-1, -2, x > self.x[-1])):
             if is_beyond.any():
                 distance = self.x[end] - self.x[neighbour]
-                slope = np.maximum((self.y[end] - self.y[neighbour]) / distance, LEAST_SLOPE)
+                slope = np.maximum((self.y[end] - self.y[neighbour]) / distance, MIN_SLOPE)
                 values[is_beyond] += (x[is_beyond] - self.x[end])[:, None] * slope
         return values
 

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from pipeline.answers.pchip import Pchip, roots
-from pipeline.constants import WORTH
+from pipeline.constants import PRIOR_WEIGHT
 from tribo.types import Array
 
 NARROW = 1e-3
@@ -122,7 +122,7 @@ class Posterior:
 
 def log_prior_scatter(v: Array, prior: Prior) -> Array:
     """ln(density) of v = ln(scatter) before any test."""
-    return np.asarray(-WORTH * v - WORTH * prior.scatter**2 / (2 * np.exp(2 * v)))
+    return np.asarray(-PRIOR_WEIGHT * v - PRIOR_WEIGHT * prior.scatter**2 / (2 * np.exp(2 * v)))
 
 
 @functools.lru_cache(maxsize=64)
@@ -185,7 +185,9 @@ def _log_posterior(bias: Array, results: tuple[Outcome, ...], prior: Prior, v: A
 def _log_prior(bias: Array, v: Array, prior: Prior) -> Array:
     """ln(prior), up to a constant, at each bias and each v = ln(scatter)."""
     t = bias[:, None] / max(prior.bias, LEAST_BIAS)
-    return np.asarray(-(WORTH + 1) / 2 * np.log1p(t**2 / WORTH) + log_prior_scatter(v, prior))
+    return np.asarray(
+        -(PRIOR_WEIGHT + 1) / 2 * np.log1p(t**2 / PRIOR_WEIGHT) + log_prior_scatter(v, prior)
+    )
 
 
 def _table_near(test_biases: list[float]) -> Array:

@@ -16,7 +16,7 @@ import xarray as xr
 from pipeline.answers.answer_dataset import ATTRIBUTES
 from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.scene_wording import value_words
-from pipeline.constants import LEAST_STATED, RISE_SHARE
+from pipeline.constants import MIN_STATED_PROBABILITY, RISE_EXPONENT
 from pipeline.store.schema import PLANE
 
 OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
@@ -70,10 +70,10 @@ def probability_text(probability: float, round_percent: Callable[[float], float]
     The ends of a range are rounded outward, by `math.floor` and `math.ceil`, so that an end that
     is printed as 95 % decides a verdict as 95 % does.
     """
-    if probability < LEAST_STATED:
-        return f"less than {100 * LEAST_STATED:g} %"
-    if probability > 1 - LEAST_STATED:
-        return f"more than {100 * (1 - LEAST_STATED):g} %"
+    if probability < MIN_STATED_PROBABILITY:
+        return f"less than {100 * MIN_STATED_PROBABILITY:g} %"
+    if probability > 1 - MIN_STATED_PROBABILITY:
+        return f"more than {100 * (1 - MIN_STATED_PROBABILITY):g} %"
     parts = 1 if probability >= 0.1 else 10  # of a percent
     return f"{round_percent(round(100 * parts * probability, 9)) / parts:g} %"
 
@@ -153,7 +153,7 @@ def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:
         return answer["temperature_error"]
     rise = answer["governing_temperature"] - answer["bulk_temperature"]
     relative = answer["temperature_error"] / rise.where(rise > 0)
-    return values * (relative if name in _OF_FRICTION else relative / RISE_SHARE)
+    return values * (relative if name in _OF_FRICTION else relative / RISE_EXPONENT)
 
 
 def format_variable(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:

@@ -30,7 +30,7 @@ from pipeline.answers.error import (
 from pipeline.answers.evidence import Evidence, Rulings, evidence_of
 from pipeline.answers.field import Field, Outcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
-from pipeline.constants import DECIDED, FARTHEST
+from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
 from pipeline.messages import join_notes
 from pipeline.quantities import UNITS
 from pipeline.sweep.case import Conditions, known_critical_temperature
@@ -196,8 +196,8 @@ class VerdictModel:
             (
                 ~is_known,
                 is_outside,
-                probabilities[2] <= DECIDED[0],
-                probabilities[0] >= DECIDED[-1],
+                probabilities[2] <= VERDICT_PROBABILITIES[0],
+                probabilities[0] >= VERDICT_PROBABILITIES[-1],
             ),
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
             UNDECIDED,
@@ -315,7 +315,7 @@ class VerdictModel:
         levels = self._levels(points, probability)
         first, inverse = _distinct(points.load, levels, points.bulk_temperature)
         points, levels = points.take(first), levels[first]
-        velocities = self.field.along_velocity(points.load, levels, FARTHEST).critical
+        velocities = self.field.along_velocity(points.load, levels, MAX_EXTRAPOLATION).critical
         low, high = self.ranges["velocity"]
         is_inside = (low <= velocities) & (velocities <= high)
         is_inside &= ~self.films(points._replace(velocity=velocities))[0]
@@ -336,8 +336,8 @@ class VerdictModel:
         notes, columns = [list[str]() for _ in points.load], dict[str, Any]()
         low, high = self.ranges["velocity"]
         for excluded, probability, template in (
-            ("mild", DECIDED[0], "{} rules out mild wear from {:g} m/s"),
-            ("severe", DECIDED[-1], "{} rules out severe wear up to {:g} m/s"),
+            ("mild", VERDICT_PROBABILITIES[0], "{} rules out mild wear from {:g} m/s"),
+            ("severe", VERDICT_PROBABILITIES[-1], "{} rules out severe wear up to {:g} m/s"),
         ):
             velocities = self.velocity_of_probability(points, probability)
             # Without a known error of the surface, no verdict is possible at any velocity.

@@ -32,7 +32,7 @@ from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
-from pipeline.constants import DECIDED
+from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
 from pipeline.figures.fields_figure import QuantityLike, select_realization, wanted_values
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
@@ -198,7 +198,7 @@ def _shade(axes: Axes, margins: xr.Dataset) -> Legend:
     loads, velocities = margins["load"].values, margins["velocity"].values
     verdict = margins["verdict"].values
     low, high = margins["probability_low"].values, margins["probability_high"].values
-    mild, _, severe = DECIDED
+    mild, _, severe = VERDICT_PROBABILITIES
     # The edge of a region is the contour of its probability. Where a test rules the verdict out,
     # the probability is set just beyond its limit, so that the region ends there.
     beyond = 1e-6
@@ -235,7 +235,7 @@ def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
     names = "probability", "log_rise_ratio", "temperature_margin", "temperature_error"
     in_model = margins[[*names, "critical_friction"]].where(margins["verdict"] != OUTSIDE)
     if margins.attrs["tests"]:
-        excess = in_model["probability"] - DECIDED[1]
+        excess = in_model["probability"] - VERDICT_PROBABILITIES[1]
         has_tests = _draw_zero(axes, excess, "boundary with tests", style.BOUNDARY)
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)

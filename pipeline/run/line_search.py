@@ -14,7 +14,13 @@ import numpy as np
 
 from pipeline.answers.error import curve_errors
 from pipeline.answers.pchip import Pchip
-from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST
+from pipeline.constants import (
+    FLATTEST_SLOPE,
+    MAX_CURVATURE,
+    RISE_SLOPES,
+    ROUGHNESS_DEVIATION,
+    STEEPEST_SLOPE,
+)
 from tribo.types import Array, Indices, Mask
 
 _MIN_RANGE = 1e-9  # of ln(velocity), if there is only one velocity
@@ -49,7 +55,7 @@ class Line:
         grid, x, y = self._grid, self.x[self.known], self.y[self.known]
         slopes = np.diff(y) / np.diff(x)
         # The range of slopes includes those between computed points.
-        usual, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST], RISE_SLOPES
+        usual, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST_SLOPE], RISE_SLOPES
         gentle, steep = min(gentle, usual.min(initial=gentle)), max(steep, usual.max(initial=steep))
         distance = grid - x[:, None]
         bounds = [
@@ -63,7 +69,7 @@ class Line:
             clipped, mean_slope = np.clip(grid, x[0], x[-1]), (y[-1] - y[0]) / (x[-1] - x[0])
             cubic = Pchip(x, y[:, None]).beyond(clipped)[:, 0] + mean_slope * (grid - clipped)
             estimate = np.clip(cubic, low, high)
-            margin = ROUGH_LINE + CURVATURE * _sagitta(x, grid)
+            margin = ROUGHNESS_DEVIATION + MAX_CURVATURE * _sagitta(x, grid)
             low, high = np.maximum(low, estimate - margin), np.minimum(high, estimate + margin)
         return low, estimate, high
 
@@ -125,7 +131,7 @@ class Line:
             return None
         x, y, known = self.x, self.y, self.known
         error = curve_errors(x[known], y[known], np.array([self.crossing]))[0]
-        slope = max(np.diff(y[known]).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST)
+        slope = max(np.diff(y[known]).sum() / max(np.ptp(x[known]), _MIN_RANGE), FLATTEST_SLOPE)
         after = int(np.searchsorted(x[known], self.crossing))
         if 0 < after < len(known) and error <= tolerance * slope:
             return None

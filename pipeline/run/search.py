@@ -31,7 +31,7 @@ from pipeline.answers.specimen import (
     precision_of,
     realizations_share,
 )
-from pipeline.constants import GAP_SHARE, LOAD_SHARE, VELOCITY_SHARE
+from pipeline.constants import CROSSING_BUDGET, LOAD_BUDGET, VELOCITY_BUDGET
 from pipeline.run.line_search import Line
 from tribo.types import Array, Indices, Mask
 
@@ -165,7 +165,7 @@ class Search:
 
         There the interpolation error requires many realizations, or makes the goal unreachable.
         """
-        share = GAP_SHARE if self.goal.counts_surface else 1.0
+        share = CROSSING_BUDGET if self.goal.counts_surface else 1.0
         velocities = set[float]()
         for load in loads:
             critical, error = self.critical[load], self.errors[INTERPOLATION, load]
@@ -190,7 +190,7 @@ class Search:
 
     def _first_realization_points(self, loads: set[int]) -> list[PointIndex]:
         """Next point of the first realization at each load that still needs one."""
-        points, tolerance = [], VELOCITY_SHARE * self.error_budget
+        points, tolerance = [], VELOCITY_BUDGET * self.error_budget
         for load in sorted(loads):
             line, columns = self._lines[load]
             guess = 0.0 if line.known.size else self._guess_crossing(load)
@@ -218,7 +218,7 @@ class Search:
             inner = np.arange(low + 1, high)
             lines = [self._lines[end][0] for end in (low, high)]
             differ = len({(line.is_severe, line.has_crossing) for line in lines}) > 1
-            errors = np.fmax(self.errors[INTERPOLATION] / LOAD_SHARE, self.reducible)[inner]
+            errors = np.fmax(self.errors[INTERPOLATION] / LOAD_BUDGET, self.reducible)[inner]
             exceeds = ~(errors <= self.error_budget[inner])  # True also if unknown
             if inner.size and (differ or (lines[0].has_crossing and exceeds.any())):
                 distance = np.abs(x[inner] - (x[low] + x[high]) / 2)
@@ -332,7 +332,7 @@ class Search:
         )
         precisions = np.array([precision_of(correlation, pattern) for pattern in known])
         # Loads that cannot be interpolated well enough get points of their own.
-        is_open = squared_budgets > (1 - LOAD_SHARE**2) * np.square(self.error_budget)
+        is_open = squared_budgets > (1 - LOAD_BUDGET**2) * np.square(self.error_budget)
         is_open[rows] = squared_budgets[rows] > 0
         weights = self._deviations[np.ix_(is_open, rows)]
         weights /= np.sqrt(squared_budgets[is_open])[:, None]

@@ -20,7 +20,7 @@ from pipeline.answers.error import curve_errors, exponents, preset_error_of, pre
 from pipeline.answers.results import cases_of, open_sweep
 from pipeline.answers.specimen import realizations_share
 from pipeline.arguments import typed_arguments
-from pipeline.constants import RISE_SHARE
+from pipeline.constants import RISE_EXPONENT
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import reached, require_boundary, searches, why_fixed
@@ -158,7 +158,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         report(Progress(f"a timed point of preset {name}"))
         preset_sweep = sweep.with_fidelity(fidelity, name)
         preset_error = preset_error_of(preset_sweep) or math.nan
-        preset_errors = preset_error * RISE_SHARE / np.minimum(exponent, RISE_SHARE)
+        preset_errors = preset_error * RISE_EXPONENT / np.minimum(exponent, RISE_EXPONENT)
         errors = total(np.stack([interpolation, surface, preset_errors]))
         error, median_velocity = float(errors.max(initial=0.0)), float(np.median(critical))
         seconds = points * seconds_of_point(preset_sweep, median_velocity)

@@ -233,10 +233,10 @@ def constants(rows, errors):
     points = errors[errors["at_load"] & errors["at_velocity"]]
     for (preset, name), group in points[points["flags"] == 0].groupby(["preset", "criterion"]):
         bound = preset_bound(preset, CRITERIA[name])
-        yield f"RISE_SHARE, {preset}, {name}", group["error"] / bound
+        yield f"RISE_EXPONENT, {preset}, {name}", group["error"] / bound
     usual = points[points["criterion"] == USUAL]
     if apart := [fine_apart(row) / PRESET_BOUNDS["fine"] for row in rows if "reference" in row]:
-        yield "RISE_SHARE, fine by reference", np.concatenate(apart)
+        yield "RISE_EXPONENT, fine by reference", np.concatenate(apart)
     fine = errors[(errors["preset"] == "fine") & (errors["criterion"] == USUAL)]
     for name, along, factor in (
         ("BENT_ALONG_LOAD, over stated", "at_velocity", 1.0),

@@ -13,7 +13,7 @@ from pipeline.answers.error import PARTS
 from pipeline.answers.specimen import (
     mean_of_realizations,
 )
-from pipeline.constants import CORRELATION_LENGTHS, RISE_SHARE
+from pipeline.constants import CORRELATION_LENGTHS, RISE_EXPONENT
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
@@ -263,7 +263,7 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     rise = margin.governing_temperature - synthetic.CONDITIONS["bulk_temperature"]
     parts = np.array([getattr(margin, f"temperature_error_{part}") for part in PARTS])
     parts = parts / rise / synthetic.VELOCITY_EXPONENT
-    parts[1] = margin.temperature_error_discretization / rise / RISE_SHARE
+    parts[1] = margin.temperature_error_discretization / rise / RISE_EXPONENT
     assert boundary["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
     assert boundary["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
