@@ -15,9 +15,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def git(*arguments, root=ROOT):
+def git(*arguments):
     """Output of a git command, without its last line break; empty if it fails."""
-    command = ["git", "-C", str(root), *arguments]
+    command = ["git", "-C", str(ROOT), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
 

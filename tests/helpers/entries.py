@@ -94,12 +94,6 @@ def _replaced(instance, path, value):
     )
 
 
-def rows(name, changes, velocities=None, loads=None):
-    """Cases of a sweep; `changes` maps each label to the changed fields [SI] or objects."""
-    positions = {"load": loads, "velocity": velocities}
-    return labelled_rows(name, changes, **{k: v for k, v in positions.items() if v is not None})
-
-
 def placed_rows(*positions):
     """Numbered cases, each (load, velocity), or with further labels."""
     case_rows = [
@@ -121,7 +115,7 @@ def two_pins():
     return Rows(table, [{"pin.radius": radius} for radius in radii])
 
 
-def labelled_rows(name, changes, **positions):
+def rows(name, changes, **positions):
     """Table of cases along one dimension, called `name`: a row for each label in `changes`.
 
     `changes` maps each label to the objects that its case replaces. `positions` may give each

@@ -3,15 +3,14 @@
 import io
 import struct
 import zipfile
-import zlib
 
 import numpy as np
 
 
-def x3p(heights, pixel, folder="", revision="ISO5436 - 2000", dtype="D", edit=("", "")):
-    """Content of an ISO 25178-72 file: heights in a binary matrix with a mask."""
+def x3p(heights, pixel, dtype="D"):
+    """Content of an ISO 25178-72 file: heights, as doubles or as whole nm, with a mask."""
     nx, ny = heights.shape
-    step = 1.0 if dtype in "DF" else 1e-9
+    step = {"D": 1.0, "L": 1e-9}[dtype]
     axes = "".join(
         f"<{axis}><AxisType>{'A' if axis == 'CZ' else 'I'}</AxisType>"
         f"<DataType>{'D' if axis != 'CZ' else dtype}</DataType>"
@@ -25,19 +24,19 @@ def x3p(heights, pixel, folder="", revision="ISO5436 - 2000", dtype="D", edit=("
     xml = (
         '<?xml version="1.0" encoding="UTF-8"?>'
         '<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1>'
-        f"<Revision>{revision}</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
+        "<Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType>"
+        f"<Axes>{axes}</Axes></Record1>"
         f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ>"
         f"</MatrixDimension>{links}</Record3></p:ISO5436_2>"
     )
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
-        archive.writestr(f"{folder}main.xml", xml.replace(*edit))
+        archive.writestr("main.xml", xml)
         values = np.where(np.isnan(heights), 0, heights).T / step
-        form = {"D": "<f8", "F": "<f4", "L": "<i4", "I": "<i2"}[dtype]
-        values = values if dtype in "DF" else np.round(values)
-        archive.writestr(f"{folder}bindata/data.bin", values.astype(form).tobytes())
+        values = values.astype("<f8") if dtype == "D" else np.round(values).astype("<i4")
+        archive.writestr("bindata/data.bin", values.tobytes())
         valid = np.packbits(np.isfinite(heights.T).ravel(), bitorder="little")
-        archive.writestr(f"{folder}bindata/valid.bin", valid.tobytes())
+        archive.writestr("bindata/valid.bin", valid.tobytes())
     return buffer.getvalue()
 
 
@@ -80,8 +79,8 @@ _SUR = (
 )  # fields of the header of 512 bytes
 
 
-def sur(heights, pixel, is_compressed=False):
-    """Content of a Digital Surf file, 32 bits a height; compressed data in two blocks."""
+def sur(heights, pixel):
+    """Content of a Digital Surf file, 32 bits a height."""
     nx, ny = heights.shape
     holes = np.isnan(heights)
     step = np.abs(heights[~holes]).max() / 2**24
@@ -90,17 +89,11 @@ def sur(heights, pixel, is_compressed=False):
     points[holes] = low - 2
     units = [b"X", b"Y", b"Z", *[b"m"] * 6]
     head = struct.pack(
-        _SUR, b"DSCOMPRESSED" if is_compressed else b"DIGITAL SURF", 0, 1, 1, 2, b"scan", b"own",
+        _SUR, b"DIGITAL SURF", 0, 1, 1, 2, b"scan", b"own",
         0, 0, 0, int(holes.any()), 0, 0, 0, 32, low, high, nx, ny, nx * ny, *pixel, step, *units,
         1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0, b"", 0, 0, 0, b"",
     )  # fmt: skip
-    data, comment = points.T.tobytes(), b"own data"
-    if is_compressed:
-        parts = data[: len(data) // 2], data[len(data) // 2 :]
-        packed = [zlib.compress(part) for part in parts]
-        sizes = [size for pair in zip(parts, packed, strict=True) for size in map(len, pair)]
-        data = struct.pack("<5I", 2, *sizes) + b"".join(packed)
-    return head + comment + data
+    return head + b"own data" + points.T.tobytes()
 
 
 def al3d(heights, pixel):

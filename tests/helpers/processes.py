@@ -8,9 +8,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def python(*arguments, variables=(), before=(), **options):
-    """Run Python in a subprocess, with environment variables and a command prefix ``before``."""
+def python(*arguments, variables=(), **options):
+    """Run Python in a subprocess, with environment variables."""
     usual = {"capture_output": True, "text": True, "check": False, "timeout": 200}
     environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(variables)
-    command = [*before, sys.executable, *map(str, arguments)]
+    command = [sys.executable, *map(str, arguments)]
     return subprocess.run(command, env=environment, **(usual | options))

@@ -37,10 +37,10 @@ def lock_of(path):
 
 
 @contextmanager
-def held_elsewhere(path, program=HOLDER):
+def held_elsewhere(path):
     """Context: another process holds the lock of a store; yields how the lock names it."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", program, path]
+    command = [sys.executable, "-c", HOLDER, path]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout.readline() == b"held\n"
         try:
@@ -106,18 +106,13 @@ def assert_is_as_computed(path, expected):
 
 
 @contextmanager
-def killed_after(monkeypatch, count, since=None):
-    """Context: kill the process after it has replaced `count` files; yields [True] if killed.
-
-    Files count from the first on, or from the one after the file `since`.
-    """
+def killed_after(monkeypatch, count):
+    """Context: kill the process after it has replaced `count` files; yields [True] if killed."""
     replace, lock, left, was_killed = files.write_file, threading.Lock(), [count], []
-    counts = [since is None]
 
     def replace_some(file, content):
         with lock:
-            left[0] -= counts[0]
-            counts[0] |= file == since
+            left[0] -= 1
         if left[0] < 0:
             file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed

@@ -63,12 +63,8 @@ def uneven(seed):
     return bent
 
 
-def limit(friction=0.1, bulk=298.15, critical=418.15):
-    return (critical - bulk) / friction
-
-
-def conditions(share=0.1):
-    return Conditions(**CONDITIONS, critical_area_fraction=share)
+def limit(friction=0.1, critical=418.15):
+    return (critical - 298.15) / friction
 
 
 def critical_velocity(load, limit_rise, share=0.1):
@@ -150,11 +146,10 @@ def sweep(
     return with_tests(xr.Dataset(data, coords, attributes_of(simulated)), rise)
 
 
-def with_tests(ds, rise=rise, status=DONE, moved=None):
+def with_tests(ds, rise=rise, status=DONE):
     """The dataset with results of the tests of its scene, each at the end of its load.
 
-    `status` is one state of all their points, or one for each. `moved` has the factor on the rise
-    of each simulated uncertain input, by path.
+    `status` is one state of all their points, or one for each.
     """
     stored = sweep_of(ds)
     slots = list_points_of_tests(stored)
@@ -181,8 +176,6 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
-    paths = [getattr(stored.tests[slot.test], "path", "") for slot in slots]
-    hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
     coords[variable_of_tests("rise_quantile")] = (TEST_POINT, TEST_STEP, "area_fraction_below"), hot
     return ds.assign_coords(coords)
@@ -240,8 +233,9 @@ def _columns_of_heat(ramp, velocity, rise, hot):
     }
 
 
-def _fields(flags, loads, velocities, rise, coords, nx=48, ny=36):
+def _fields(flags, loads, velocities, rise, coords):
     """Fields of the contact for each point: round summits under a cylinder, hot behind."""
+    nx, ny = 48, 36
     x, y = (np.arange(nx) - (nx - 1) / 2) * 8e-6, np.arange(ny) * 12e-6
     coords["x"], coords["y"] = ("x", x, {"units": "m"}), ("y", y, {"units": "m"})
     summits = np.cos(2 * np.pi * x / 5e-5)[:, None] * np.cos(2 * np.pi * y / 7.2e-5)

@@ -8,7 +8,7 @@ from distributed import Client
 import pipeline
 from pipeline.run.cluster import client_of
 from tests.helpers import tiny
-from tests.helpers.entries import changed, labelled_rows
+from tests.helpers.entries import changed, rows
 from tests.helpers.refusals import refusal_tests
 
 SWEEP = tiny.sweep()
@@ -42,7 +42,7 @@ def searched(sweep, accuracy=0.02):
 
 
 ROWS = tiny.sweep(
-    case_table=labelled_rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
+    case_table=rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
 )
 
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})

@@ -75,7 +75,7 @@ def rows_store(tmp_path_factory):
     """A store of two rows with every second point done."""
     path = tmp_path_factory.mktemp("made") / "store.zarr"
     ramps = {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}}
-    table = rows("ramp", ramps, velocities=(1.5, 0.5))
+    table = rows("ramp", ramps, velocity=(1.5, 0.5))
     sweep = tiny.full(case_table=table, loads=(150.0, 600.0))
     with writing(path, sweep) as store:
         done = points(sweep)[::2]
