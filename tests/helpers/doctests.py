@@ -6,7 +6,6 @@ A plugin of pytest, so that it reaches the packages: their folders hold no tests
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 from _pytest.doctest import DoctestItem, DoctestModule
 
@@ -47,24 +46,8 @@ def folder_with_results(tmp_path_factory):
 def _fill(folder):
     (folder / "workflows").symlink_to(ROOT / "workflows")
     (folder / "results").mkdir()
-    _compute(folder / "workflows/first_try.toml", folder / "results/first_try.zarr")
+    from pipeline import load_scene
+    from tests.helpers.stores import commit_all
 
-
-def _compute(scene, path):
-    """Compute a scene into a store, in this process and without a cluster."""
-    import pipeline
-    from pipeline.run.serial import run_serial
-    from pipeline.store.create import writing
-    from pipeline.sweep.plan import points, tasks
-    from tests.helpers.points import run_point
-    from tribo.simulation import RampCache
-
-    sweep = pipeline.load_scene(scene)
-    records = []
-    with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        ramp_cache = RampCache()
-        for task in tasks(points(sweep), sweep):
-            results = [run_point(sweep, task.point, ramp_cache)]
-            records += [result.record(sweep.fields) for result in results]
-        store.commit(records)
-        run_serial(store)
+    scene = load_scene(folder / "workflows/first_try.toml")
+    commit_all(folder / "results/first_try.zarr", scene)

@@ -11,14 +11,16 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import xarray as xr
 
+from pipeline.run.serial import run_serial
 from pipeline.store import files, location, root
 from pipeline.store.create import writing
 from pipeline.store.location import LOCK
 from pipeline.store.schema import DONE
 from pipeline.store.store import opened
-from pipeline.sweep.plan import PointRecord, points
+from pipeline.sweep.plan import PointRecord, points, tasks
 from tests.helpers import tiny
 from tests.helpers.points import run_point
+from tribo.simulation import RampCache
 
 HOLDER = """if True:
     import sys, time
@@ -64,6 +66,15 @@ def commit(path, sweep, chosen=None):
     """Create or resume the store of a tiny sweep, and commit points, by default all."""
     with writing(path, sweep) as store:
         store.commit([record(point) for point in (points(sweep) if chosen is None else chosen)])
+
+
+def commit_all(path, sweep, skip=(), shares_ramps=True):
+    """Create the store of a sweep, and compute its points and tests in this process."""
+    ramp_cache = RampCache() if shares_ramps else None
+    with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
+        selected = [task.point for task in tasks(points(sweep), sweep) if task.point not in skip]
+        store.commit(run_point(sweep, point, ramp_cache).record(sweep.fields) for point in selected)
+        run_serial(store)
 
 
 def fail(path, sweep, point, message):

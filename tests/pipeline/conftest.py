@@ -3,31 +3,18 @@ import re
 import shutil
 from base64 import b64encode
 
-import numpy as np
 import pytest
 
 from pipeline.cli import main
-from pipeline.run.serial import run_serial
-from pipeline.store.create import writing
-from pipeline.sweep.plan import points
 from tests.helpers import tiny
-from tests.helpers.points import run_point
-
-
-def commit_all(path, sweep, skip=()):
-    """Create the store of a sweep, and compute its points in this process."""
-    with writing(path, sweep) as store:
-        selected = [point for point in points(sweep) if point not in skip]
-        store.commit(run_point(sweep, point).record(sweep.fields) for point in selected)
-        run_serial(store)
+from tests.helpers.stores import commit_all
 
 
 @pytest.fixture(scope="session")
 def tiny_store(tmp_path_factory):
     """Store of the tiny sweep with fields, each point simulated from the start."""
     path = tmp_path_factory.mktemp("alone") / "tiny.zarr"
-    with np.errstate(all="raise", under="ignore"):
-        commit_all(path, tiny.full())
+    commit_all(path, tiny.full(), shares_ramps=False)
     return path
 
 

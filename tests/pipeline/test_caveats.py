@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all
 
 NOTE = "Not validated: no test of this steel."
 HARD = "materials.steel.hardness: 3.14 times the elastic modulus is unusual (0.001 to 0.2 times"

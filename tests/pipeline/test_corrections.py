@@ -13,8 +13,8 @@ from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic, tiny
 from tests.helpers.answer_at import asked
 from tests.helpers.scenes import SCENE
+from tests.helpers.stores import commit_all
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 RISE, ADDED = {"added_rise_fraction": "+6 %"}, 1.06

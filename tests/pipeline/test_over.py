@@ -6,7 +6,7 @@ import pytest
 import pipeline
 from pipeline.answers.results import cases_of, sweep_of
 from tests.helpers import scenes
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all
 
 SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace("fields = true", "")
 FEW = {"sweep.loads": ["200 N", "600 N"]}

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all
 from tests.pipeline.page.test_report import checked
 from tribo import TriboError
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 PAGE = (WORKFLOWS / "DESIGNERS.md").read_text(encoding="utf-8")

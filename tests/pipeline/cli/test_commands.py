@@ -20,8 +20,7 @@ from pipeline.store.create import writing
 from pipeline.store.store import opened
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
-from tests.helpers.stores import fail
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all, fail
 
 # The numerical error of a preset is known.
 STANDARD = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')

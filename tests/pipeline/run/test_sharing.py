@@ -11,7 +11,7 @@ from pipeline.store.schema import COLUMNS
 from pipeline.sweep.plan import points, tasks
 from tests.helpers.points import run_point
 from tests.helpers.scenes import SCENE
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit_all
 from tribo.simulation import RampCache, loading_step
 from tribo.simulation.cache import forget_kernels
 

@@ -8,10 +8,8 @@ from pipeline.answers.evidence import outcome_of
 from pipeline.answers.results import cases_of
 from pipeline.answers.verdict_model import JudgedCase
 from pipeline.cli import main
-from pipeline.store.create import writing
-from pipeline.sweep import plan
 from tests.helpers.scenes import SCENE
-from tribo.simulation import RampCache
+from tests.helpers.stores import commit_all
 
 STAGES = 'stages = { first = "100 N", step = "20 N", hold = "20 s" }'
 TEXT = (
@@ -41,14 +39,8 @@ def store(tmp_path_factory):
     """A plane of stages and two tests by stages, computed in this process."""
     folder = tmp_path_factory.mktemp("stages")
     (folder / "lab.toml").write_text(TEXT + TESTS, encoding="utf-8")
-    sweep, ramp_cache = pipeline.load_scene(folder / "lab.toml"), RampCache()
-    with writing(folder / "lab.zarr", sweep) as opened:
-        for part in (opened, opened.tests):
-            for task in plan.tasks(part.pending(), part.sweep):
-                point = task.point
-                scene, stored_steps = part.sweep.case(point.case).scene, part.sweep.stored_steps
-                result = plan.run_point(scene, stored_steps, point, ramp_cache)
-                part.commit([result.record(part.sweep.fields)])
+    sweep = pipeline.load_scene(folder / "lab.toml")
+    commit_all(folder / "lab.zarr", sweep)
     return sweep, folder / "lab.zarr"
 
 

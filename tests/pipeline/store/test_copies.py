@@ -19,8 +19,14 @@ from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
-from tests.helpers.stores import Killed, assert_is_as_computed, commit, contents, done_points
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import (
+    Killed,
+    assert_is_as_computed,
+    commit,
+    commit_all,
+    contents,
+    done_points,
+)
 
 SWEEP = tiny.full()
 LARGER = tiny.full(loads=(100.0, *tiny.LOADS))

@@ -33,12 +33,12 @@ from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
+    commit_all,
     contents,
     killed_after,
     opened,
     record,
 )
-from tests.pipeline.conftest import commit_all
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
 LARGER = tiny.full(loads=(150.0, 700.0, 1500.0), velocities=(0.5, 2.0))

@@ -21,8 +21,7 @@ from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import bare_test, changed, rows
 from tests.helpers.points import run_point
-from tests.helpers.stores import commit, record
-from tests.pipeline.conftest import commit_all
+from tests.helpers.stores import commit, commit_all, record
 from tests.sources import reference
 from tribo import InputError
 

@@ -27,12 +27,12 @@ from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
+    commit_all,
     contents,
     killed_after,
     plain_values,
     record,
 )
-from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
 POINT, NEXT = Point(250.0, 1.0), Point(600.0, 1.0)
