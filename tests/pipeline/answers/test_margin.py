@@ -282,3 +282,15 @@ def test_an_answer_states_how_many_points_were_not_used():
     line = "points that are pending or failed, and were not used: 2"
     assert line in [*common_lines(pipeline.boundary(ds))]
     assert line not in [*common_lines(pipeline.boundary(synthetic.sweep()))]
+
+
+def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on():
+    tests = bare_test(600.0, 1.5), bare_test(400.0, 1.2, outcome="severe")
+    moving, rest = (
+        synthetic.sweep(velocities=v, tests=tests, preset="standard")
+        for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
+    )
+    at = np.repeat([200.0, 310.0, 600.0], 3), np.tile([1.0, 1.3, 2.5], 3)
+    xr.testing.assert_identical(*(pipeline.margin(ds, *at) for ds in (moving, rest)))
+    both = [pipeline.boundary(ds).drop_attrs() for ds in (moving, rest)]
+    xr.testing.assert_identical(*both)

@@ -18,7 +18,7 @@ from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked
 from tests.helpers.entries import bare_test
-from tribo import QUANTILES
+from tribo import QUANTILES, WarningKind
 
 LIFTS = (1.0, 1.1, 0.9, 1.05, 0.97)
 LOADS, VELOCITIES = (200.0, 400.0, 600.0), (0.5, 1.0, 2.0, 4.0)
@@ -302,3 +302,15 @@ def test_points_at_far_velocities_leave_the_surface_part_of_an_error_as_it_is():
     parts = [asked(dataset, 425.0, 1.2).temperature_error_surface for dataset in (few, ds)]
     assert parts[0] == pytest.approx(parts[1], rel=1e-12)
     assert asked(ds, 425.0, 3.2).temperature_error_surface > 2 * parts[0]
+
+
+def test_an_error_that_one_realization_does_not_know_decides_nothing():
+    ds = synthetic.sweep(tests=(), preset="standard")
+    too_wide = ds.copy(deep=True)
+    too_wide["warning_flags"][:] = int(WarningKind.BEYOND_SHAPE)
+    assert asked(ds, 400.0, 0.75).verdict == "mild"
+    for surfaces in ([ds, too_wide], [too_wide, ds]):
+        both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
+        margin = asked(both, 400.0, 0.75)
+        assert np.isnan(margin.temperature_error)
+        assert margin.verdict == "undecided"

@@ -20,7 +20,7 @@ from pipeline.store.create import writing
 from pipeline.store.store import opened
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
-from tests.helpers.stores import commit_all, fail
+from tests.helpers.stores import commit_all, contents, fail
 
 # The numerical error of a preset is known.
 STANDARD = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
@@ -263,3 +263,13 @@ def test_a_sweep_of_one_point_ends_with_the_command_for_its_margin(tmp_path, mon
     output = irg("run", "small.toml", *point, "--set", "increments=2", "--workers", 1)
     (command,) = re.findall(r"one point has no boundary; next: irg (.*)\n", output)
     assert "1 operating point: " in irg(*shlex.split(command))
+
+
+def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
+    before = contents(copy.parent)
+    for command in ("status", "boundary", "verify"):
+        irg(command, copy)
+    irg("margin", copy, "--load", "300 N", "--velocity", "1.1 m/s")
+    assert contents(copy.parent) == before
+    irg("plot", copy, "-o", tmp_path / "a.png")
+    assert contents(copy) == {k.split("/", 1)[1]: v for k, v in before.items() if "/" in k}

@@ -165,9 +165,6 @@ def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_no
     assert printed.endswith("\n")
 
 
-# Scenes, points and figures as a notebook shows them.
-
-
 # How a command ends: its exit code and its error message.
 
 
