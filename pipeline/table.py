@@ -18,7 +18,7 @@ import numpy as np
 
 from pipeline.limits import MAX_FAULTS
 from pipeline.messages import did_you_mean, fault_lines, quoted
-from pipeline.units import GROUPED, NUMBER, to_si
+from pipeline.units import MAYBE_THOUSANDS, NUMBER, to_si
 from tribo import InputError
 from tribo.types import Array
 
@@ -224,7 +224,7 @@ class Sheet:
             return "has a point, though decimals have commas; write the number that you mean"
         if not marks or self.decimal == "," or (marks == {"."} and not self._may_group()):
             return ""
-        if self.decimal is None and GROUPED.fullmatch(number):
+        if self.decimal is None and MAYBE_THOUSANDS.fullmatch(number):
             thousands = number.replace(",", "").replace(".", "")
             mark = number.strip("+-0123456789")[0]
             decimals = number.replace(",", ".")

@@ -16,7 +16,7 @@ from pipeline.arguments import plain_value
 from pipeline.messages import pluralized, quoted
 from pipeline.paths import kind_of, read_file, reason_of, user_path
 from pipeline.table import PYTHON, Advice, Column, Sheet, TableFaults, split_number
-from pipeline.units import GROUPED
+from pipeline.units import MAYBE_THOUSANDS
 from pipeline.workbook import workbook_rows
 from tribo import InputError
 
@@ -64,7 +64,7 @@ def read_table(
     cells = [cell for column in sheet.columns for cell in column.cells]
     # A number with a point and not three decimals shows that points are decimal marks.
     with_points = [number for number, _ in map(split_number, cells) if "." in number]
-    return replace(sheet, is_local=is_local and all(map(GROUPED.fullmatch, with_points)))
+    return replace(sheet, is_local=is_local and all(map(MAYBE_THOUSANDS.fullmatch, with_points)))
 
 
 def _rows_of_frame(

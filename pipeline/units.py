@@ -30,36 +30,34 @@ if TYPE_CHECKING:
     import pint
 
 
-_MAX_LENGTH = 80
-_GRAVITY = Decimal("9.80665")  # [m/s²], of weights
+_MAX_LENGTH = 80  # letters of a quantity
+_GRAVITY = Decimal("9.80665")  # [m/s²]
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # Units have no "_", which excludes delta_degC, with which 25 °C would be read as 25 K.
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
-_PER_MINUTE = ("rpm", "1/min", "/min", "min^-1", "min⁻¹", "min-1", "U/min", "rev/min", "r/min")
-_PER_SECOND = ("Hz", "1/s", "/s", "s^-1", "s⁻¹", "rev/s")
-GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
+MAYBE_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
 """A number whose marks may divide thousands, or precede three decimals."""
-TURNS = {
-    **dict.fromkeys(_PER_MINUTE, 2 * math.pi / 60), **dict.fromkeys(_PER_SECOND, 2 * math.pi),
-}  # fmt: skip
+ROTATION_UNITS = dict.fromkeys(
+    ("rpm", "1/min", "/min", "min^-1", "min⁻¹", "min-1", "U/min", "rev/min", "r/min"),
+    2 * math.pi / 60,
+) | dict.fromkeys(("Hz", "1/s", "/s", "s^-1", "s⁻¹", "rev/s"), 2 * math.pi)
 """Units of rotational speed [rad/s]; with a radius or diameter it is a velocity."""
-_TURNS = re.compile(
-    rf"\s*(?P<number>{NUMBER})\s*(?P<unit>{'|'.join(map(re.escape, TURNS))})\s+at\s+"
-    r"(?P<which>radius|diameter)\s+(?P<length>.+)"
+_ROTATION = re.compile(
+    rf"\s*(?P<number>{NUMBER})\s*(?P<unit>{'|'.join(map(re.escape, ROTATION_UNITS))})\s+at\s+"
+    r"(?P<size>radius|diameter)\s+(?P<length>.+)"
 )
-_COMMA = re.compile(r"\s*([+-]?\d+(?:,\d+)+(?:\.\d*)?)(.*)", re.ASCII | re.DOTALL)
+_WITH_COMMA = re.compile(r"\s*([+-]?\d+(?:,\d+)+(?:\.\d*)?)(.*)", re.ASCII | re.DOTALL)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(,\d{3})+")
+_HARDNESS_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 _SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
 
-_SIGNS_OF_PRINT = str.maketrans(
-    {**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"}
-)
-_RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+"
+_PRINTED_SIGNS = str.maketrans({**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"})
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _TIMES_TEN = re.compile(r"(?:\s*[×x]\s*10(?:\^|(?=[+-]))| +10\^)([+-]?\d{1,2})(?=\s*[A-Za-z])")
 _SHARE = re.compile(rf"\s*({NUMBER})\s*(%|percent|per cent)?\s*", re.ASCII)
-_PRINTED = tuple(
-    (re.compile(pattern), read)
-    for pattern, read in (
+_SPELLINGS = tuple(
+    (re.compile(pattern), replacement)
+    for pattern, replacement in (
         (r"°\s*([CF])\b|\b[Dd]eg(?:rees?)?\.?\s+([CF])\b", r"deg\1\2"),
         (r"(?<=[A-Za-z])(-?\d)", r"^\1"),  # mm2
         (r"(\^-?\d)(?=[A-Za-z])", r"\1 "),  # m^2K
@@ -79,13 +77,11 @@ class UnitError(TriboError, ValueError):
     """A text is not a quantity of the needed dimension."""
 
 
-_TRAPS = [InvalidOperation, DivisionByZero, Overflow]
-
-
 @contextmanager
 def exact_decimals() -> Iterator[None]:
     """Context manager: compute with decimals of 28 digits, whatever context the caller has."""
-    with localcontext(Context(prec=28, rounding=ROUND_HALF_EVEN, traps=_TRAPS)):
+    traps = [InvalidOperation, DivisionByZero, Overflow]
+    with localcontext(Context(prec=28, rounding=ROUND_HALF_EVEN, traps=traps)):
         yield
 
 
@@ -104,20 +100,22 @@ def exact_si(text: str, like: str) -> Decimal:
 
     `like` is any quantity of the required dimension. Hardness numbers are converted to a pressure.
     """
-    needed = si_unit(like)
+    dimension = si_unit(like)
     _require_short(text)
-    if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
-        radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
+    if dimension == "m s-1" and (rotation := _ROTATION.fullmatch(text)):
+        size = rotation["size"]
+        radius = exact_si(rotation["length"], "1 m") / (1 if size == "radius" else 2)
         if radius <= 0:
-            which = f"{turns['which']} of the track"
-            raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give a length above 0")
-        return Decimal(turns["number"]) * Decimal(TURNS[turns["unit"]]) * radius
-    if needed == "rad s-1":
-        revolutions, speed_unit = _parts(text)
-        if speed_unit in TURNS:
-            return Decimal(revolutions) * Decimal(TURNS[speed_unit])
-    number, unit = _read(text)
-    if unit.dimension != needed:
+            raise UnitError(
+                f"{_quoted(text)}: the {size} of the track is not above 0; give a length above 0"
+            )
+        return Decimal(rotation["number"]) * Decimal(ROTATION_UNITS[rotation["unit"]]) * radius
+    if dimension == "rad s-1":
+        number_text, unit_text = _split(text)
+        if unit_text in ROTATION_UNITS:
+            return Decimal(number_text) * Decimal(ROTATION_UNITS[unit_text])
+    number, unit = _number_and_unit(text)
+    if unit.dimension != dimension:
         raise UnitError(f"{_quoted(text)} {_misfit(text, unit, like)}")
     return number * unit.size + unit.zero
 
@@ -160,7 +158,7 @@ def to_si(text: str, like: str) -> float:
 @exact_decimals()
 def si_unit(text: str) -> str:
     """SI unit of a quantity such as "45 W/(m K)", as CF conventions write it: ``"W m-1 K-1"``."""
-    return _read(text)[1].dimension
+    return _number_and_unit(text)[1].dimension
 
 
 @functools.cache
@@ -171,13 +169,12 @@ def _registry() -> pint.UnitRegistry[Any]:
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
-def _parts(text: str) -> tuple[str, str]:
+def _split(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
     _require_short(text)
-    typed = re.sub(f"[{_RAISED[0]}]+", lambda raised: f"^{raised[0]}", text)
-    typed = typed.translate(str.maketrans(*_RAISED)).translate(_SIGNS_OF_PRINT)
-    typed = _SCALE_FIRST.sub(r"\2 \1", _TIMES_TEN.sub(r"e\1", typed))
-    match = _QUANTITY.fullmatch(typed)
+    typed = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺]+", lambda power: f"^{power[0].translate(_SUPERSCRIPTS)}", text)
+    typed = _TIMES_TEN.sub(r"e\1", typed.translate(_PRINTED_SIGNS))
+    match = _QUANTITY.fullmatch(_SCALE_FIRST.sub(r"\2 \1", typed))
     if match is None:
         raise UnitError(f"{_quoted(text)} is not a number with a unit{_comma_hint(text)}")
     return match[1], match[2].strip()
@@ -191,78 +188,76 @@ def _require_short(text: str) -> None:
 
 def _comma_hint(text: str) -> str:
     """Advice for a number with a comma, which may divide thousands or precede decimals."""
-    if not (match := _COMMA.fullmatch(text)):
+    if not (match := _WITH_COMMA.fullmatch(text)):
         return ""
-    number, rest = match[1], match[2]
-    decimals = f"{number.replace(',', '.')}{rest}"
+    number, unit = match[1], match[2]
+    with_point = f"{number.replace(',', '.')}{unit}"
     if _THOUSANDS.fullmatch(number):
-        return f"; write {number.replace(',', '')}{rest} or {decimals}, whichever you mean"
-    return f"; write {decimals}" if number.count(",") == 1 else "; use a decimal point"
+        return f"; write {number.replace(',', '')}{unit} or {with_point}, whichever you mean"
+    return f"; write {with_point}" if number.count(",") == 1 else "; use a decimal point"
 
 
-def _read(text: str) -> tuple[Decimal, Unit]:
+def _number_and_unit(text: str) -> tuple[Decimal, Unit]:
     """Read a quantity as number and unit; a hardness number becomes a pressure."""
-    number, unit = _parts(text)
+    number, unit_text = _split(text)
     try:
-        scale = _SCALE.fullmatch(unit) if unit.startswith("H") else None
-        if scale:
+        if unit_text.startswith("H") and (scale := _HARDNESS_SCALE.fullmatch(unit_text)):
             return _hardness_pressure(Decimal(number), scale[scale.lastindex or 0]), _unit("Pa")
-        return Decimal(number), _unit(unit)
+        return Decimal(number), _unit(unit_text)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
 
 
 @functools.lru_cache(maxsize=1024)
 @exact_decimals()
-def _unit(unit: str) -> Unit:
+def _unit(text: str) -> Unit:
     """Find a unit that is written as in data sheets; `InputError` if it is unknown."""
-    for pattern, read in _PRINTED:
-        unit = pattern.sub(read, unit)
-    for cf, dimension in DIMENSIONS.items():  # known without pint
-        if unit in dimension.units:
-            return Unit(cf, Decimal(dimension.units[unit]), Decimal(ZERO.get(unit, 0)))
+    for pattern, replacement in _SPELLINGS:
+        text = pattern.sub(replacement, text)
+    for cf_unit, dimension in DIMENSIONS.items():  # known without pint
+        if text in dimension.units:
+            return Unit(cf_unit, Decimal(dimension.units[text]), Decimal(ZERO.get(text, 0)))
     import pint
 
     registry = _registry()
     try:
-        parsed = registry.parse_units(unit)
-        zero, one_unit = (registry.Quantity(Decimal(k), parsed).to_base_units() for k in (0, 1))
+        pint_unit = registry.parse_units(text)
+        zero, first = (registry.Quantity(Decimal(k), pint_unit).to_base_units() for k in (0, 1))
     except pint.UndefinedUnitError as error:
         raise InputError(f"has an unknown unit: {error}") from error
     except Exception as error:  # pint raises errors that are not its own
         raise InputError("has a unit that cannot be read") from error
-    size = one_unit.magnitude - zero.magnitude
-    for cf, dimension in DIMENSIONS.items():
-        if one_unit.check(registry.parse_units(next(iter(dimension.units))).dimensionality):
-            return Unit(cf, size, zero.magnitude)
-    parts: Any = one_unit.unit_items()
-    powers = [(registry.get_symbol(name), int(power)) for name, power in parts]
-    powers.sort(key=lambda power: power[1] < 0)
-    cf = " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers)
-    return Unit(cf or "1", size)
+    size = first.magnitude - zero.magnitude
+    for cf_unit, dimension in DIMENSIONS.items():
+        if first.check(registry.parse_units(next(iter(dimension.units))).dimensionality):
+            return Unit(cf_unit, size, zero.magnitude)
+    base_units: Any = first.unit_items()
+    powers = [(registry.get_symbol(name), int(power)) for name, power in base_units]
+    powers.sort(key=lambda symbol_and_power: symbol_and_power[1] < 0)
+    cf_unit = " ".join(f"{symbol}{power if power != 1 else ''}" for symbol, power in powers)
+    return Unit(cf_unit or "1", size)
 
 
 def _misfit(text: str, unit: Unit, like: str) -> str:
     """Reason why a quantity in `unit` does not have the dimension of `like`, with advice."""
-    (number, typed), needed = _parts(text), _parts(like)[1]
+    (number, unit_text), (_, like_unit), like_dimension = _split(text), _split(like), si_unit(like)
     if unit.dimension == "1":
         return "has no unit"
-    if typed in ("C", "F") and si_unit(like) == "K":
-        return f"has no temperature unit; write {number} deg{typed}"
-    hint = ""
-    if (unit.dimension, si_unit(like)) == ("kg", "N"):
-        hint = f"; its weight is {Decimal(number) * unit.size * _GRAVITY:.4g} N"
-    if unit.dimension in ("rad s-1", "s-1") and si_unit(like) == "m s-1":
-        hint = '; add the track, such as "500 rpm at radius 30 mm"'
-    return f"cannot be converted to {needed}{hint}"
+    if unit_text in ("C", "F") and like_dimension == "K":
+        return f"has no temperature unit; write {number} deg{unit_text}"
+    if (unit.dimension, like_dimension) == ("kg", "N"):
+        weight = Decimal(number) * unit.size * _GRAVITY
+        return f"cannot be converted to {like_unit}; its weight is {weight:.4g} N"
+    if unit.dimension in ("rad s-1", "s-1") and like_dimension == "m s-1":
+        return (
+            f'cannot be converted to {like_unit}; add the track, such as "500 rpm at radius 30 mm"'
+        )
+    return f"cannot be converted to {like_unit}"
 
 
 def _quoted(text: str) -> str:
     short = text if len(text) <= _MAX_LENGTH else f"{text[:_MAX_LENGTH]}..."
     return json.dumps(short, ensure_ascii=not short.isprintable())
-
-
-_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 
 @functools.cache
@@ -278,10 +273,10 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
     if scale != "HV":
         numbers, vickers = _hardness_of_steel()[scale]
         if not numbers[0] <= number <= numbers[-1]:
-            name = {"HR": "HRC"}.get(scale, scale)
+            scale_name = "HRC" if scale == "HR" else scale
             raise InputError(
                 f"is outside the range of the ASTM E140 conversion for steel ({numbers[0]} to "
-                f"{numbers[-1]} {name}); give HV or a pressure"
+                f"{numbers[-1]} {scale_name}); give HV or a pressure"
             )
         number = Decimal(float(np.interp(float(number), numbers, vickers)))
     return number * _GRAVITY * 10**6  # of kgf/mm²
@@ -291,20 +286,16 @@ def share_of(value: float | str) -> float:
     """Value of a share, as a number or as text such as ``"10%"`` or ``"10 percent"``."""
     if not isinstance(value, str):
         return value
-    match = (
-        _SHARE.fullmatch(value.translate(_SIGNS_OF_PRINT)) if len(value) <= _MAX_LENGTH else None
-    )
+    is_short = len(value) <= _MAX_LENGTH
+    match = _SHARE.fullmatch(value.translate(_PRINTED_SIGNS)) if is_short else None
     if match is None:
         raise InputError(f"{_quoted(value)} is not a number; give one such as 0.1 or 10%")
     return float(match[1]) / (100 if match[2] else 1)
 
 
-_SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
-
-
 def typeset(text: str) -> str:
     """Write a unit, or a quantity, with signs as in print: µm, °, ² and ³."""
-    for typed, sign in _SIGNS.items():
+    for typed, sign in {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}.items():
         text = text.replace(typed, sign)
     return text
 
@@ -316,10 +307,10 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     None, no value is unusual.
     """
     (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
-    converted, suffix = shown_in(value, unit), f" {unit}" if unit else ""
-    if low <= converted <= high:
+    number, suffix = shown_in(value, unit), f" {unit}" if unit else ""
+    if low <= number <= high:
         return ""
     return (
-        f"{converted:.3g}{suffix} is unusual ({low:g} to {high:g}{suffix} is common): "
+        f"{number:.3g}{suffix} is unusual ({low:g} to {high:g}{suffix} is common): "
         "check number and unit"
     )

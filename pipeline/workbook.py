@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.messages import quoted
-from pipeline.units import GROUPED
+from pipeline.units import MAYBE_THOUSANDS
 from tribo import InputError
 
 _SAVE_AS = "save the table as .csv"
@@ -106,7 +106,11 @@ def _sheets(path: Path, content: bytes) -> Iterator[tuple[str, list[list[str]]]]
                 )
             texts = [_cell_text(*pair) for pair in zip(cells, formula_cells, strict=True)]
             for cell, text in zip(cells, texts, strict=True):
-                if cell.data_type == "s" and "." in text and GROUPED.fullmatch(text.strip()):
+                if (
+                    cell.data_type == "s"
+                    and "." in text
+                    and MAYBE_THOUSANDS.fullmatch(text.strip())
+                ):
                     raise InputError(
                         f"{path}: row {number}: {quoted(text)} is text, which may be a thousand "
                         "times as much; make it a number"

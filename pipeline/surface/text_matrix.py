@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from pipeline.messages import quoted
-from pipeline.units import GROUPED
+from pipeline.units import MAYBE_THOUSANDS
 from tribo import InputError
 from tribo.types import Array
 
@@ -60,7 +60,7 @@ def matrix_of(text: str) -> tuple[list[str], Array | None]:
 
 def _comma_problem(cells: list[str]) -> str:
     """Why numbers with commas are refused, and how to write them."""
-    if all(map(GROUPED.fullmatch, map(str.strip, cells))):
+    if all(map(MAYBE_THOUSANDS.fullmatch, map(str.strip, cells))):
         return _thousands_problem(cells[0].strip())
     return f"decimals have commas ({quoted(cells[0])}); write them with points"
 
@@ -90,7 +90,7 @@ def _require_decimals(lines: list[str], delimiter: str | None) -> None:
     grouped_number, has_integer = "", False
     for cell in (cell.strip() for line in lines for cell in line.split(delimiter)):
         if "." in cell:
-            if delimiter == "," or not GROUPED.fullmatch(cell):
+            if delimiter == "," or not MAYBE_THOUSANDS.fullmatch(cell):
                 return
             grouped_number = grouped_number or cell
         has_integer |= _INTEGER.fullmatch(cell) is not None
