@@ -82,6 +82,8 @@ def user_law(_scene: Scene, law: WearLaw) -> UserLaw:
 
 def user_surface(scene: Scene, surface: Surface) -> UserSurface:
     """A surface for a scene; `InputError` if it fails, or a store cannot keep what it is."""
+    if not hasattr(surface, "heights"):
+        raise InputError(f"the surface {surface!r:.200} has no heights; see tribo.Surface")
     identity = _identify("surface", surface)
     heights = MeasuredRoughness(surface_heights(surface, scene.pixels))
     summary = summarize_surface(replace(scene, roughness=heights))
@@ -91,6 +93,8 @@ def user_surface(scene: Scene, surface: Surface) -> UserSurface:
 def _identify(role: str, original: object) -> dict[str, Any]:
     """Import name, text and digest of the source of an object, and the object itself."""
     cls, text = type(original), " ".join(repr(original).split())
+    if isinstance(original, type):
+        raise InputError(f"the {role} {text:.200} is a class; give an object of it")
     package = cls.__module__.partition(".")[0]
     if package == "__main__":
         raise InputError(

@@ -122,6 +122,9 @@ REFUSALS = {
     # wear laws and surfaces of users
     "script": (with_law(law_in("__main__")), "is of class Law of a script or notebook"),
     "no class of yours": (with_law(tribo.Wear(1e-15)), "is not your class; set it in the"),
+    "a class": (with_law(laws.Tabled), "is a class; give an object of it"),
+    "no surface": (lambda: pipeline.load_scene("first_try").with_scene(roughness=3),
+                   "the surface 3 has no heights; see tribo.Surface"),
     "no text": (with_law(type("Plain", (Unclear,), {"mean_wear": None})()),
                 "does not print its values, but has 'at 0x"),
     "no source": (with_law(law_in("nowhere")), "of class Law, whose source cannot be found"),
