@@ -147,6 +147,7 @@ def _read(path: Path, content: bytes) -> HeightFile:
         return read_instrument_file(path, kind)
     is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if is_utf16 else "utf-8-sig", errors="replace")
+    text = text.replace("−", "-")
     first = next((line for line in text.splitlines() if line.strip()), "").strip(" ")
     if first and numbers_of([first], delimiter_of(first)) is None:  # headings, which may have sizes
         with suppress(InputError):
@@ -157,8 +158,8 @@ def _read(path: Path, content: bytes) -> HeightFile:
         raise InputError(f"a text without a matrix of numbers; {EXPORT}")
     if headings and min(matrix.shape) >= MIN_SIDE:
         raise InputError(
-            f"its first lines are not heights ({quoted(headings[0][:60])}); delete all "
-            f"{len(headings)} lines above the numbers, and give height_unit and pixel_size"
+            f"its first lines are not heights ({quoted(headings[0][:60])}); delete what is above "
+            "the numbers, and give height_unit and pixel_size"
         )
     notes = list[str]()
     if comments := [line for line in text.splitlines() if line.lstrip()[:1] == "#"]:

@@ -95,10 +95,20 @@ def zipped(name, content=b""):
     return packed.getvalue()
 
 
+def test_a_minus_sign_of_print_is_a_minus(tmp_path):
+    (tmp_path / "a.txt").write_text(ROWS.replace("-", "−"), encoding="utf-8")
+    (tmp_path / "b.txt").write_text(ROWS)
+    printed, plain = (read(tmp_path / name).heights for name in ("a.txt", "b.txt"))
+    np.testing.assert_array_equal(printed, plain)
+
+
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (f"ncols 48\ncellsize 0.5\n{ROWS}".encode(), r'not heights \("ncols 48"\); delete all 2'),
+        (
+            f"ncols 48\ncellsize 0.5\n{ROWS}".encode(),
+            r'not heights \("ncols 48"\); delete what is above the numbers, and',
+        ),
         (b"1,2,3\n1,2\n", "as many in each row"),
         (ROWS.replace(".", ",").replace(" ", ";").encode(), "decimals have commas"),
         (b"-0,1234,0,2345\n" * 20, "is no whole number"),
