@@ -20,6 +20,12 @@ _LIKE = {
     "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
 }  # fmt: skip
 _LOAD_AND_VELOCITY = "load", "velocity"
+_RANGES = {
+    "load": "above 0", "velocity": "above 0", "friction": "at least 0",
+    "bulk_temperature": " to ".join(OIL_WORKS), "critical_temperature": "above 0 K",
+    "critical_area_fraction": "at least 0 and below 1",
+}  # fmt: skip
+"""Allowed values of each column."""
 
 
 class OperatingPoints(NamedTuple):
@@ -81,8 +87,5 @@ def _value(name: str, cell: Any) -> float:
             low, high = (to_si(end, "1 K") for end in OIL_WORKS)
             ends = low, high
     if not ends[0] <= value <= ends[1] or math.isinf(value):
-        problem = f"{quoted(cell)} is outside the allowed range"
-        if name in _LOAD_AND_VELOCITY:
-            problem = f"{quoted(cell)} is outside the allowed range; give a {name} above 0"
-        raise InputError(problem)
+        raise InputError(f"{quoted(cell)} is outside the allowed range; it must be {_RANGES[name]}")
     return value

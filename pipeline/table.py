@@ -40,7 +40,8 @@ _SYNONYMS = {
     "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
     "friction_coefficient": "friction", "coefficient_of_friction": "friction",
     "speed": "velocity", "sliding_speed": "velocity", "force": "load", "t_oil": "bulk_temperature",
-    "result": "outcome", "radius": "pin.radius", "ra": "disk.roughness.ra",
+    "critical": "critical_temperature", "result": "outcome", "radius": "pin.radius",
+    "ra": "disk.roughness.ra",
 }  # fmt: skip
 """Headings that are refused, and the name that is suggested for each."""
 
@@ -175,7 +176,7 @@ class Sheet:
         name = _SYNONYMS.get(column.name.lower(), column.name)
         hint = did_you_mean(name, {*known} - names)
         cells = zip(self.lines, column.cells, strict=True)
-        number = next(((line, cell) for line, cell in cells if _NUMERIC.match(cell)), None)
+        number = next((pair for pair in cells if _is_numeric(pair[1])), None)
         if not hint and number is None and "." not in column.name:
             return ""
         heading, ignore = quoted(column.heading), self.advice.ignore.format(quoted(column.heading))
@@ -241,6 +242,10 @@ class Sheet:
 
     def _may_group(self) -> bool:
         return self.decimal is None and self.is_local
+
+
+def _is_numeric(cell: str) -> bool:
+    return _NUMERIC.match(cell.translate(_PLAIN_CHARACTERS)) is not None
 
 
 def split_number(cell: str) -> tuple[str, str]:

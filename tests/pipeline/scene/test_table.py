@@ -102,6 +102,10 @@ def test_a_column_that_is_no_entry_of_a_test_has_words_or_is_refused():
     table = {"load": [300.0], "velocity": [1.5], "outcome": ["mild"], "remark": [2.5]}
     with pytest.raises(InputError, match=r'"remark" has numbers .*; rename it to one of velocity'):
         rows_of(read_table(table, 9), TEST.keys, faults_in)
+    for number in ("−3", "\xa03", "~ 3", "HRC 62"):
+        table["remark"] = [number]
+        with pytest.raises(InputError, match='"remark" has numbers'):
+            rows_of(read_table(table, 9), TEST.keys, faults_in)
     table["remark"] = ["a"]
     (row,) = rows_of(read_table(table, 9), TEST.keys, faults_in)
     assert row == {"load": "300.0 N", "velocity": "1.5 m/s", "outcome": "mild"}
