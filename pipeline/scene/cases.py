@@ -21,6 +21,7 @@ from pipeline.scene.kinds import LOAD, SPEED
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
     AREAS_ENTRY,
+    CASE,
     PLACE_UNITS,
     SEED_ENTRY,
     CaseTable,
@@ -258,7 +259,9 @@ def read_cases(
     for name, changes in zip(listed.table.names, listed.changes, strict=True):
         unseeded = {path: value for path, value in changes.items() if path != SEED_ENTRY}
         if (text := repr(unseeded)) not in case_by_changes:
-            case_by_changes[text] = _build_case(entries, files, scene, unseeded, key)
+            row = dict(name).get(CASE)
+            location = key if row is None else f"{key}[{row}]"
+            case_by_changes[text] = _build_case(entries, files, scene, unseeded, location)
         case = replace(case_by_changes[text], name=name)
         if SEED_ENTRY in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
             case = case.on_surface(changes[SEED_ENTRY])

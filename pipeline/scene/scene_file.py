@@ -44,6 +44,7 @@ from pipeline.sweep.sweep import Point, Sweep
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
 """Entries that may name a file, relative to the scene's folder."""
+_ROW_AXES = "sweep.loads", "sweep.velocities"
 PresetName = Literal["standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
@@ -119,6 +120,9 @@ class Source:
         entries, along = with_first_case(entries, self.files, faults)
         scene = build(entries, self.files, faults)
         faults[:] = [self._at_list(fault, along) for fault in faults]
+        if faults.touches("sweep.along"):  # faulty rows give no loads and velocities
+            missing = [path for path in _ROW_AXES if entry_at(entries, path) is None]
+            faults[:] = [fault for fault in faults if fault.key not in missing]
         if scene is None:
             return None
         listed = listed_cases(scene, along)
@@ -208,6 +212,8 @@ def _path_overrides(
             faults.append(Fault(deep_key, f"no entry has more than {MAX_LEVELS} parts"))
             continue
         try:
+            if value is None:
+                raise tribo.InputError(f'is None; to leave it out, set without = ["{key}"]')
             plain = plain_value(key, value)
             for entry_path in _paths_in(key, plain):
                 if _is_set(entry_path, replaced):

@@ -232,6 +232,10 @@ ENTRIES = {
     "empty table": (lambda: scene(text='extends = "first_try"\n[sweep]\nloads = {}\n'),
                     "sweep.loads: the table is empty; fill it or remove it"),
     "row lacks": (entry("sweep.along", [{"load": "1 N"}]), "sweep.along[0].velocity: missing"),
+    "row faulty": (along("load [N],velocity [m/s],pin.radius [mm]\n300,2,3\n300,3,-3\n"),
+                   'sweep.along[1]: pin.radius = "-3 mm": pin.radius: "-3 mm" is outside'),
+    "row faulty without loads": (along("load [N],velocity [m/s]\n300,\n", without=[
+        "sweep.loads", "sweep.velocities"]), "sweep.along: rows.csv: row 2, velocity [m/s]: empty"),
     "row with a short track": (entry("sweep.along", [{"load": "400 N", "velocity": "2 m/s",
                                                       "disk.track_length": "0.5 mm"}]),
                                'sweep.along."disk.track_length": the track is 0.5 mm long'),
@@ -257,6 +261,10 @@ TEXTS = {
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
     "circle": (toml(b'extends = "scene.toml"\n'), "refers back to itself"),
+    "no value": (
+        lambda: load_scene("first_try", overrides={"pin.radius": None}),
+        'is None; to leave it out, set without = ["pin.radius"]',
+    ),
     "overrides": (
         lambda: load_scene("first_try", overrides="a=1"),
         "overrides is 'a=1'; give a",

@@ -24,10 +24,12 @@ def scene(tmp_path):
             "file": str(tmp_path / "a.npy"), "height_unit": "m",
             "pixel_size": ["0.8 um", "0.95 um"],
         } | table  # fmt: skip
-        return load_scene("first_try", overrides={
-            "without": "disk.roughness", "window.pixels": list(pixels),
-            "window.pixel_size": ["0.8 um", "0.95 um"], "sweep.realizations": realizations,
-        } | {f"disk.roughness.{key}": value for key, value in table.items()})  # fmt: skip
+        entries = {
+            "window.pixels": list(pixels), "window.pixel_size": ["0.8 um", "0.95 um"],
+            "sweep.realizations": realizations,
+        } | {f"disk.roughness.{key}": value for key, value in table.items()}  # fmt: skip
+        known = {path: value for path, value in entries.items() if value is not None}
+        return load_scene("first_try", overrides={"without": "disk.roughness"} | known)
 
     return load
 
