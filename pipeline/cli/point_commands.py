@@ -19,9 +19,10 @@ from pipeline.cli.output import Result, print_note, working, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.messages import pluralized
 from pipeline.quantities import display, shown_in
-from pipeline.run.serial import computed_dataset, run_serial
+from pipeline.run.serial import run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
+from pipeline.store.dataset import store_dataset
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
@@ -64,7 +65,7 @@ def point(options: argparse.Namespace) -> Result:
     with working("simulating") as progress, writing(None, point_sweep) as store:
         ordered_points = [Point(load, speed) for speed in (velocity, lower, higher)]
         run_serial(store, ordered_points, source, progress)
-    ds = computed_dataset(store)
+    ds = store_dataset(store).load()
     contact = _contact_frame(ds.sel(load=[load], velocity=[velocity]))
     text, frame = ["without temperature.critical there is no verdict"], contact
     if sweep_of(ds).base.is_judged:
@@ -106,7 +107,7 @@ def infer(options: argparse.Namespace) -> Result:
     )
     with working("simulating the tests") as progress, writing(None, small_sweep) as store:
         run_serial(store, source=stored_tests_of(sweep), report=progress)
-    ds = computed_dataset(store)
+    ds = store_dataset(store).load()
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
     result = {str(name): value.item() for name, value in values.items()}
     count = pluralized(tests.sizes["test"], "test", "tests")

@@ -60,9 +60,9 @@ def run(options: argparse.Namespace) -> Result:
     text += [f"failed: {point}" for point in failed]
     is_reached = True
     if options.accuracy is not None:
-        from pipeline.run.goal import reached, why_fixed
+        from pipeline.run.goal import goal_outcomes, reason_surface_is_fixed
 
-        goals = reached(ds, options.accuracy, bool(fixed := why_fixed(sweep)))
+        goals = goal_outcomes(ds, options.accuracy, bool(fixed := reason_surface_is_fixed(sweep)))
         text += [line for goal in goals for line in goal.lines(options.accuracy, fixed)]
         is_reached = all(goal.is_below(options.accuracy) for goal in goals)
         document["accuracy"] = {

@@ -24,7 +24,7 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.watch import CANNOT, POLL, Watch
-from pipeline.run.work import Case, ExecutionError, loaded, simulate_point
+from pipeline.run.work import CaseInputs, ExecutionError, simulate_point, unpack_result
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Store, Writer
 from pipeline.sweep.case_table import CaseName
@@ -108,7 +108,9 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
             workers, processes = watch(), watch.processes
             assigned = [
                 (worker, queue.take(worker or object()))
-                for worker in _slots(client, workers, submitted.count_by_worker(), recent_times)
+                for worker in _workers_with_room(
+                    client, workers, submitted.count_by_worker(), recent_times
+                )
                 if queue
             ]
             if suspect_tasks and not (assigned or submitted):
@@ -122,7 +124,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
                 for job, result in submitted.ended(processes):
                     point = job.task.point
                     if result is not None:
-                        record, program = loaded(result)
+                        record, program = unpack_result(result)
                         watch.require_program(program)
                         writer.add([record])
                         recent_times.append(record.wall_time if record.data else recent_times[-1])
@@ -143,7 +145,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
         tally.count(writer.flush(), len(workers))
 
 
-def _slots(
+def _workers_with_room(
     client: Client, workers: Sequence[str], busy: Counter[str], recent_times: Collection[float]
 ) -> Iterator[str]:
     """Yield the worker of each further task, in turns, until all have enough to do.
@@ -207,7 +209,7 @@ class _SubmittedTasks:
         case = sweep.case(name)
         key = sweep._hash_scene(case.scene), fields
         if key not in self._cases:
-            new_case = Case(case.scene, self._stored_steps, fields, case.has_film)
+            new_case = CaseInputs(case.scene, self._stored_steps, fields, case.has_film)
             self._cases[key] = new_case.pickled()
         return self._cases[key]
 
@@ -275,7 +277,7 @@ class Tally:
         self._progress(Progress("", done, flags.size, failed, elapsed, time_to_go))
 
 
-def shown_progress(progress: Report | None) -> Report:
+def notebook_progress(progress: Report | None) -> Report:
     """Return `progress`, or if it is None a function that shows progress in a notebook.
 
     Outside a notebook this function shows nothing.

@@ -138,7 +138,7 @@ def machine_memory() -> int:
 
 def worker_bytes(sweep: Sweep) -> float:
     """Memory that a worker needs [B], including the results of steps kept for reuse."""
-    scene = as_computed(sweep)
+    scene = fitted_scene_of(sweep)
     coarse, *finer = scene.levels()
     cached_levels = (
         [coarse, *finer[-1:]] if choose_stored_steps(sweep).steps == "course" else [coarse]
@@ -149,7 +149,7 @@ def worker_bytes(sweep: Sweep) -> float:
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + cache_bytes
 
 
-def as_computed(sweep: Sweep) -> Scene:
+def fitted_scene_of(sweep: Sweep) -> Scene:
     """Scene with the elements that a simulation would choose at the sweep's lowest load.
 
     If there are very many pixels, elements are single pixels instead.

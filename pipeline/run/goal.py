@@ -59,7 +59,7 @@ def require_boundary(sweep: Sweep) -> None:
         raise InputError(f"there is no boundary whose error can be a goal: {reason}")
 
 
-def why_fixed(sweep: Sweep) -> str:
+def reason_surface_is_fixed(sweep: Sweep) -> str:
     """Why a sweep's surface has no further realizations, in words; empty if it has."""
     if sweep.scene.roughness is None:
         return "smooth, not reduced by computing"
@@ -132,7 +132,7 @@ class GoalRun:
         if sweep.preset is None:
             choice = f"preset {chosen.preset} (up to {error}), in place of the scene's [fidelity]"
         report(Progress(choice))
-        self.is_fixed, self._report = bool(why_fixed(chosen)), report
+        self.is_fixed, self._report = bool(reason_surface_is_fixed(chosen)), report
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
         if not self.is_fixed:
@@ -150,7 +150,7 @@ class GoalRun:
         needs these first.
         """
         cases = cases_of(ascending(store_dataset(store)))
-        points, to_come, count, new_velocities = list[tuple[Point, int]](), 0, 0, set[float]()
+        points, further_count, count, new_velocities = list[tuple[Point, int]](), 0, 0, set[float]()
         has_seeds, sweep_seeds = "realization" in self.sweep.case_table.axes, self._seeds
         seeds = (
             sweep_seeds
@@ -161,7 +161,7 @@ class GoalRun:
             indices = search.next_points()
             new_velocities |= {*search.next_velocities()}
             count = max([count, *(index.realization + 1 for index in indices)])
-            to_come += search.to_come()
+            further_count += search.further_count()
             for realization, load, velocity in indices:
                 coordinates = float(search.loads[load]), float(search.velocities[velocity])
                 seed = (("realization", seeds[realization]),) if has_seeds else ()
@@ -172,11 +172,13 @@ class GoalRun:
         if new_velocities and not points:
             velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
             self.sweep = replace(self.sweep, velocities=velocities)
-        first = [point for point, realization in points if not realization]
-        if points and not first and self.is_on_first_realization:
-            self._report(Progress(f"first realization done; remaining points: about {to_come}"))
-        self.is_on_first_realization = bool(first)
-        return first or [point for point, _ in points]
+        first_points = [point for point, realization in points if not realization]
+        if points and not first_points and self.is_on_first_realization:
+            self._report(
+                Progress(f"first realization done; remaining points: about {further_count}")
+            )
+        self.is_on_first_realization = bool(first_points)
+        return first_points or [point for point, _ in points]
 
 
 def searches(
@@ -199,7 +201,7 @@ def search_of(model: VerdictModel, goal: Goal) -> Search:
     return Search(specimen, model.limit, model.preset_error, first, tried, goal)
 
 
-class Reached(NamedTuple):
+class GoalOutcome(NamedTuple):
     """Largest numerical error of the critical velocities of one scene, relative, at 95 %."""
 
     case: str  # values of the varied entries of the scene
@@ -208,7 +210,7 @@ class Reached(NamedTuple):
     total: float  # error at this load, without surface sampling unless that counts
     parts: dict[str, float]  # parts of the error at this load
     surface: float  # largest error by surface sampling at any load
-    without: tuple[float, ...]  # loads without a critical velocity in the plane [N]
+    loads_without_transition: tuple[float, ...]  # in the velocities of the plane [N]
 
     def is_below(self, accuracy: float) -> bool:
         """True unless the error of a critical velocity is above `accuracy`, or unknown."""
@@ -230,28 +232,28 @@ class Reached(NamedTuple):
                 yield f"to reach it: {_ADVICE[largest]}"
             if surface and self.surface:
                 yield f"surface up to ± {percent(self.surface)}: {surface}"
-        if self.without:
-            loads = ", ".join(f"{load:g}" for load in self.without)
+        if self.loads_without_transition:
+            loads = ", ".join(f"{load:g}" for load in self.loads_without_transition)
             yield f"{case}no critical velocity in the plane at {loads} N"
 
 
-def reached(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[Reached]:
+def goal_outcomes(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[GoalOutcome]:
     """Largest error of each case of a dataset."""
-    goals = list[Reached]()
+    outcomes = list[GoalOutcome]()
     for case, search in searches(cases_of(ds), accuracy, is_fixed):
         loads, crosses = search.loads, np.isfinite(search.critical)
         totals = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
         worst = int(np.argmax(np.where(crosses, np.nan_to_num(totals, nan=np.inf), -np.inf)))
         labels = case.sweep.case_table.to_text(case.name) if case.name else {}
-        goals.append(
-            Reached(
+        outcomes.append(
+            GoalOutcome(
                 case=", ".join(f"{key} {value}" for key, value in labels.items()),
                 preset=case.sweep.preset,
                 load=float(loads[worst]) if crosses.any() else np.nan,
                 total=float(totals[worst]),
                 parts=dict(zip(PARTS, search.errors[:, worst].tolist(), strict=True)),
                 surface=float(search.errors[SURFACE].max(where=crosses, initial=0.0)),
-                without=tuple(loads[~crosses].tolist()),
+                loads_without_transition=tuple(loads[~crosses].tolist()),
             )
         )
-    return goals
+    return outcomes

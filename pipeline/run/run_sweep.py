@@ -17,7 +17,7 @@ from distributed import Client
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
-from pipeline.run.drive import Tally, TaskQueue, compute, shown_progress
+from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
@@ -143,7 +143,7 @@ def run_sweep(
             copied_count = copy_points(store, source_store)
             report(Progress(f"{copied_count} points are copied from {source}"))
         cluster = _Cluster(client, workers, patience, dashboard, report)
-        tally = Tally(store, shown_progress(progress))
+        tally = Tally(store, notebook_progress(progress))
         store, computed, cpu_time = _compute_pending(store, goal, cluster, tally)
         summary = summary_of(store)
     return Outcome(

@@ -274,7 +274,7 @@ class Search:
                 points.append(point)
         return sorted(points)
 
-    def to_come(self) -> int:
+    def further_count(self) -> int:
         """Estimated number of points of further realizations."""
         return len(self._plan(np.flatnonzero(self._has_realization[0]).tolist()))
 

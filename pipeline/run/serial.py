@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-import xarray as xr
-
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.dataset import store_dataset
 from pipeline.store.store import Store
 from pipeline.store.transfer import copy_points
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
@@ -35,13 +32,8 @@ def run_serial(
     )
     done = 0
     for group, group_points, needed in groups:
-        group.commit(_simulated(group, group_points, needed, report, done, total))
+        group.commit(_simulate(group, group_points, needed, report, done, total))
         done += sum(_step_count(group, point) for point in group_points)
-
-
-def computed_dataset(store: Store) -> xr.Dataset:
-    """Dataset of an open store."""
-    return store_dataset(store).load()
 
 
 def _step_count(store: Store, point: Point) -> int:
@@ -55,7 +47,7 @@ def _report_steps(report: Report, before: int, total: int, progress: Progress) -
     report(Progress(done=before + progress.done, total=total))
 
 
-def _simulated(
+def _simulate(
     store: Store,
     points: Sequence[Point],
     needed: Sequence[Point],

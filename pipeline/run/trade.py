@@ -23,7 +23,7 @@ from pipeline.arguments import typed_arguments
 from pipeline.constants import RISE_EXPONENT
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.goal import reached, require_boundary, searches, why_fixed
+from pipeline.run.goal import goal_outcomes, reason_surface_is_fixed, require_boundary, searches
 from pipeline.run.run_sweep import run_sweep
 from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.store.location import PathLike
@@ -34,11 +34,10 @@ from tribo.simulation import RampCache
 
 ACCURACIES = 0.05, 0.03, 0.02
 """Errors that `irg trade` asks for, one after another."""
-_HEADS = "run", "preset", "points", "CPU time [s]", "numerical error [%]"
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredCost:
     """Cost and error of a boundary: of a run with a goal, or of a plane of one realization."""
 
     accuracy: float | None  #: Error that was asked for; None for a plane.
@@ -55,8 +54,9 @@ class Trade:
 
     drawn_by: ClassVar = "pipeline.figures.study_figures:draw_trade"
     title: str  #: Title of the scene.
-    runs: tuple[Measured, ...]  #: Runs with a goal, each on the points of those before.
-    planes: tuple[Measured, ...]  #: The whole plane by each preset; its time is that of one point.
+    runs: tuple[MeasuredCost, ...]  #: Runs with a goal, each on the points of those before.
+    #: The whole plane by each preset; its time is that of one point.
+    planes: tuple[MeasuredCost, ...]
 
     @property
     def table(self) -> pd.DataFrame:
@@ -70,7 +70,8 @@ class Trade:
                 name = f"plane by {measured.preset}, all steps"
             numbers = float(f"{measured.seconds:.3g}"), float(f"{measured.error:.3g}")
             rows.append((name, measured.preset, measured.points, *numbers))
-        return frame_of(_HEADS, rows)
+        heads = "run", "preset", "points", "CPU time [s]", "numerical error [%]"
+        return frame_of(heads, rows)
 
     def __str__(self) -> str:
         head = f"{self.title}: processor time against the error of the boundary"
@@ -118,7 +119,7 @@ def trade(
     require_boundary(sweep)
     if Path(str(out)).exists():
         raise InputError(f"{out} exists, and points that are there cost nothing; give a new store")
-    runs, seconds = list[Measured](), 0.0
+    runs, seconds = list[MeasuredCost](), 0.0
     for accuracy in accuracies:
         report(Progress(f"a run to {100 * accuracy:g} %"))
         try:
@@ -128,16 +129,16 @@ def trade(
                 raise
             break
         seconds += outcome.cpu_time
-        goals = reached(open_sweep(out), accuracy, bool(why_fixed(sweep)))
-        preset = goals[0].preset
-        error = max(goal.total for goal in goals)
-        runs.append(Measured(accuracy, preset, outcome.done, seconds, error))
+        outcomes = goal_outcomes(open_sweep(out), accuracy, bool(reason_surface_is_fixed(sweep)))
+        preset = outcomes[0].preset
+        error = max(goal.total for goal in outcomes)
+        runs.append(MeasuredCost(accuracy, preset, outcome.done, seconds, error))
     return Trade(sweep.title, tuple(runs), tuple(_planes(sweep, out, report)))
 
 
-def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
+def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCost]:
     """The whole plane of one realization by each preset."""
-    _, search = next(searches(cases_of(out), 1.0, bool(why_fixed(sweep))))
+    _, search = next(searches(cases_of(out), 1.0, bool(reason_surface_is_fixed(sweep))))
     specimen, field = search.specimen, search.specimen.field
     crosses = np.isfinite(search.critical) & (specimen.realizations > 0)
     loads, critical = field.loads[crosses], search.critical[crosses]
@@ -162,13 +163,13 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[Measured]:
         errors = total(np.stack([interpolation, surface, preset_errors]))
         error, median_velocity = float(errors.max(initial=0.0)), float(np.median(critical))
         seconds = points * seconds_of_point(preset_sweep, median_velocity)
-        yield Measured(None, name, points, seconds, error)
+        yield MeasuredCost(None, name, points, seconds, error)
         if name == "standard" and choose_stored_steps(sweep).steps == "course":
             ends, course = (
                 seconds_of_loads(replace(preset_sweep, steps=steps), median_velocity)
                 for steps in ("end", "course")
             )
-            yield Measured(None, name, points, seconds * course / ends, error, has_steps=True)
+            yield MeasuredCost(None, name, points, seconds * course / ends, error, has_steps=True)
 
 
 def seconds_of_point(sweep: Sweep, velocity: float) -> float:

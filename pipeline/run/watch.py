@@ -68,32 +68,32 @@ class Watch:
         for worker, info in infos.items():
             if self._heartbeats.get(worker, (0.0, 0.0))[0] != info["last_seen"]:
                 self._heartbeats[worker] = info["last_seen"], now
-        hung = {
+        unresponsive = {
             worker
             for worker in infos
             if worker not in self._workers or now - self._heartbeats[worker][1] > _NOTE_AFTER
         }
-        if hung.issuperset(self._workers):
-            self._wait_for_worker(hung, now - self._last_running)
+        if unresponsive.issuperset(self._workers):
+            self._wait_for_worker(unresponsive, now - self._last_running)
         else:
             self._last_running = now
-            for worker in hung:
+            for worker in unresponsive:
                 state = infos[worker]["status"]
                 state = f"silent for {_NOTE_AFTER:g} s" if state == "running" else state
-                self.say(f"{worker} is {state}; the other workers continue")
+                self.report_once(f"{worker} is {state}; the other workers continue")
         if not self._is_own:
-            self._check(sorted({*self._workers} - self._checked - hung))
+            self._check(sorted({*self._workers} - self._checked - unresponsive))
         self._next_look = time.monotonic() + POLL
         return self._workers
 
-    def _wait_for_worker(self, hung: Collection[str], waited: float) -> None:
+    def _wait_for_worker(self, unresponsive: Collection[str], waited: float) -> None:
         """Report that no worker takes tasks; `ExecutionError` if it `waited` too long [s]."""
-        reason = f"{', '.join(sorted(hung)) or 'there is none'}"
+        reason = f"{', '.join(sorted(unresponsive)) or 'there is none'}"
         if waited > self._patience:
             limit = duration(self._patience)
             raise ExecutionError(f"no Dask worker takes tasks within {limit} ({reason}); {SAFE}")
         if waited > min(_NOTE_AFTER, self._patience / 2):
-            self.say(f"no Dask worker takes tasks ({reason}); waiting for one")
+            self.report_once(f"no Dask worker takes tasks ({reason}); waiting for one")
 
     @property
     def processes(self) -> Mapping[str, str]:
@@ -143,7 +143,7 @@ class Watch:
                 f"this program ({PROGRAM.code}); {_INSTALL}"
             )
         if answer != PROGRAM:
-            self.say(
+            self.report_once(
                 f"{worker} computes with {answer.versions} instead of {PROGRAM.versions}; "
                 "last digits may differ"
             )
@@ -175,7 +175,7 @@ class Watch:
             return "the kernel killed a process for lack of memory"
         return "it crashed, or was killed from outside"
 
-    def say(self, words: str) -> None:
+    def report_once(self, words: str) -> None:
         """Report a message to the user once."""
         if words not in self._reported:
             self._reported.add(words)

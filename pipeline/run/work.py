@@ -78,7 +78,7 @@ def program() -> Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class CaseInputs:
     """Common data of the points of a scene: the scene, and the variables to record."""
 
     scene: Scene
@@ -98,9 +98,9 @@ class Case:
 
 
 @functools.lru_cache(maxsize=64)
-def _unpickled(case: bytes) -> Case:
-    unpickled: Case = pickle.loads(zlib.decompress(case))
-    return unpickled
+def _unpickle_case(case: bytes) -> CaseInputs:
+    inputs: CaseInputs = pickle.loads(zlib.decompress(case))
+    return inputs
 
 
 _ramps = RampCache()  # the loading ramps that this worker has computed, for the points to come
@@ -108,29 +108,29 @@ _simulation_lock = threading.Lock()  # several threads of one process gained 6 %
 
 
 def simulate_point(case: bytes, point: Point) -> bytes:
-    """Simulate a case at a point; return its record and the program that computed it, see `loaded`.
+    """Simulate a case at a point; return its record and the program, for `unpack_result`.
 
     An error becomes the message of the record.
     """
     with _simulation_lock:
         try:
-            unpickled = _unpickled(case)
+            inputs = _unpickle_case(case)
             result = run_point(
-                unpickled.scene,
-                unpickled.stored_steps,
+                inputs.scene,
+                inputs.stored_steps,
                 point,
                 _ramps,
-                with_film=unpickled.with_film,
-                fields=unpickled.fields,
+                with_film=inputs.with_film,
+                fields=inputs.fields,
             )
-            record = result.record(bool(unpickled.fields))
+            record = result.record(bool(inputs.fields))
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
         # Dask would send each array by itself, which took the driver 2 ms a point.
         return pickle.dumps((record, PROGRAM))
 
 
-def loaded(result: bytes) -> tuple[PointRecord, Program]:
+def unpack_result(result: bytes) -> tuple[PointRecord, Program]:
     """The record of a point and its program, from the result of `simulate_point`."""
     record_and_program: tuple[PointRecord, Program] = pickle.loads(result)
     return record_and_program

@@ -23,7 +23,7 @@ from distributed import Client, as_completed
 
 import pipeline
 from pipeline.run.cluster import CONFIGURATION, processes
-from pipeline.run.work import Case
+from pipeline.run.work import CaseInputs
 from pipeline.sweep.plan import choose_stored_steps
 
 _LOADS, _WORKERS, _AT_ONCE = 10, 2, 16
@@ -70,7 +70,7 @@ def scene_of(points, scan=0, folder=Path()):
 def carried(sweep):
     """What a task carries of its case."""
     case = sweep.base
-    return Case(case.scene, choose_stored_steps(sweep), False, case.has_film).pickled()
+    return CaseInputs(case.scene, choose_stored_steps(sweep), False, case.has_film).pickled()
 
 
 def timed(client, compute):

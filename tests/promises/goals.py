@@ -24,7 +24,7 @@ import numpy as np
 from scipy.stats import beta
 
 from pipeline.answers.error import SURFACE, preset_error_of, presets_for, total
-from pipeline.run.goal import why_fixed
+from pipeline.run.goal import reason_surface_is_fixed
 from pipeline.run.search import MOST_REALIZATIONS, Goal, PointIndex
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
@@ -49,7 +49,7 @@ class Planes:
     """Points of a scene by preset, realization, load and velocity, cached in a file."""
 
     def __init__(self, sweep, path):
-        self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
+        self.fixed, self.conditions = reason_surface_is_fixed(sweep), sweep.conditions
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
         names = presets_for(sweep.scene, ["standard", "fine", "reference"])
         presets = {name: sweep.with_fidelity(preset, name) for name, preset in names.items()}

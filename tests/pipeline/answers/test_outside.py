@@ -3,8 +3,8 @@
 import pytest
 
 import pipeline
-from pipeline.run.serial import computed_dataset
 from pipeline.store.create import writing
+from pipeline.store.dataset import store_dataset
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic, tiny
 from tests.helpers.answer_at import asked, named
@@ -21,7 +21,7 @@ def test_what_to_do_outside_depends_on_the_kind_of_sweep():
     )
     case = tiny.sweep(case_table=placed_rows((250.0, 1.0)))
     with writing(None, case) as store:
-        rows = pipeline.margin(computed_dataset(store), 300.0, 1.0)
+        rows = pipeline.margin(store_dataset(store).load(), 300.0, 1.0)
     assert rows["reason"].item() == (
         "load 300 N, velocity 1 m/s is not a case of the sweep, in which each case has its own "
         "load and velocity; add it to sweep.along, and run the scene again"
