@@ -22,11 +22,6 @@ from tribo import InputError
 from tribo.types import Mask
 
 _HEADING = re.compile(r"(.+) \[(.+)\]")
-_MARKDOWN_MARK, _ESCAPED = re.compile(r"[\\|<]"), r"\\\g<0>"  # of Markdown
-_LONG_WORD, _SHORT_WORD = re.compile(r"(\S{99})\S\S+"), r"\1…"  # words of more than 100 letters
-_MAX_LINE_LENGTH = 100  # most letters in a line of a table
-_LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
-_MIN_LAST_WIDTH = 20  # least width of a broken last column
 
 
 def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
@@ -67,26 +62,29 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
     this is not enough, all cells are broken, and columns move closer. A word of more than 100
     letters is cut.
     """
-    texts = [[_LONG_WORD.sub(_SHORT_WORD, text) for text in row] for row in cells_of(frame, "-")]
-    for head_letters, letters, gap in _LAYOUTS:
-        headings = [_broken(str(heading), head_letters) for heading in frame]
-        rows = [[_broken(text, letters) for text in row] for row in texts]
-        columns = (itertools.chain(*column) for column in zip(headings, *rows, strict=True))
+    rows = [
+        [re.sub(r"(\S{99})\S\S+", r"\1…", text) for text in row] for row in cells_of(frame, "-")
+    ]
+    min_last_width = 20  # of a column whose cells are broken
+    for max_heading_width, max_cell_width, gap in ((11, 1000, "  "), (8, 22, " ")):
+        headings = [_broken_lines(str(heading), max_heading_width) for heading in frame]
+        broken_rows = [[_broken_lines(text, max_cell_width) for text in row] for row in rows]
+        columns = (itertools.chain(*column) for column in zip(headings, *broken_rows, strict=True))
         widths = [max(map(len, column), default=0) for column in columns]
-        last_width = _MAX_LINE_LENGTH - sum(width + len(gap) for width in widths[:-1])
-        if last_width >= min(widths[-1], _MIN_LAST_WIDTH):
+        last_width = 100 - sum(width + len(gap) for width in widths[:-1])
+        if last_width >= min(widths[-1], min_last_width):
             break
     lines = [*itertools.zip_longest(*headings, fillvalue="")]
-    for row in texts:
-        parts = map(_broken, row, [*widths[:-1], max(last_width, _MIN_LAST_WIDTH)])
-        lines += itertools.zip_longest(*parts, fillvalue="")
+    for row in rows:
+        broken_cells = map(_broken_lines, row, [*widths[:-1], max(last_width, min_last_width)])
+        lines += itertools.zip_longest(*broken_cells, fillvalue="")
     return [
         gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     ]
 
 
-def _broken(text: str, width: int) -> list[str]:
+def _broken_lines(text: str, width: int) -> list[str]:
     """Lines of a text, broken between words to at most `width` letters; none without text."""
     if len(text) <= width:  # the wrapping is slow
         return [text] if text else []
@@ -146,7 +144,8 @@ def _finite(value: Any) -> Any:
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
     """Yield the lines of the frame as a Markdown table."""
     for number, row in enumerate([[*map(str, frame)], *cells_of(frame, "")]):
-        yield f"| {' | '.join(_MARKDOWN_MARK.sub(_ESCAPED, cell) for cell in row)} |"
+        cells = [re.sub(r"[\\|<]", r"\\\g<0>", cell) for cell in row]
+        yield f"| {' | '.join(cells)} |"
         if number == 0:
             yield "|---" * len(row) + "|"
 

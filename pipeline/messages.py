@@ -9,8 +9,6 @@ from collections.abc import Iterable, Sequence
 
 from pipeline.limits import MAX_FAULTS
 
-_MAX_FAULTS = 18  # that a message lists
-_MAX_NAMED = 6  # names that a message lists
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 _UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -43,19 +41,20 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
     heading = "{}: {} faults or more" if len(faults) >= MAX_FAULTS else "{}: {} faults"
-    lines = [heading.format(name, len(faults)), *faults[:_MAX_FAULTS]]
-    if (more := len(faults) - _MAX_FAULTS) > 0:
-        lines.append(f"and {more} more")
+    lines = [heading.format(name, len(faults)), *faults[:18]]
+    if len(faults) > 18:
+        lines.append(f"and {len(faults) - 18} more")
     return "\n  ".join(lines)
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Question such as "did you mean X?" for the most similar of `words`; else empty."""
-    word, known = word[:80].lower(), {other.lower(): other for other in words}
-    ends = [other for other in known if other.endswith(f".{word}")]
-    longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    swapped = [other for other in known if sorted(other) == sorted(word)]
-    matches = ends or longer or swapped or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
+    typed, known = word[:80].lower(), {name.lower(): name for name in words}
+    with_ending = [name for name in known if name.endswith(f".{typed}")]
+    longer = [name for name in known if len(typed) > 2 and name.startswith(typed)]
+    anagrams = [name for name in known if sorted(name) == sorted(typed)]
+    matches = with_ending or longer or anagrams
+    matches = matches or difflib.get_close_matches(typed, known, n=1, cutoff=0.67)
     return f' (did you mean "{known[matches[0]]}"?)' if matches else ""
 
 
@@ -75,16 +74,16 @@ def split_notes(cells: Iterable[str]) -> list[str]:
     return [*dict.fromkeys(note for cell in cells if cell for note in cell.split(_SEPARATOR))]
 
 
-def listed(names: Sequence[str], most: int = _MAX_NAMED) -> str:
-    """List at most `most` names, and the number of further ones.
+def listed(names: Sequence[str], max_count: int = 6) -> str:
+    """List at most `max_count` names, and the number of further ones.
 
     Examples
     --------
     >>> listed(["nose", "base", "flank"], 2)
     'nose, base and 1 more'
     """
-    if len(names) > most:
-        return f"{', '.join(names[:most])} and {len(names) - most} more"
+    if len(names) > max_count:
+        return f"{', '.join(names[:max_count])} and {len(names) - max_count} more"
     return ", ".join(names)
 
 

@@ -58,16 +58,16 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     return path
 
 
-def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
+def store_path_of(path: str | PathLike[str]) -> str | PathLike[str]:
     """Path of a store to read; the name of a scene without a path becomes ``results/NAME.zarr``.
 
     An existing path of this name has precedence.
     """
-    name, folder = Path(path), Path("results")
-    is_name = str(path) == name.name and not name.suffix
-    in_results = folder / f"{name.name}.zarr"
+    store_path = Path(path)
+    is_name = str(path) == store_path.name and not store_path.suffix
+    in_results = Path("results") / f"{store_path.name}.zarr"
     with suppress(OSError):  # such as a name that is too long, which opening reports better
-        if is_name and not name.exists() and in_results.exists():
+        if is_name and not store_path.exists() and in_results.exists():
             return in_results
     return path
 
@@ -123,31 +123,26 @@ def store_hint(path: Path) -> str:
     return ""
 
 
-_MAX_CONTROL_SHARE = 0.01  # share of control characters in a text
-_CONTROLS = {*range(32), 127} - {*b"\t\n\r\f\x1a\x1b\0"}
-_INSPECTED_BYTES = 4096  # at the beginning of a file, which tell its kind
+_CONTROLS = {*range(32), 127} - {*b"\t\n\r\f\x1a\x1b"}
 
 
-def kind_of(content: bytes) -> str:
-    """Return "binary" for a file that is no text, from its content; empty for archives as .xlsx.
+def is_binary(content: bytes) -> bool:
+    """True for the content of a file that is no text, by its beginning.
 
     Examples
     --------
-    >>> kind_of(b"load [N],velocity [m/s]"), kind_of(bytes(range(32)))
-    ('', 'binary')
+    >>> is_binary(b"load [N],velocity [m/s]"), is_binary(bytes(range(32)))
+    (False, True)
     """
-    part = content[:_INSPECTED_BYTES]
-    if content.startswith(b"PK"):
-        return ""
-    if _is_wide(content):
-        part = part.decode("utf-16-le", errors="replace").encode(errors="replace")
-    # Texts in UTF-16 have nulls.
-    count = sum(byte in _CONTROLS for byte in part) + part.count(0)
-    return "binary" if count > max(2, _MAX_CONTROL_SHARE * len(part)) else ""
+    beginning = content[:4096]
+    if _is_utf16(beginning):
+        beginning = beginning.decode("utf-16-le", errors="replace").encode(errors="replace")
+    count = sum(byte in _CONTROLS for byte in beginning)
+    return count > max(2, 0.01 * len(beginning))
 
 
-def _is_wide(content: bytes) -> bool:
-    """True for UTF-16: it begins with a mark, or nearly every second byte is 0."""
-    part = content[:200]
-    odd, even = part[1::2].count(0), part[::2].count(0)
-    return content[:2] in (b"\xff\xfe", b"\xfe\xff") or max(odd, even) > len(part) * 0.4
+def _is_utf16(content: bytes) -> bool:
+    """True if a file begins with the mark of UTF-16, or nearly every second byte is 0."""
+    beginning = content[:200]
+    zeros = max(beginning[1::2].count(0), beginning[::2].count(0))
+    return content[:2] in (b"\xff\xfe", b"\xfe\xff") or zeros > len(beginning) * 0.4

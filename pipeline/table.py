@@ -35,7 +35,6 @@ _NUMERIC = re.compile(
 _PLAIN_CHARACTERS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
 _NO_VALUE = {"-", "--", "—"}  # after `_PLAIN_CHARACTERS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
-_MAX_LISTED = 12  # names that a message lists
 _SYNONYMS = {
     "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
     "friction_coefficient": "friction", "coefficient_of_friction": "friction",
@@ -154,20 +153,20 @@ class Sheet:
         `omissible` column leaves out the entry of its row.
         """
         faults = TableFaults(self.name, self.faults)
-        acting, words = list[Column](), list[Column]()
+        acting_columns, word_columns = list[Column](), list[Column]()
         names = {column.name for column in self.columns}
         for column in self.columns:
             if column.name in known:
                 cells = [*self._cells(column, column.name in omissible, faults)]
-                acting.append(column._replace(cells=cells))
+                acting_columns.append(column._replace(cells=cells))
             elif fault := self._fault_of_words(column, known, names):
                 faults.append(fault)
             else:
-                words.append(column)
+                word_columns.append(column)
         headings = ", ".join(quoted(column.heading) for column in self.columns)
         missing = [name for name in needed if name not in names]
         faults.extend(f"no column {name} in {headings}; add it, with its unit" for name in missing)
-        return acting, words, faults
+        return acting_columns, word_columns, faults
 
     def _fault_of_words(self, column: Column, known: Collection[str], names: set[str]) -> str:
         """Why a column of an unknown name cannot pass as words; empty if it can."""
@@ -182,31 +181,26 @@ class Sheet:
         heading, ignore = quoted(column.heading), self.advice.ignore.format(quoted(column.heading))
         if hint:
             return f"the column {heading} is unknown{hint}; rename it, or {ignore}"
-        listed = (
-            "the path of an entry" if len(known) > _MAX_LISTED else f"one of {', '.join(known)}"
-        )
+        choices = f"one of {', '.join(known)}" if len(known) <= 12 else "the path of an entry"
         if number is None:
-            return f"the column {heading} is unknown; rename it to {listed}, or {ignore}"
+            return f"the column {heading} is unknown; rename it to {choices}, or {ignore}"
         return (
             f"the column {heading} has numbers ({quoted(number[1])} in row {number[0]}), but is "
-            f"unknown; rename it to {listed}, to {NAME} if it has names, or {ignore}"
+            f"unknown; rename it to {choices}, to {NAME} if it has names, or {ignore}"
         )
 
     def _cells(self, column: Column, is_omissible: bool, faults: TableFaults) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
-            cell_name, plain_cell = (
+            location, plain_cell = (
                 f"row {line}, {column.heading}",
                 cell.translate(_PLAIN_CHARACTERS),
             )
             if not cell:
+                advice = "give a value in each row"
                 if is_omissible:
-                    faults.append(
-                        f"{cell_name}: empty; give a value in each row, or a dash where it does "
-                        "not apply"
-                    )
-                else:
-                    faults.append(f"{cell_name}: empty; give a value in each row")
+                    advice = "give a value in each row, or a dash where it does not apply"
+                faults.append(f"{location}: empty; {advice}")
                 yield ""
             elif column.name == NAME:
                 yield cell
@@ -215,7 +209,7 @@ class Sheet:
             else:
                 number, rest = split_number(plain_cell)
                 if problem := self._fault_of_marks(number):
-                    faults.append(f"{cell_name}: {cell} {problem}")
+                    faults.append(f"{location}: {cell} {problem}")
                 yield number.replace(",", ".") + rest
 
     def _fault_of_marks(self, number: str) -> str:
@@ -223,25 +217,24 @@ class Sheet:
         marks = {*number} & {",", "."}
         if self.decimal == "," and "." in marks:
             return "has a point, though decimals have commas; write the number that you mean"
-        if not marks or self.decimal == "," or (marks == {"."} and not self._may_group()):
+        if not marks or self.decimal == ",":
+            return ""
+        if marks == {"."} and not (self.decimal is None and self.is_local):
             return ""
         if self.decimal is None and MAYBE_THOUSANDS.fullmatch(number):
-            thousands = number.replace(",", "").replace(".", "")
-            mark = number.strip("+-0123456789")[0]
-            decimals = number.replace(",", ".")
-            if decimals.count(".") > 1:
-                return f"may be {thousands}; write it without marks of thousands"
-            choice = f"may be {thousands} or {decimals}; write the one that you mean"
+            without_marks = number.replace(",", "").replace(".", "")
+            with_point = number.replace(",", ".")
+            if with_point.count(".") > 1:
+                return f"may be {without_marks}; write it without marks of thousands"
+            problem = f"may be {without_marks} or {with_point}; write the one that you mean"
             if self.advice is PYTHON:
-                return choice
-            return f"{choice}, or {self.advice.decimal.format(quoted(mark))}"
+                return problem
+            mark = number.strip("+-0123456789")[0]
+            return f"{problem}, or {self.advice.decimal.format(quoted(mark))}"
         if "," in marks:
             advice = self.advice.decimal.format(quoted(","))
             return f"has a comma; {advice}, if commas are decimal marks"
         return ""
-
-    def _may_group(self) -> bool:
-        return self.decimal is None and self.is_local
 
 
 def _is_numeric(cell: str) -> bool:
@@ -269,13 +262,13 @@ def rows_of(
     """
     columns, _, faults = sheet.select(names, needed, omissible)
     rows, headings = list[dict[str, Any]](), {column.name: column.heading for column in columns}
-    faulty = {fault.partition(": ")[0] for fault in faults}  # includes locations of cells
-    for number, line in enumerate(sheet.lines):
-        filled = [column for column in columns if column.cells[number]]
-        rows.append({column.name: column.entry(number) for column in filled})
+    faulty_locations = {fault.partition(": ")[0] for fault in faults}
+    for index, line in enumerate(sheet.lines):
+        filled = [column for column in columns if column.cells[index]]
+        rows.append({column.name: column.entry(index) for column in filled})
         for name, reason, *_ in faults_in(rows[-1]):
             location = f"row {line}, {headings.get(name, name)}"
-            if location not in faulty and (name in headings or name not in needed):
+            if location not in faulty_locations and (name in headings or name not in needed):
                 faults.append(f"{location}: {reason}")
     if faults:
         raise TableError(sheet.name, faults)

@@ -14,7 +14,7 @@ import pandas as pd
 
 from pipeline.arguments import plain_value
 from pipeline.messages import pluralized, quoted
-from pipeline.paths import kind_of, read_file, reason_of, user_path
+from pipeline.paths import is_binary, read_file, reason_of, user_path
 from pipeline.table import PYTHON, Advice, Column, Sheet, TableFaults, split_number
 from pipeline.units import MAYBE_THOUSANDS
 from pipeline.workbook import workbook_rows
@@ -111,8 +111,8 @@ def _rows(path: Path, max_rows: int) -> tuple[list[tuple[int, list[str]]], bool]
     content = read_file(path, max_bytes=40_000_000)
     if content.startswith(b"PK"):
         rows, delimiter = [*enumerate(workbook_rows(path, content), start=1)], ","
-    elif kind := kind_of(content):
-        raise InputError(f"{path} is {kind}; save the table as .csv")
+    elif is_binary(content):
+        raise InputError(f"{path} is binary; save the table as .csv")
     else:
         _require_few_lines(path, content, max_rows)
         rows, delimiter = _rows_of_text(path, _decoded(content))

@@ -25,7 +25,7 @@ from pipeline.answers.case_results import (
 )
 from pipeline.answers.scene_wording import value_words
 from pipeline.arguments import typed_arguments
-from pipeline.paths import found_store
+from pipeline.paths import store_path_of
 from pipeline.store.dataset import open_store, with_sweep_and_tests
 from pipeline.store.location import PathLike
 from pipeline.store.schema import (
@@ -80,7 +80,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> ds["load"].values.tolist()
     [200.0, 400.0, 600.0, 750.0]
     """
-    ds = open_store(found_store(path)).drop_vars("message", errors="ignore")
+    ds = open_store(store_path_of(path)).drop_vars("message", errors="ignore")
     return ascending(ds)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pipeline.paths import found_store, user_path, writable_path
+from pipeline.paths import store_path_of, user_path, writable_path
 
 # Modules that import NumPy are imported inside functions, as --help does not need them.
 
@@ -102,7 +102,7 @@ def store(text: str) -> Path | str:
 
 def stored(text: str) -> Path | str:
     """Read the path or the URL of a store to read, or the name of a scene whose store that is."""
-    return store(str(found_store(text)))
+    return store(str(store_path_of(text)))
 
 
 @_refusing

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.messages import quoted
-from pipeline.paths import kind_of, read_file, reason_of, user_path
+from pipeline.paths import is_binary, read_file, reason_of, user_path
 from pipeline.quantities import display_sides
 from pipeline.surface.instrument_file import (
     EXPORT,
@@ -143,8 +143,8 @@ def _read(path: Path, content: bytes) -> HeightFile:
         if b".npy" in content:
             raise InputError("an archive of arrays; save one of them as .npy")
         return read_instrument_file(path, "")
-    if kind := kind_of(content):
-        return read_instrument_file(path, kind)
+    if is_binary(content):
+        return read_instrument_file(path, "binary")
     is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if is_utf16 else "utf-8-sig", errors="replace")
     text = text.replace("−", "-")
