@@ -124,7 +124,7 @@ _CONDITIONS = Group("conditions that replace those of the scene", [
         "temperature, such as 10%%; 0 for the highest temperature"),
 ])
 _WITHOUT_TESTS = flag("--without-tests", "ignore the tests of the scene")
-_EVALUATED_AT = [
+_EVALUATED_AT: list[Option | Group] = [
     _entries("--at KEY=VALUE", partial(values.pair, like='"pin.radius=2 mm"'),
         'evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of a '
         'condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"'),
