@@ -207,7 +207,7 @@ def sweep():
     return changed(pipeline.load_scene("first_try"), oil=WHITE)
 
 
-def test_film_parameters_of_the_papers_transitions(sweep):
+def test_film_parameters_at_the_papers_transitions_are_those_printed(sweep):
     """The paper's 0.33, 0.38, 0.53, 0.84 are for 55 mPa s; this oil has 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
     film = film_of(changed(sweep, oil=thinner))

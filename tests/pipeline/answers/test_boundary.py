@@ -54,7 +54,7 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
         np.testing.assert_allclose(lines, expected, rtol=tolerance)
 
 
-def test_nan_where_the_sweep_does_not_cross(sweep):
+def test_the_boundary_is_nan_where_the_sweep_does_not_cross_it(sweep):
     for conditions in ({"critical_temperature": 3000.0}, {"friction": 0}):
         cold = boundary(sweep, **conditions)
         assert np.isnan(cold["critical_velocity"]).all()

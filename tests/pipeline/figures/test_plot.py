@@ -90,7 +90,7 @@ def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
     assert np.nanmax(fraction.lines[0].get_ydata()) == pytest.approx(1.2 * 750**0.5)
 
 
-def test_fields_of_the_point_nearest_to_the_transition(sweep):
+def test_fields_are_those_of_the_point_nearest_to_the_transition(sweep):
     figure = pipeline.plot(sweep, "fields")
     assert figure.get_suptitle() == (
         "White oil on ground steel\n750 N, 1.25 m/s, friction 0.1, bulk temperature 25 °C\n"

@@ -197,12 +197,12 @@ def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
     )
 
 
-def test_one_load_and_two():
+def test_one_load_or_two_are_searched_to_all_their_crossings():
     for loads in (1, 2):
         specimen = Specimen(4, loads=loads)
         specimen.run(search := specimen.search(0.03))
         expected = [specimen.critical(load) for load in specimen.loads]
-        assert np.isfinite(search.critical).sum() == np.isfinite(expected).sum()
+        assert search.critical == pytest.approx(expected, rel=0.03, nan_ok=True)
 
 
 PLANES = {

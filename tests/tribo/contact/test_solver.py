@@ -105,7 +105,7 @@ def test_sphere_is_hertz_and_converges_with_the_grid():
     assert contact.approach == pytest.approx(approach, rel=1e-3)
 
 
-def test_westergaard_wave_in_full_and_partial_contact():
+def test_a_wave_has_the_pressure_and_the_width_of_westergaard():
     grid = Grid((256, 4), (1e-6, 1e-6), (True, True))
     length, amplitude = grid.size[0], 0.2e-6
     solid = ElasticHalfSpace(grid, E_STAR)
@@ -139,7 +139,7 @@ def test_the_start_changes_the_way_but_not_the_answer():
         assert other.pressure == pytest.approx(cold.pressure, abs=1e-8 * cold.pressure.max())
 
 
-def test_no_load_and_the_most_that_hardness_carries():
+def test_no_load_has_no_pressure_and_the_highest_load_has_the_hardness_everywhere():
     grid = Grid((6, 5), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, E_STAR)
     z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)

@@ -128,7 +128,7 @@ def test_parts_of_a_step_are_steps_for_the_wear():
 @pytest.mark.parametrize(
     "changes", [{"rate": 1e-19}, {"imprint": 1e6}, {"imprint": 0.0}, {"increments": 32}]
 )
-def test_other_wear_is_not(changes):
+def test_wear_without_a_deep_imprint_is_not_worn_in_shorter_steps(changes):
     scene = local(**{"imprint": 1.0} | changes)
     plain = replace(scene, fidelity=replace(scene.fidelity, imprint=0.0))
     smooth, plain_state = (last(case, 750.0, 1.25) for case in (scene, plain))

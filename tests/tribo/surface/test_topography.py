@@ -40,7 +40,7 @@ def test_a_lay_correlates_further_along_y():
     assert slope_x > 3 * slope_y
 
 
-def test_rms_slope_of_a_wave_along_y():
+def test_the_rms_slope_of_a_wave_along_y_is_that_of_its_derivative():
     y = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
     heights = np.broadcast_to(0.5 * np.sin(2 * y), (3, 2000))
     # Central differences err by (q·dy)²/6.
