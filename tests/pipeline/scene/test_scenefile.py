@@ -10,6 +10,7 @@ import pytest
 import tribo
 from pipeline import Conditions, SceneFileError, load_scene
 from tests.helpers.entries import bare_test, changed
+from tests.helpers.scenes import STEEL
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.sweeps import sweep_of_fields
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, PAPER, ROUGHNESS, TEXT, WORKFLOWS
@@ -19,17 +20,9 @@ LOADS = '["200 N", "400 N", "600 N", "750 N"]'
 
 def test_the_scene_of_the_paper_holds_the_papers_numbers():
     sweep = load_scene(WORKFLOWS / "irg_transition.toml")
-    steel = tribo.Material(
-        elastic_modulus=210e9,
-        poisson_ratio=0.3,
-        thermal_conductivity=45.0,
-        density=7800.0,
-        specific_heat=470.0,
-        hardness=6.6e9,
-    )
     assert sweep == sweep_of_fields(
-        pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=steel),
-        disk=steel,
+        pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+        disk=STEEL,
         pixels=tribo.Grid((576, 480), (0.816e-6, 0.95e-6), (False, True)),
         loading=tribo.Ramp(rate=150.0, reference_load=750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
