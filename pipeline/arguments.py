@@ -24,7 +24,6 @@ _WITHOUT_UNIT = {"", "1", "-", "–", "dimensionless"}
 """Units of numbers, as attributes of arrays state them."""
 P = ParamSpec("P")
 T = TypeVar("T")
-_ARRAY_KINDS = "biufOU"  # of NumPy's types: truth values, numbers, objects and text
 _MAX_LEVELS = 10
 
 
@@ -84,14 +83,14 @@ def typed_arguments(function: Callable[P, T]) -> Callable[P, T]:
     names = [*parameters]
 
     @functools.wraps(function)
-    def checked(*arguments: P.args, **named: P.kwargs) -> T:
-        for name, value in {**dict(zip(names, arguments, strict=False)), **named}.items():
-            is_allowed, allowed = _ALLOWED.get(name, (None, ""))
+    def checked(*arguments: P.args, **keywords: P.kwargs) -> T:
+        for name, value in {**dict(zip(names, arguments, strict=False)), **keywords}.items():
+            is_allowed, description = _ALLOWED.get(name, (None, ""))
             is_default = value is None and name in parameters and parameters[name].default is None
             if is_allowed and not (is_default or is_allowed(value)):
-                written = " ".join(repr(value).split())
-                raise InputError(f"{name} is {written:.80}; give {allowed}")
-        return function(*arguments, **named)
+                value_text = " ".join(repr(value).split())
+                raise InputError(f"{name} is {value_text:.80}; give {description}")
+        return function(*arguments, **keywords)
 
     return checked
 
@@ -119,11 +118,8 @@ def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:
         return value if value is None else bool(value)
     if isinstance(value, str | os.PathLike):
         return str(value)
-    if (
-        isinstance(value, np.ndarray)
-        and type(value) is np.ndarray
-        and value.dtype.kind in _ARRAY_KINDS
-    ):
+    # Truth values, numbers, objects and text; a subclass may have masked values or units.
+    if type(value) is np.ndarray and value.dtype.kind in "biufOU":
         return plain_value(name, value.tolist(), unit, level)
     if isinstance(value, list | tuple | range):
         return [plain_value(name, item, unit, level + 1) for item in value]
@@ -134,10 +130,10 @@ def plain_value(name: str, value: Any, unit: str = "", level: int = 0) -> Any:
 
 def _plain_number(name: str, value: Any, unit: str) -> Any:
     """A number, or text with the number and its unit."""
-    is_time = isinstance(value, np.timedelta64)  # a subclass of whole numbers
+    is_duration = isinstance(value, np.timedelta64)  # a subclass of whole numbers
     if isinstance(value, Decimal) and value.is_finite():
         value = int(value) if not unit and value == value.to_integral_value() else float(value)
-    if is_time or not isinstance(value, int | float | np.integer | np.floating):
+    if is_duration or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"{name} is of type {type(value).__name__}; give a number or text")
     number = int(value) if isinstance(value, int | np.integer) else float(value)
     return f"{number!r} {unit}" if unit and not math.isnan(number) else number
@@ -152,8 +148,7 @@ def _plain_quantity(name: str, value: Any, level: int) -> Any:
         unit = "" if base.dimensionless else f"{base.units:~C}"
     except Exception as error:  # pint raises errors that are not its own
         raise InputError(f"{name} is {value}, which cannot be converted: {error}") from error
-    rounded = _rounded(name, base.magnitude)
-    return plain_value(name, rounded, unit, level)
+    return plain_value(name, _rounded(name, base.magnitude), unit, level)
 
 
 def _rounded(name: str, magnitude: Any) -> Any:
@@ -180,12 +175,12 @@ def _plain_array(name: str, value: Any, level: int) -> Any:
 def single_value(name: str, value: Any, example: object) -> Any:
     """Convert a value to a number or text; `InputError` for a list, a table or no value."""
     plain = plain_value(name, value)
-    if plain is None or isinstance(plain, bool | list | dict):
-        is_list = isinstance(plain, list)
-        problem = (
-            "takes a single value" if is_list else f"is {quoted(plain)}, which is not a number"
+    if isinstance(plain, list):
+        raise InputError(f"{name} takes a single value; give one such as {quoted(example)}")
+    if plain is None or isinstance(plain, bool | dict):
+        raise InputError(
+            f"{name} is {quoted(plain)}, which is not a number; give one such as {quoted(example)}"
         )
-        raise InputError(f"{name} {problem}; give one such as {quoted(example)}")
     return plain
 
 

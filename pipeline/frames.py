@@ -44,8 +44,8 @@ def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.Data
 
 def some_rows(frame: pd.DataFrame, count: int, is_needed: Mask) -> pd.DataFrame:
     """Pick `count` rows of a frame, evenly spaced, with the first and the last, and needed rows."""
-    spaced = np.linspace(0, len(frame) - 1, count).round().astype(int)
-    return frame.iloc[np.union1d(spaced, np.flatnonzero(is_needed))]
+    spaced_rows = np.linspace(0, len(frame) - 1, count).round().astype(int)
+    return frame.iloc[np.union1d(spaced_rows, np.flatnonzero(is_needed))]
 
 
 def transposed(frame: pd.DataFrame) -> pd.DataFrame:
@@ -165,8 +165,8 @@ def _text(value: Any, digits: int) -> str:
 
 
 def _is_number(value: Any) -> TypeGuard[float]:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and not math.isnan(value)
+    is_numeric = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_numeric and not math.isnan(value)
 
 
 def _split_heading(heading: str) -> tuple[str, str]:

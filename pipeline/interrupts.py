@@ -21,11 +21,12 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
     """
     if threading.current_thread() is not threading.main_thread():
         return {}
-    handlers = {number: signal.getsignal(number) for number in SIGNALS}
-    handlers = {n: old for n, old in handlers.items() if old not in (signal.SIG_IGN, None)}
-    for number in handlers:
-        signal.signal(number, handler)
-    return handlers
+    former_handlers = dict[int, Any]()
+    for number in SIGNALS:
+        if (former := signal.getsignal(number)) not in (signal.SIG_IGN, None):
+            former_handlers[number] = former
+            signal.signal(number, handler)
+    return former_handlers
 
 
 @contextmanager
@@ -44,7 +45,7 @@ def keyboard_interrupts() -> Iterator[None]:
             signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    handlers = handle(interrupt)
+    former_handlers = handle(interrupt)
     try:
         yield
     except Exception as error:
@@ -52,7 +53,7 @@ def keyboard_interrupts() -> Iterator[None]:
             raise KeyboardInterrupt from error
         raise
     finally:
-        for number, handler in handlers.items():
+        for number, handler in former_handlers.items():
             signal.signal(number, handler)
 
 

@@ -66,6 +66,7 @@ class OperatingPoints(NamedTuple):
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the columns of a row whose cells have no value, or one out of range, and why."""
     for name, cell in row.items():
         try:
             _value(name, cell)
