@@ -23,6 +23,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import psutil
 
 from tests.sources.measure import ROOT, code_digest
@@ -65,6 +66,17 @@ def presets(text, _):
 def stated(text, _):
     rows = [row for row in cells(text) if "," not in row[0] and len(row) == 8]
     return ", ".join(f"`{row[0]}` {row[7]} of {row[2]}" for row in rows)
+
+
+def searches(text, _):
+    rows = cells(text)
+    at, between = (np.mean([float(row[k].rstrip("%")) for row in rows]) for k in (5, 6))
+    points = {row[2]: [] for row in rows}
+    for row in rows:
+        if row[0] == rows[0][0]:
+            points[row[2]].append(f"{row[3].split()[0]} points with {row[1]} loads")
+    counts = "; ".join(f"{accuracy}: {', '.join(texts)}" for accuracy, texts in points.items())
+    return f"at {at:.1f} % of loads, {between:.1f} % of positions between them; {counts}"
 
 
 def shares(text, _):
@@ -160,6 +172,15 @@ ROWS = {
         "",
         None,
         last_line,
+    ),
+    "loads": Row(
+        "stated errors hold on planes whose boundary is known, for accuracies of 1 and 2 %; points "
+        "of a search",
+        ("pipeline/answers", "pipeline/run"),
+        "python -m tests.promises.loads",
+        "--planes 4",
+        "",
+        searches,
     ),
     "laboratories": Row(
         "synthetic laboratories: 90 % intervals that contain the bias; severe positions among "

@@ -29,7 +29,6 @@ _BOUNDARY = np.polyfit(_X, np.log([3.606, 2.244, 1.555, 1.232]), 2)
 _EXPONENTS = 0.64, 0.57, 0.54, 0.53  # d ln(rise)/d ln(velocity)
 _DEVIATIONS = 0.022, 0.0125, 0.0088, 0.0068  # of ln(rise), from realization to realization
 _ROUGHNESS = 0.0015  # of ln(rise), from point to point
-_DEGREES = 7  # of freedom of the deviation that each point states
 _CONDITIONS = Conditions(0.1, 298.15, 418.15)
 _MOST = 256  # realizations
 _DRIFT = np.linspace(np.log(0.2), np.log(12.0), 200)  # ln(velocity) at which drifts are known
@@ -53,10 +52,15 @@ class PlaneModel:
     drift : float, optional
         Distance in ln(velocity) after which two rises of a realization are independent but for
         their common level; 0 if this level is all that realizations differ by.
+    freedom : float, optional
+        Degrees of freedom of the deviation that each point states.
     """
 
-    def __init__(self, loads, seed, correlation=0.65, scale=1.0, steepness=1.0, drift=0.0):
+    def __init__(
+        self, loads, seed, correlation=0.65, scale=1.0, steepness=1.0, drift=0.0, freedom=7.0
+    ):
         self.loads, self._generator = loads, np.random.default_rng([0, seed, len(loads)])
+        self._freedom = freedom
         self._steepness, x = steepness, np.log(loads)
         self.exponents = np.interp(x, _X, _EXPONENTS)
         self.deviations = scale * np.exp(np.interp(x, _X, np.log(_DEVIATIONS)))
@@ -94,14 +98,15 @@ class PlaneModel:
 
     def search(self, accuracy, promised):
         """A search for an accuracy, run to its end; `promised` is the error of the preset."""
-        search = Told(self.loads, _VELOCITIES, _CONDITIONS, promised, Goal(accuracy, _MOST))
+        goal = Goal(accuracy, _MOST)
+        search = Told(self.loads, _VELOCITIES, _CONDITIONS, promised, goal, self._freedom)
         while batch := search.ask():
             rises = [
                 self.rise(place[:2], search.velocities[place.velocity], place.velocity)
                 for place in batch
             ]
             stated = self.deviations[[place.load for place in batch]] * np.sqrt(
-                self._generator.chisquare(_DEGREES, len(batch)) / _DEGREES
+                self._generator.chisquare(self._freedom, len(batch)) / self._freedom
             )
             search.tell(batch, np.array(rises), stated)
         return search

@@ -28,6 +28,7 @@ KINDS = {
     "steep boundary": {"steepness": 1.5},
     "realizations drift along velocity": {"drift": 10.0},
     "small deviations": {"scale": 0.4},
+    "grooves along y": {"scale": 2.0, "freedom": 3.0},
 }
 """Options of planes."""
 MIN_HELD = 0.95
@@ -58,7 +59,7 @@ def judged(kind, load_count, accuracy, planes):
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.loads", description=__doc__)
     parser.add_argument("--planes", type=int, default=20, help="planes of each kind")
-    parser.add_argument("--loads", type=int, nargs="+", default=[4, 5, 12], choices=LOADS)
+    parser.add_argument("--loads", type=int, nargs="+", default=[4, 12, 15, 30], choices=LOADS)
     parser.add_argument("--accuracy", type=float, nargs="+", default=[1.0, 2.0], help="per cent")
     options = parser.parse_args()
     rows = [
