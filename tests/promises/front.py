@@ -28,10 +28,10 @@ from pipeline.answers.error import preset_error_of, preset_of
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import case_of, cases
-from tests.promises.truth import deciding_rises, known
-from tribo import PRESETS, TriboError, simulate, warnings
+from tests.promises.truth import deciding_rise, known, verdicts
+from tribo import PRESETS, TriboError
 from tribo.constants import SLOWEST
-from tribo.simulation import RampCache, forget_kernels
+from tribo.simulation import forget_kernels
 
 PROMISED = "standard", "fine"
 BOUND_UNDER_STRIPS = 0.02
@@ -64,12 +64,13 @@ def errors(case, fidelity):
     sweep = sweep.with_fidelity(dividing(sweep.scene, fidelity), None)
     forget_kernels()
     began = time.process_time()
-    ramps = [(velocity, RampCache()) for velocity in velocities]
-    rises = np.array([list(deciding_rises(sweep, *ramp)) for ramp in ramps])
+    points = [verdicts(sweep, velocity) for velocity in velocities]
     seconds = time.process_time() - began
+    rises = np.array([[deciding_rise(point, sweep.conditions) for point in row] for row in points])
     exponents = np.gradient(np.log(true), np.log(velocities), axis=0)
     velocity_errors = np.expm1(-np.log(rises / true) / np.maximum(exponents, SLOWEST))
-    is_warned = np.array([list(warned(sweep, *ramp)) for ramp in ramps]) | (exponents < SLOWEST)
+    is_warned = np.array([[bool(point.warnings) for point in row] for row in points])
+    is_warned |= exponents < SLOWEST
     promised = preset_error_of(sweep)
     over = PRESET_BOUNDS[preset_of(sweep.scene)] / promised if promised else 1.0
     return {
@@ -79,13 +80,6 @@ def errors(case, fidelity):
         "under_strips": sweep.scene.wears_by_strips,
         "seconds": seconds,
     }
-
-
-def warned(sweep, velocity, ramp_cache):
-    """Yield, for each load, True if the point carries a warning."""
-    for load in sweep.loads:
-        *_, state = simulate(sweep.scene, load, velocity, ramp_cache)
-        yield bool(warnings(sweep.scene, state))
 
 
 def computed(task):

@@ -22,13 +22,17 @@ from tribo.simulation import RampCache
 TRUTH = Path(__file__).with_name("truth.json")
 
 
-def deciding_rises(sweep, velocity, ramp_cache):
-    """Yield the deciding rise [K] at friction 1 at each load of a sweep, at one velocity."""
-    conditions = sweep.conditions
-    for load in sweep.loads:
-        verdict = judge(sweep.scene, load, velocity, conditions, ramp_cache)
-        rise = verdict.governing_temperature - verdict.bulk_temperature
-        yield rise / conditions.friction
+def verdicts(sweep, velocity):
+    """Verdict at each load of a sweep, at one velocity."""
+    ramp_cache = RampCache()
+    return [
+        judge(sweep.scene, load, velocity, sweep.conditions, ramp_cache) for load in sweep.loads
+    ]
+
+
+def deciding_rise(verdict, conditions):
+    """Deciding rise [K] of a verdict at friction 1."""
+    return (verdict.governing_temperature - verdict.bulk_temperature) / conditions.friction
 
 
 def known(case):
@@ -57,7 +61,8 @@ def compute(case, ends):
         if key in rises or time.monotonic() > ends:
             continue
         began = time.process_time()
-        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity, RampCache())]
+        points, conditions = verdicts(sweep, velocity), sweep.conditions
+        rises[key] = [float(f"{deciding_rise(point, conditions):.8g}") for point in points]
         _write(case, rises)
         took = time.process_time() - began
         print(f"{case.name}, {velocity:g} m/s: {took:.0f} s", file=sys.stderr, flush=True)
