@@ -69,7 +69,7 @@ def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int |
     if realization is None and "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         field_seed = dict(sweep_of(ds).surface_with_fields).get("realization")
-        realization = seeds[seeds.index(field_seed)] if field_seed in seeds else seeds[0]
+        realization = field_seed if field_seed in seeds else seeds[0]
     case = cases_of(select_realization(ds, realization))[0]
     return DrawnCase(case, conditions_of(case, conditions))
 
@@ -180,26 +180,13 @@ def fields(
     if more_points:
         raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
     _require_step(drawn, stored_fields, point, step)
-    pressure, temperature, wear_depth = _fields_at(drawn, stored_fields, point, step)
+    fields_at_step = _fields_at(drawn, stored_fields, point, step)
     x, y = (shown_in(stored_fields[axis].values, "µm") for axis in "xy")
-    is_stacked = style.width_or(_STACKING_WIDTH) < _STACKING_WIDTH
-    height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
-    panel_height = 1.4 + height
-    if is_stacked:
-        figure = style.Picture((4.6, 1.0 + 3 * panel_height))
-        panels = figure.subplots(3, 1, sharex=True, sharey=True)
-    else:
-        figure = style.Picture((11.0, 0.5 + panel_height))
-        panels = figure.subplots(1, 3, sharex=True, sharey=True)
-    temperature_label = "contact temperature [°C]"
-    for axes, (label, field, colours) in zip(
-        panels,
-        (
-            ("contact pressure [GPa]", pressure, "viridis_r"),  # dark where high
-            (temperature_label, temperature, "inferno"),  # bright where hot
-            ("wear depth of the pin [µm]", wear_depth, "cividis_r"),  # dark where deep
-        ),
-        strict=True,
+    figure, panels, height = _empty_panels(np.ptp(y) / np.ptp(x))
+    labels = "contact pressure [GPa]", "contact temperature [°C]", "wear depth of the pin [µm]"
+    colour_maps = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed, worn
+    for axes, label, field, colours in zip(
+        panels, labels, fields_at_step, colour_maps, strict=True
     ):
         image = axes.pcolormesh(x, y, field.T, cmap=colours, shading="nearest", rasterized=True)
         axes.set_aspect("equal" if len(y) > 1 else "auto")
@@ -209,23 +196,31 @@ def fields(
         bar = axes.inset_axes((0, 1 + _COLOUR_BAR_HEIGHT / height, 1, _COLOUR_BAR_HEIGHT / height))
         figure.colorbar(image, cax=bar, label=label, location="top")
     if (critical := drawn.conditions.critical_temperature) is not None and len(y) > 1:
-        limit = shown_in(critical, "°C")
+        limit, temperature, axes = shown_in(critical, "°C"), fields_at_step[1], panels[1]
         if temperature.min() < limit < temperature.max():
-            axes = panels[1]
             axes.contour(x, y, temperature.T, [limit], colors=style.SKY, linewidths=style.THIN)
-            axes.child_axes[0].set_xlabel(f"{temperature_label}; outline at {limit:g}")
-    description = f"{drawn.point_text(point)}, {heating_words(drawn.conditions)}"
+            axes.child_axes[0].set_xlabel(f"{labels[1]}; outline at {limit:g}")
+    step_text = drawn.point_text(point)
     if step:
         load_at_step = drawn.values("normal_load")[point][step - 1]
-        description = (
-            f"{drawn.point_text(point)}, step {step} at {load_at_step:g} N, "
-            f"{heating_words(drawn.conditions)}"
-        )
-    lines, scene = [description], drawn.case.sweep.scene
+        step_text = f"{drawn.point_text(point)}, step {step} at {load_at_step:g} N"
+    lines = [f"{step_text}, {heating_words(drawn.conditions)}"]
+    scene = drawn.case.sweep.scene
     if scene.wears_by_strips or scene.sweeps_over:
         lines.append("at one position of the disk; verdicts use the mean over several positions")
     style.write_title(figure, drawn.title(*lines))
     return figure
+
+
+def _empty_panels(aspect: float) -> tuple[Figure, Any, float]:
+    """Figure, three panels for fields of an `aspect` (y over x), and their height [in]."""
+    is_stacked = style.width_or(_STACKING_WIDTH) < _STACKING_WIDTH
+    height = float(np.clip(3.3 * aspect, 0.5, 2.6 if is_stacked else 6.0))
+    if is_stacked:
+        figure = style.Picture((4.6, 1.0 + 3 * (1.4 + height)))
+        return figure, figure.subplots(3, 1, sharex=True, sharey=True), height
+    figure = style.Picture((11.0, 0.5 + (1.4 + height)))
+    return figure, figure.subplots(1, 3, sharex=True, sharey=True), height
 
 
 def _require_step(
