@@ -47,17 +47,6 @@ def pytest_collection_finish():
     gc.enable()
 
 
-@pytest.fixture
-def say(capsys):
-    """Function that prints even while pytest captures output."""
-
-    def print_now(*words):
-        with capsys.disabled():
-            print(*words)
-
-    return print_now
-
-
 @pytest.fixture(autouse=True)
 def _floating_point_faults_are_errors():
     with np.errstate(all="raise", under="ignore"):
