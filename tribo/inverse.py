@@ -76,8 +76,8 @@ def specific_wear_rate(
     grid = scene.grid
     if scene.velocities_at(velocity).pin:
         raise InputError(
-            "the scene's motion makes the pin roll: it wears all around its track, which makes its "
-            "contact no wider, so that a width cannot show a wear rate"
+            "the pin rolls and wears all around its track, which makes its contact no wider; a "
+            "wear rate from a width needs a pin at rest"
         )
     # Contacts of smooth bodies are symmetric, and grow by two elements at a time.
     margin = grid.spacing[0] * (0.5 if scene.roughness else 1.0)
@@ -96,7 +96,7 @@ def specific_wear_rate(
         raise InputError(
             f"contact_width is {contact_width:.4g} m; it must lie between {width(0.0):.4g} m, "
             f"which the contact has without wear, and the {grid.size[0]:.4g} m of the window: "
-            "compare the unit, load and velocity with what was measured, or take a wider window"
+            "compare the unit, load and velocity with what was measured, or use a wider window"
         )
     lowest, _ = _crossing(lambda rate: width(rate) >= contact_width - margin)
     _, highest = _crossing(lambda rate: width(rate) >= contact_width + margin)

@@ -84,8 +84,11 @@ _VARIABLES = {
     "friction": ("1", "coefficient of friction"),
     "bulk_temperature": ("K", "temperature of the bodies far from the contact"),
     "critical_temperature": ("K", "contact temperature at which the lubricant fails"),
-    "critical_area_fraction": ("1", "share of the contact above it beyond which wear is severe"),
-    "added_rise_fraction": ("1", "relative rise that is added for what is not modelled"),
+    "critical_area_fraction": (
+        "1",
+        "fraction of the contact above the critical temperature from which wear is severe",
+    ),
+    "added_rise_fraction": ("1", "relative rise added for effects outside the model"),
     "load": ("N", "normal load on the pin"),
     "velocity": ("m/s", "sliding velocity"),
 }

@@ -66,7 +66,7 @@ _REMEDIES = {
 """What makes each part of the numerical error smaller."""
 _TEST_POINT = "run a test at this point"
 _TESTED_POINT = "change the conditions or the scene"
-_FIRST_COMPUTE = "{remedy}, as the numerical error may decide; if it stays undecided, {test}"
+_FIRST_COMPUTE = "to reduce the numerical error, {remedy}; if it stays undecided, {test}"
 _MIN_SHIFT = 0.05  # relative shift of the boundary by tests above which it is stated
 _VELOCITIES = {
     (True, True): "{p50} at {load:g} N (5 %: {p05} m/s, 95 %: {p95} m/s)",
@@ -342,7 +342,7 @@ def error_lines(answer: xr.Dataset) -> Iterator[str]:
     is_critical = answer["critical_velocity"].notnull().values
     lacks_grooves = is_critical & np.isnan(surface)
     if not is_critical.any():
-        yield "numerical error: not stated, as no critical velocity lies within the sweep"
+        yield "no numerical error, as no critical velocity lies within the sweep"
     elif not np.isfinite(errors).any():
         if not lacks_grooves.any():
             yield "numerical error of the critical velocity: unknown"

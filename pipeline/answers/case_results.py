@@ -182,7 +182,8 @@ class CaseResults:
             if is_other.any():
                 value = np.broadcast_to(labels, values.shape)[is_other][0]
                 unit = COORDINATES[name].units
-                reason = f"those at {name} {value:g} {unit} are of {values[is_other][0]:g} {unit}"
+                other = values[is_other][0]
+                reason = f"those at {name} {value:g} {unit} are those of {other:g} {unit}"
                 raise InputError(NOT_SIMULATED.format(reason))
         if {"mean_pressure", "contact_fraction"} <= columns.keys():
             scene = self.sweep.scene

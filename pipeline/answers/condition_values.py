@@ -107,7 +107,7 @@ def _shape_of(name: str, plain: Any) -> tuple[int, ...]:
     if not isinstance(plain, list):
         return ()
     if any(isinstance(item, list) for item in plain):
-        raise InputError(f"{name} has lists in a list; give a DataArray, with named dimensions")
+        raise InputError(f"{name} is a nested list; give a DataArray, with named dimensions")
     return (len(plain),)
 
 
@@ -141,5 +141,5 @@ def arguments_of_case(
         try:
             selected[name] = argument.sel(labels, drop=True) if labels else argument
         except (IndexError, KeyError, TypeError):
-            raise InputError(f"{name} has not all {min(map(str, labels))} of the sweep") from None
+            raise InputError(f"{name} lacks some {min(map(str, labels))} of the sweep") from None
     return selected

@@ -57,8 +57,8 @@ def evidence_with_critical_temperature(
     if not evidence.specimens:
         reason = "; ".join(row.reason for row in evidence.without_result[:1]) or "it has none"
         raise InputError(
-            f"scene {case.sweep.name}: no test has a result, and the critical temperature is to be "
-            f"found from tests ({reason})"
+            f"scene {case.sweep.name}: the critical temperature is from tests, and no test has a "
+            f"result ({reason})"
         )
     at_least, at_most = _bounds(evidence, start, bulk)
     median_excess, log_spread = _median_excess(evidence, start, bulk)

@@ -125,7 +125,7 @@ class Evidence:
         for rows, share in zip(self.specimens, self.posterior.loo_probabilities, strict=True):
             if share < OUTLIER_PROBABILITY:
                 names = " and ".join(map(str, rows))
-                yield f"outlier: {names} has a probability of less than 1 % by the other tests"
+                yield f"outlier: {names}, predicted from the other tests with less than 1 %"
 
     def nearby(self, load: float, velocity: float) -> Iterator[str]:
         """Yield each test within 10 % of a load [N] and a velocity [m/s], with its conditions."""
@@ -266,7 +266,7 @@ class Rulings:
         for excluded, needed in (("mild", "severe"), ("severe", "mild")):
             if evidence.critical and not (reasons[excluded] or evidence.has_outcome(needed)):
                 reasons[excluded] = (
-                    f"the critical temperature is found by tests, of which none was {needed}"
+                    f"the critical temperature is from tests, and none of them was {needed}"
                 )
         return reasons
 

@@ -19,7 +19,9 @@ from pipeline.answers.scene_wording import value_words
 from pipeline.constants import MIN_STATED_PROBABILITY, RISE_EXPONENT
 from pipeline.store.schema import PLANE
 
-OUTSIDE = "outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+OUTSIDE = (
+    "outside the model: the oil film carries more than 20 % of the load, and wear may be severe"
+)
 _NUMBER_STARTS = tuple("0123456789+-−.")
 _OUTCOMES = {
     "transition": "transition",

@@ -256,7 +256,9 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
         if stated and stated != unit and to_si(f"1 {stated}", like=f"1 {unit}") != 1:
             raise InputError(f"{name} of the dataset is in {stated}; it must be in {unit}")
         if name in ds.dims and (np.diff(values) <= 0).any():
-            raise InputError(f"{name} of the dataset does not ascend; sort it, and keep each once")
+            raise InputError(
+                f"{name} of the dataset does not ascend; sort it, and keep each value once"
+            )
         stored = np.array({"load": sweep.loads, "velocity": sweep.velocities}[name])
         if name in ds.dims:
             distances = np.abs(values[:, None] - stored).min(axis=1)

@@ -136,7 +136,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     if len(ds["area_fraction_below"]) < len(QUANTILES):
         raise InputError(
             f"the dataset has {len(ds['area_fraction_below'])} of {len(QUANTILES)} values of "
-            "area_fraction_below, and needs all; select some from the result"
+            "area_fraction_below; give all, and select from the result"
         )
     parts = list[xr.Dataset]()
     for sweep, part in sweeps_of(ds):

@@ -20,7 +20,7 @@ from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_sc
 from tribo import InputError
 
 _LIBRARY_INTRODUCTION = (
-    "Scenes take these values by name, material or oil. Numbers in brackets are sources,\n"
+    "Scenes use these values by name, material or oil. Numbers in brackets are sources,\n"
     "below. Hardness belongs to a heat treatment: give your own where it is known."
 )
 
@@ -62,7 +62,7 @@ def _data_sheet(options: argparse.Namespace) -> Result:
     if options.output:
         raise InputError("a figure needs a SCAN; leave -o out")
     pixel = min(options.pixel_size) if options.pixel_size else 0.95e-6  # [m], of shipped scenes
-    with working("seeking the correlation length"):
+    with working("searching for the correlation length"):
         toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
     document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumptions, "random_tables": toml}
     return Result(document, [*assumptions, "", *toml.splitlines()])

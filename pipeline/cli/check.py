@@ -67,7 +67,7 @@ def check(options: argparse.Namespace) -> Result:
     ]
     frame = frame_of(("subject", "meaning"), rows)
     statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
-    sources_hint = ["for library values with their sources: -o TABLE.md"] if sweep.sources else []
+    sources_hint = ["-o TABLE.md lists library values with their sources"] if sweep.sources else []
     case_table = [_case_frame(case_estimates), ""] if is_listed else []
     document = {
         "title": sweep.title,
@@ -84,6 +84,10 @@ def check(options: argparse.Namespace) -> Result:
 
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
+_PECLET = "Péclet number V a/(2 κ) {}, with the Hertzian half-width a"
+_PECLET_OF_DISK = (
+    "Péclet number u a/(2 κ) {}, with the velocity u of the disk and the Hertzian half-width a"
+)
 
 
 def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
@@ -122,10 +126,8 @@ def _meaning_rows(
     yield from _film_rows(sweep, [case.film_parameter for case in cases])
     depth = contact.wear_depth
     yield "wear", f"{_span_text(depth, 'µm')} deep at the end of the test" if depth else "none"
-    velocity = "of the disk u" if scene.motion else "V"
-    peclet = (
-        f"Péclet number {_span_text(contact.peclet_number)}, defined as {velocity} a/(2 κ) with "
-        "the Hertzian half-width a"
+    peclet = (_PECLET_OF_DISK if scene.motion else _PECLET).format(
+        _span_text(contact.peclet_number)
     )
     yield "heat", peclet if scene.friction_heat else "none, as friction is zero"
     if added := added_rise_words(conditions):
@@ -240,13 +242,13 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
         return sweep.notes
     numbers = [*dict.fromkeys(str(test.number) for test in tests)]
     words = (
-        f"tests {listed(numbers, 3)}: their loading differs from that of the sweep, and so do "
-        "their wear before the end and their temperature"
+        f"tests {listed(numbers, 3)}: their loading differs from that of the sweep, which changes "
+        "their wear and temperature"
     )
     if len(numbers) == 1:
         words = (
-            f"test {numbers[0]}: its loading differs from that of the sweep, and so do its wear "
-            "before the end and its temperature"
+            f"test {numbers[0]}: its loading differs from that of the sweep, which changes its "
+            "wear and temperature"
         )
     return *sweep.notes, SceneNote("", words)
 

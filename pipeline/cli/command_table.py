@@ -92,8 +92,7 @@ def _load_and_velocity(**settings: Any) -> list[Option]:
 _SCENE = [
     value("scene SCENE.toml", user_path, "scene file, or name of a shipped scene"),
     value("--preset NAME", None,
-        "numerical preset, replacing the table [fidelity] of the scene: standard, fine or "
-        "reference"),
+        "numerical preset, standard, fine or reference, instead of [fidelity] of the scene"),
     _entries("--set KEY=VALUE", values.setting,
         "change a numerical setting, such as increments=50, or a scene entry, such as "
         "wear.pattern=local or without=motion"),
@@ -140,7 +139,7 @@ COMMANDS = (
             value("file FILE.toml", user_path, "file to write", nargs="?"),
             flag("--list", "list the shipped scenes"),
         ]),
-        value("--from NAME", None, "shipped scene to begin with; see --list", dest="template"),
+        value("--from NAME", None, "shipped scene to copy; see --list", dest="template"),
     ]),
     Command("run", "pipeline.cli.sweep_commands:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%", [
@@ -156,8 +155,8 @@ COMMANDS = (
             dest="source"),
         flag("--dashboard",
             "print the address of Dask's dashboard, which every user of this machine can open"),
-        flag("--retry-failed", "simulate the points that failed in an earlier run again"),
-        flag("-n --dry-run", "print what irg check prints, and compute nothing"),
+        flag("--retry-failed", "simulate again the points that failed in an earlier run"),
+        flag("-n --dry-run", "describe the sweep as irg check does, and simulate nothing"),
         value("--accuracy BOUND", values.share,
             "compute until the numerical error of the boundary is below this, such as 2%%; the "
             "run chooses preset, points and surface realizations"),

@@ -128,7 +128,7 @@ def whole_parser() -> argparse.ArgumentParser:
         )
         parser.set_defaults(command=command.name, function=command.function, parser=parser)
         _add(parser, flag("--json", "print one JSON document"))
-        _add(parser, flag("-q --quiet", "suppress progress and notes; show errors only"))
+        _add(parser, flag("-q --quiet", "suppress progress and notes; show warnings and errors"))
         for option in command.options:
             _add(parser, option)
     return irg

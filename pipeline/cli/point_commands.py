@@ -27,10 +27,10 @@ from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
-_OTHER_MODEL = (
-    "infer it again for another one, which may differ by more than this standard deviation; the "
-    "tests of two rigs gave 5 to 7 K more on a random surface than on a measured one, and 18 to "
-    "30 K more with wear pattern swept than with local"
+_MODEL = (
+    "it holds only for {}; infer it again for another one: tests of two rigs gave 5 to 7 K more on "
+    "a random surface than on a measured one, and 18 to 30 K more with wear pattern swept than "
+    "with local"
 )
 _CONTACT_HEADINGS = {
     "max_temperature": "highest temperature [°C]",
@@ -125,8 +125,8 @@ def infer(options: argparse.Namespace) -> Result:
             f"K for another rig, {result['spread_this_rig']:.2g} K for this one, from {count}"
         )
     frame = answer_frame(tests)
-    belongs = f"it belongs to {values.attrs['model']}: {_OTHER_MODEL}"
-    text = [finding, belongs, "", without_columns(comparison_frame(tests)), *common_lines(tests)]
+    validity = _MODEL.format(values.attrs["model"])
+    text = [finding, validity, "", without_columns(comparison_frame(tests)), *common_lines(tests)]
     result["model"] = values.attrs["model"]
     return Result({**result, "tests": records([frame])}, wrapped(text), frames=[frame])
 

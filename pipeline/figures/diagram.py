@@ -142,8 +142,8 @@ def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[Operat
     loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
     if len(loads) != len(velocities):
         raise InputError(
-            f"load and velocity go together, as pairs; {len(loads)} of load and "
-            f"{len(velocities)} of velocity are given"
+            f"{len(loads)} of load and {len(velocities)} of velocity cannot form pairs; give as "
+            "many of both"
         )
     return [*zip(loads, velocities, strict=True)]
 

@@ -29,7 +29,7 @@ def draw_trade(trade: Trade) -> Figure:
     axes.set(xscale="log", yscale="log")
     for costs, label, marker, colour in (
         (trade.runs, "runs with a goal, measured", "D", VERMILION),
-        (trade.planes, "whole plane, time from some points", "s", BLUE),
+        (trade.planes, "whole plane, time estimated from some points", "s", BLUE),
     ):
         times, errors = [cost.seconds for cost in costs], [cost.error for cost in costs]
         axes.plot(times, errors, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)

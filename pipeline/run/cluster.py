@@ -106,10 +106,10 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                     cluster = _start_cluster(workers, dashboard)
                 except _START_ERRORS as error:
                     raise ExecutionError(
-                        f"the worker processes did not start: {str(error) or 'none came'}; memory, "
-                        "threads or processes may be limited (ulimit -a): use fewer workers. In a "
-                        'script, call run_sweep under if __name__ == "__main__":, because workers '
-                        "import it"
+                        f"the worker processes did not start: {str(error) or 'none connected'}; "
+                        "memory, threads or processes may be limited (ulimit -a): use fewer "
+                        'workers. In a script, call run_sweep under if __name__ == "__main__":, '
+                        "because workers import it"
                     ) from None
             cluster.adapt(minimum=workers, maximum=workers)  # for workers that are lost for good
         try:

@@ -30,8 +30,8 @@ _MAX_PRESET_SHARE = 0.8  # of an accuracy, for the preset's error
 _LEAST_REALIZATIONS = 4  # of a new store; extending it takes as long as some points
 _ADVICE = {
     "interpolation": "give more sweep.velocities",
-    "discretization": "run it into another store, which may take a finer preset",
-    "warnings": "change what the warnings name: irg status",
+    "discretization": "run it into another store, which may have a finer preset",
+    "warnings": "follow the warnings that irg status prints",
     "surface": "there are too few surface realizations: set a larger --accuracy",
 }
 """How to reduce an error that is too large, by its largest part."""
@@ -48,7 +48,7 @@ def require_boundary(sweep: Sweep) -> None:
     if any({"load", "velocity"} & row.keys() for row in sweep.case_table.rows):
         reason = "each row of the sweep has its own load and velocity"
     elif not any(velocity > 0 for velocity in sweep.velocities):
-        reason = "sweep.velocities has none above 0"
+        reason = "no velocity is above 0"
     elif not all(case.conditions.friction for case in sweep.cases):
         reason = "friction.coefficient is 0"
     else:
@@ -56,21 +56,20 @@ def require_boundary(sweep: Sweep) -> None:
             if not case.critical_from_tests:
                 known_critical_temperature(case.conditions)
     if reason:
-        raise InputError(f"there is no boundary whose error can be a goal: {reason}")
+        raise InputError(f"an accuracy needs a boundary, and there is none: {reason}")
 
 
 def reason_surface_is_fixed(sweep: Sweep) -> str:
     """Why a sweep's surface has no further realizations, in words; empty if it has."""
     if sweep.scene.roughness is None:
-        return "smooth, not reduced by computing"
+        return "the surface is smooth"
     if not isinstance(sweep.scene.roughness, SelfAffineRoughness):
         if isinstance(sweep.scene.roughness, UserSurface):
-            return "one surface of a user's class, not reduced by computing"
+            return "the surface is of a user's class"
         areas = len(sweep.case_table.column("realization") or (0,))
-        words = "1 area" if areas == 1 else f"{areas} areas"
-        return f"{words} of a scan, not reduced by computing"
+        return "one area of a scan is used" if areas == 1 else f"{areas} areas of a scan are used"
     seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None
-    return f"{len(seeds)} listed seeds, not reduced by computing" if isinstance(seeds, list) else ""
+    return f"{len(seeds)} seeds are listed" if isinstance(seeds, list) else ""
 
 
 def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Sweep:
@@ -120,17 +119,19 @@ class GoalRun:
         self.accuracy = in_share("accuracy", accuracy)
         if not 0 < self.accuracy < 1:
             raise InputError(
-                f"accuracy is {accuracy!r}, the boundary's relative error; give a share between 0 "
-                'and 1, such as 0.02 or "2%"'
+                f"accuracy is {accuracy!r}; give the relative error of the boundary, between 0 and "
+                '1, such as 0.02 or "2%"'
             )
         require_boundary(sweep)
         if before is None and sweep.steps is None:
             sweep = replace(sweep, steps="end")  # no earlier step governs
         chosen = with_preset_for(sweep, before, self.accuracy)
         error = percent(preset_error_of(chosen) or 0.0)
-        choice = f"preset {chosen.preset} (up to {error})"
+        choice = f"preset {chosen.preset} (error at most {error})"
         if sweep.preset is None:
-            choice = f"preset {chosen.preset} (up to {error}), in place of the scene's [fidelity]"
+            choice = (
+                f"preset {chosen.preset} (error at most {error}) replaces [fidelity] of the scene"
+            )
         report(Progress(choice))
         self.is_fixed, self._report = bool(reason_surface_is_fixed(chosen)), report
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
@@ -231,7 +232,10 @@ class GoalOutcome(NamedTuple):
             if not self.is_below(accuracy):
                 yield f"to reach it: {_ADVICE[largest]}"
             if surface and self.surface:
-                yield f"surface up to ± {percent(self.surface)}: {surface}"
+                yield (
+                    f"surface sampling: up to ± {percent(self.surface)}, which is no part of the "
+                    f"goal, because {surface}"
+                )
         if self.loads_without_transition:
             loads = ", ".join(f"{load:g}" for load in self.loads_without_transition)
             yield f"{case}no critical velocity in the plane at {loads} N"

@@ -252,7 +252,7 @@ def _notes_on_resuming(store: Store, old_sweep: Sweep) -> Iterator[str]:
     """Notes for the user if the conditions or program versions of `old_sweep` are different."""
     if changed := [*changes_in_words(old_sweep.conditions, store.sweep.conditions)]:
         yield (
-            f"the conditions stored in {store.location} now follow the scene, for all commands: "
+            f"the conditions in {store.location} are replaced by those of the scene: "
             f"{'; '.join(changed)}"
         )
     current = versions()

@@ -118,10 +118,10 @@ def trade(
     sweep, report = sweep_of(scene), progress or silent
     require_boundary(sweep)
     if Path(str(out)).exists():
-        raise InputError(f"{out} exists, and points that are there cost nothing; give a new store")
+        raise InputError(f"{out} exists, and its points would cost nothing; give a new store")
     runs, seconds = list[MeasuredCost](), 0.0
     for accuracy in accuracies:
-        report(Progress(f"a run to {100 * accuracy:g} %"))
+        report(Progress(f"running to an error of {100 * accuracy:g} %"))
         try:
             outcome = run_sweep(sweep, out, workers, accuracy=accuracy, progress=progress)
         except InputError:  # another preset is needed
@@ -156,7 +156,7 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCos
     surface = bound * field.bilinear(specimen.mean.deviation, loads, critical) / exponent
     points = len(sweep.cases) * len(sweep.loads) * len(sweep.velocities)
     for name, fidelity in presets_for(sweep.scene, ["standard", "fine", "reference"]).items():
-        report(Progress(f"a timed point of preset {name}"))
+        report(Progress(f"timing a point of preset {name}"))
         preset_sweep = sweep.with_fidelity(fidelity, name)
         preset_error = preset_error_of(preset_sweep) or math.nan
         preset_errors = preset_error * RISE_EXPONENT / np.minimum(exponent, RISE_EXPONENT)

@@ -91,9 +91,9 @@ class Watch:
         reason = f"{', '.join(sorted(unresponsive)) or 'there is none'}"
         if waited > self._patience:
             limit = duration(self._patience)
-            raise ExecutionError(f"no Dask worker takes tasks within {limit} ({reason}); {SAFE}")
+            raise ExecutionError(f"no Dask worker accepts tasks within {limit} ({reason}); {SAFE}")
         if waited > min(_NOTE_AFTER, self._patience / 2):
-            self.report_once(f"no Dask worker takes tasks ({reason}); waiting for one")
+            self.report_once(f"no Dask worker accepts tasks ({reason}); waiting for one")
 
     @property
     def processes(self) -> Mapping[str, str]:

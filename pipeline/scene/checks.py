@@ -104,7 +104,7 @@ def _loads_without_stage(scene: Any) -> Misfits:
     if not isinstance(scene.loading, StagesTable):
         return
     if scene.sweep.steps == "course":
-        problem = "onset and end of each stage are stored, and no other step; leave it out"
+        problem = "only the onset and the end of each stage are stored; leave it out"
         yield "sweep.steps", problem
     loads = np.array(scene.sweep.loads)
     stages = np.array(stages_of(scene.loading.stages, loads.max())[0])

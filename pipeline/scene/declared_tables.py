@@ -336,7 +336,7 @@ class Tables(Kind):
 
     def _read(self, value: Any, path: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
-            raise InvalidValueError(f"{quoted(value)} is not a table that holds tables")
+            raise InvalidValueError(f"{quoted(value)} is not a table of tables")
         return {
             key: self.item_kind.read(item, key_path(path, key), faults)
             for key, item in value.items()

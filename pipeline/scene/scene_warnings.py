@@ -147,7 +147,7 @@ def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
 
 
 def _cold_tracks(sweep: Sweep) -> Warnings:
-    """Warning that the heat of earlier turns of a track is left out."""
+    """Warning that the heat of earlier revolutions of a track is left out."""
     if tracks := cold_tracks(sweep):
         bodies = {"pin_track": "pin", "track": "disk"}
         values = list[float | str]()

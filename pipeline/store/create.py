@@ -128,7 +128,7 @@ def _require_same_scene(location: Location, root: Root, sweep: Sweep) -> None:
     if differences := [*mismatches(root.sweep, sweep)]:
         advice = "use the values of the store, or write to another store"
         goals = [line for line in root.history if line.startswith(GOAL_PREFIX)]
-        more = [f"the store is grown by: irg {goals[-1].replace('with', 'SCENE')}"] if goals else []
+        more = [f"to extend the store: irg {goals[-1].replace('with', 'SCENE')}"] if goals else []
         raise StoreMismatchError(
             "\n  ".join([f"{location} belongs to another scene: {advice}", *differences, *more])
         )

@@ -110,11 +110,11 @@ def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     """Heights with marks such as −9999 and infinity as NaN; and notes on these."""
     notes, is_huge = list[str](), np.abs(heights) > 1e30
     if is_huge.any():
-        notes.append(f"{is_huge.sum()} heights beyond 1e+30 are taken for missing")
+        notes.append(f"{is_huge.sum()} heights beyond 1e+30 are treated as missing")
         heights = np.where(is_huge, np.nan, heights)
     while marks := _marks_in(np.unique(heights[np.isfinite(heights)])):
         for mark in marks:
-            notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are taken for missing")
+            notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are treated as missing")
             heights[heights == mark] = np.nan
     values, counts = np.unique(heights[np.isfinite(heights)], return_counts=True)
     second_count, max_count = np.sort(np.append(counts, [0, 0]))[-2:].tolist()
@@ -174,8 +174,8 @@ def _array(content: bytes) -> Array:
         raise InputError(f"not a plain array of numbers: {error}") from error
     if array.ndim not in (1, 2) or array.size == 0 or array.dtype.kind not in "fiu":
         raise InputError(
-            f"an array of shape {array.shape} and type {array.dtype}; needed are two-dimensional "
-            "real numbers, a row for each y"
+            f"an array of shape {array.shape} and type {array.dtype}; give a two-dimensional array "
+            "of real numbers, a row for each y"
         )
     require_size(array.shape)
     return np.atleast_2d(array).astype(float)

@@ -156,7 +156,7 @@ def _faults_of_fit(statistics: SurfaceStatistics) -> Iterator[str]:
     if not (scan.sal == fitted.sal or abs(scan.sal / fitted.sal - 1) <= 0.5):
         yield f"its Sal is {scan.sal / fitted.sal:.2g} times that of the fit"
     if scan.lay is not None and _OBLIQUE_ANGLE < abs(scan.lay) < 90 - _OBLIQUE_ANGLE:
-        yield f"its lay is at {scan.lay:.0f}° to x, which only the scan itself can have"
+        yield f"its lay is at {scan.lay:.0f}° to x, which the random surface cannot have"
 
 
 def _number_texts(roughness: ArealRoughness) -> Iterator[tuple[str, str]]:
@@ -266,7 +266,7 @@ def _statistics(file: str, scan: Scan, max_missing: float) -> SurfaceStatistics:
     sides, shape = scan.pixel_size, (scan.heights.shape[0], scan.heights.shape[1])
     roughness, notes = areal_roughness(scan.heights, sides), [*scan.notes]
     if scan.missing:
-        notes.append(f"{scan.missing_words}; the numbers leave them out, the fit has them filled")
+        notes.append(f"{scan.missing_words}: left out of the parameters, filled for the fit")
     notes += _unusual_values(roughness, sides)
     level, *_ = remove_form(filled(scan, max_missing), sides)
     fit = fit_self_affine(level, sides)

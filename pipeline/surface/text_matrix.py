@@ -53,7 +53,7 @@ def matrix_of(text: str) -> tuple[list[str], Array | None]:
     except ValueError as error:
         reason = str(error).partition(";")[0].partition(", please")[0]
         raise InputError(
-            f"not a matrix of numbers, as many in each row: {reason}; write nan for a missing "
+            f"not a matrix of numbers, with equally long rows: {reason}; write nan for a missing "
             "height, and decimals with a point"
         ) from error
 

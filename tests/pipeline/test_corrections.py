@@ -91,7 +91,7 @@ def test_corrections_cost_no_point_and_change_no_stored_number(copy):
     assert not pipeline.run_sweep(sweep, copy, workers=1).computed
     ds = pipeline.open_sweep(copy)
     assert ds.drop_attrs().equals(plain.drop_attrs())
-    assert "earlier turns of the disk" in pipeline.boundary(ds).attrs["conditions"]
+    assert "earlier revolutions of the disk" in pipeline.boundary(ds).attrs["conditions"]
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path):

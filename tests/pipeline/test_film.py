@@ -20,7 +20,7 @@ from tribo.simulation import lubrication
 from tribo.simulation.film import film_excess, film_inlet
 
 OUTSIDE_MODEL = (
-    "Outside the model, and not safe by this: the oil film carries more than 20 % of the load"
+    "Outside the model: the oil film carries more than 20 % of the load, and wear may be severe"
 )
 
 

@@ -157,7 +157,7 @@ REFUSALS = {
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).load_steps(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
-    "stages that fall": (lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0), "do not rise from 2 to 1"),
+    "stages that fall": (lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0), "of 2 is followed by 1"),
     "stages without hold": (
         lambda: Stages((1.0, 2.0), (1.0,), 1.0), "2 loads and 1 holds are not load stages"),
     "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).load_steps(2.0, 4)),

@@ -193,7 +193,7 @@ def _check_arguments(
         raise InputError(
             f"tolerance is {tolerance:.1e}; rounding allows no less than {rounding_error:.1e} "
             f"where rows of elements yield {softness:.1e} times as much as one element does. If "
-            "wear makes them yield, take shorter steps"
+            "wear makes them yield, use shorter steps"
         )
     stress, depth = _scales(solid, normal_load)
     # An iteration multiplies stresses by depths, and depths by depths.
@@ -241,7 +241,7 @@ def _failure_message(result: IterationResult, limits: Limits) -> str:
     if result.stalled:
         largest = float(np.abs(result.displacement).max())
         advice = (
-            f"with displacements of {largest:.1e} m it falls no further, so ask for at "
+            f"rounding of displacements of {largest:.1e} m allows no less; set a tolerance of at "
             f"least {2 * result.residual:.0e}"
         )
     return (

@@ -65,7 +65,9 @@ class Stages:
             )
         for lower, higher in pairwise(self.loads):
             if not lower < higher:
-                raise InputError(f"stages do not rise from {lower:g} to {higher:g}; let them rise")
+                raise InputError(
+                    f"a stage of {lower:g} is followed by {higher:g}; give loads that rise"
+                )
 
     @property
     def text(self) -> str:

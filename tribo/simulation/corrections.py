@@ -115,7 +115,7 @@ class Corrections:
     --------
     >>> ring = Track(0.34, 3.4e-3, 1.0, thermal_diffusivity=1.2275e-5, heat_capacity=3.666e6)
     >>> Corrections(track=ring).text
-    'earlier turns of the disk, 0.34 m'
+    'earlier revolutions of the disk, 0.34 m'
     """
 
     track: Track | None = None
@@ -145,7 +145,7 @@ class Corrections:
     def text(self) -> str:
         """The corrections that are set, in words, with their sizes."""
         sizes = {
-            f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
+            f"{'disc of' if track and track.disc else 'earlier revolutions of'} the {body}": track
             for body, track in (("pin", self.pin_track), ("disk", self.track))
         }
         return "; ".join(f"{name}, {size}" for name, size in sizes.items() if size)

@@ -96,8 +96,8 @@ class Scene:
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(
-                "wear follows a law of your own, which needs a pin at rest, and there is a motion; "
-                "leave out one of them"
+                "a wear law of your own needs a pin at rest, and the scene has a motion; leave out "
+                "one of them"
             )
         if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
             raise InputError(

@@ -74,7 +74,9 @@ def allowable_rise(conditions: Conditions) -> float:
     temperature is not known.
     """
     if conditions.critical_temperature is None:
-        raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
+        raise InputError(
+            "critical_temperature is None, and the allowable rise needs it; give one [K]"
+        )
     return conditions.limit(conditions.critical_temperature)
 
 

@@ -179,7 +179,7 @@ def test_a_test_is_advised_only_after_the_computing_that_may_decide():
     margin = asked(sure, 425.0, 2.23, **at_half)
     assert margin.probability_low <= 0.05 < margin.probability < 0.95 <= margin.probability_high
     assert advice(sure, 425.0, 2.23, **at_half) == (
-        "simulate more points nearby, as the numerical error may decide; if it stays undecided, "
+        "to reduce the numerical error, simulate more points nearby; if it stays undecided, "
         "run a test at this point"
     )
     assert advice(unsure, 425.0, 2.23, **at_half) == "run a test at this point"

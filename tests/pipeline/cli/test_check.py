@@ -20,7 +20,7 @@ def test_a_check_says_what_a_scene_means(check):
         "Ra 0.27 µm, Rq 0.338 µm, rms slope 0.15, no lay",
         "duration 1.33 to 5 s, sliding distance 1.33 to 20 m",
         "0.616 to 9.81 µm deep",
-        "Péclet number 1.47 to 11.4",
+        "Péclet number V a/(2 κ) 1.47 to 11.4",
         "288 × 240 elements",
         "MB of memory per worker",
     ):

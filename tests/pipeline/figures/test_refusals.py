@@ -67,7 +67,7 @@ REFUSALS = {
     "folder": (plot("diagram", "no/figure.png"), "the folder no does not exist"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
     "places": (of_places, "so there is no plane of them; irg margin"),
-    "one of a pair": (plot("diagram", load=500.0), "as pairs; 1 of load and 0 of velocity"),
+    "one of a pair": (plot("diagram", load=500.0), "1 of load and 0 of velocity cannot"),
     "several points": (plot("fields", load=[300.0, 500.0]), "fields shows one point, not 2"),
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),
     "plain title": (plot("diagram", plain=True, title="A"), "a plain figure has no title"),

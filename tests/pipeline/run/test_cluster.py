@@ -230,7 +230,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         dependencies = dict(tasks.below)
         for _ in range(2):  # workers are lost during the run, then missing from its start
-            with pytest.raises(ExecutionError, match="no Dask worker takes tasks within 1 s"):
+            with pytest.raises(ExecutionError, match="no Dask worker accepts tasks within 1 s"):
                 run_sweep(
                     MANY,  # too many to be done meanwhile
                     tmp_path / "later.zarr",

@@ -49,7 +49,7 @@ def small(tmp_path_factory):
     messages = []
     outcome = run(scene(), path, progress=lambda progress: messages.append(str(progress)))
     assert outcome.computed == outcome.done < 30
-    assert messages[0] == "preset standard (up to 1.1 %)"
+    assert messages[0] == "preset standard (error at most 1.1 %)"
     assert any("first realization done; remaining points: about" in words for words in messages)
     return path
 
@@ -101,7 +101,7 @@ def test_each_case_has_the_goal_and_a_preset_in_place_of_its_own_numbers(tmp_pat
     radii = {"sweep.over": {"pin.radius": ["1.8 mm", "2 mm"]}, "sweep.loads": ["750 N"]}
     sweep = scene(**radii | {"fidelity.increments": 7})
     run(sweep, path, 0.05, progress=lambda progress: messages.append(str(progress)))
-    assert messages[0] == "preset standard (up to 1.1 %), in place of the scene's [fidelity]"
+    assert messages[0] == "preset standard (error at most 1.1 %) replaces [fidelity] of the scene"
     boundary = pipeline.boundary(path)
     assert boundary["velocity_error"].dims == ("pin_radius", "load")
     assert np.isfinite(boundary["critical_velocity"]).all()
@@ -115,7 +115,7 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     assert "accuracy 2 % reached: at most ± 1." in output
     (statement,) = (line for line in output.splitlines() if " reached: at most ± " in line)
     assert "surface" not in statement
-    assert "2 listed seeds, not reduced by computing" in output
+    assert "which is no part of the goal, because 2 seeds are listed" in output
     assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in output
     assert done(out)[1].sum() == 1
 

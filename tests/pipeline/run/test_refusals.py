@@ -48,13 +48,13 @@ ROWS = tiny.sweep(
 VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})
 
 REFUSALS = {
-    "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0, the boundary's relative error"),
+    "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0; give the relative error"),
     "address": (lambda: pipeline.run_sweep(SWEEP, "memory://a.zarr", accuracy=0.02),
                 "is an object store, whose plane is fixed"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine errs by up to"),
     "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
-    "at rest": (searched(tiny.sweep(velocities=(0.0,))), "sweep.velocities has none above 0"),
+    "at rest": (searched(tiny.sweep(velocities=(0.0,))), "no velocity is above 0"),
     "frictionless": (searched(COLD), "friction.coefficient is 0"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
@@ -62,7 +62,7 @@ REFUSALS = {
                 "workers is 1.5; it must be a whole number"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "file": (no_file, "no Dask scheduler answers at scheduler.json"),
-    "trade": (measured_again, "trade.zarr exists, and points that are there cost nothing"),
+    "trade": (measured_again, "trade.zarr exists, and its points would cost nothing"),
     "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
 }  # fmt: skip
 

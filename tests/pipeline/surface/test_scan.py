@@ -70,7 +70,7 @@ def test_marks_of_missing_heights_are_holes_and_told(tmp_path):
     np.save(tmp_path / "a.npy", marked.T)
     scan = read(tmp_path / "a.npy")
     assert scan.missing == 7 + 5 + 1
-    assert "7 heights of -9999 are taken for missing" in scan.notes
+    assert "7 heights of -9999 are treated as missing" in scan.notes
     zeros = HEIGHTS.copy()
     zeros[:10] = 0.0
     np.save(tmp_path / "b.npy", zeros.T)
@@ -109,7 +109,7 @@ def test_a_minus_sign_of_print_is_a_minus(tmp_path):
             f"ncols 48\ncellsize 0.5\n{ROWS}".encode(),
             r'not heights \("ncols 48"\); delete what is above the numbers, and',
         ),
-        (b"1,2,3\n1,2\n", "as many in each row"),
+        (b"1,2,3\n1,2\n", "with equally long rows"),
         (ROWS.replace(".", ",").replace(" ", ";").encode(), "decimals have commas"),
         (b"-0,1234,0,2345\n" * 20, "is no whole number"),
         (b"no numbers at all\n", "a text without a matrix of numbers; export"),

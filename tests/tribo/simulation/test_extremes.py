@@ -79,7 +79,7 @@ MATERIALS = {
 def velocities():
     for velocity in (0.0, 1e-6, 1.0, 1e5, -1.25, -1e5):
         yield Extreme("velocity", f"{velocity:g} m/s", small_scene, velocity=velocity)
-    shorter = "take shorter steps"
+    shorter = "use shorter steps"
     yield Extreme("velocity", "1e12 m/s", small_scene, shorter, InputError, velocity=1e12)
     yield Extreme("velocity", "1e100 m/s", small_scene, shorter, InputError, velocity=1e100)
     without_wear = changed(wear=None)
