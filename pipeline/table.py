@@ -138,7 +138,7 @@ class Sheet:
         columns, faults = list[Column](), TableFaults(self.name, self.faults)
         for original in self.columns:
             column = original._replace(name=names.get(original.name, original.name))
-            if column.name in {other.name for other in columns}:
+            if any(column.name == renamed.name for renamed in columns):
                 faults.append(f"the heading {quoted(original.heading)} occurs twice; leave one out")
             else:
                 columns.append(column)

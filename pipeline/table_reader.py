@@ -192,17 +192,18 @@ def _sheet(name: str, rows: list[tuple[int, list[str]]], ignore: Collection[str]
             if any(column.cells):
                 faults.append(f"column {k + 1} has no heading; give one, and merge no cells")
         elif column.name in positions:
-            both = f"in columns {positions[column.name]} and {k + 1}"
+            first = positions[column.name]
             faults.append(
-                f"the heading {quoted(column.heading)} occurs twice, {both}; leave one out"
+                f"the heading {quoted(column.heading)} occurs twice, in columns {first} and "
+                f"{k + 1}; leave one out"
             )
         else:
             columns.append(column)
             positions[column.name] = k + 1
             faults.extend(_faults_of_formulas(column, [line for line, _ in body_rows]))
-    listed = ", ".join(quoted(column.heading) for column in columns)
+    heading_list = ", ".join(quoted(column.heading) for column in columns)
     faults.extend(
-        f"there is no column {quoted(ignored[key])} to ignore in {listed}; give a heading "
+        f"there is no column {quoted(ignored[key])} to ignore in {heading_list}; give a heading "
         "of the table"
         for key in ignored.keys() - skipped
     )

@@ -241,16 +241,16 @@ def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
     if not tests:
         return sweep.notes
     numbers = [*dict.fromkeys(str(test.number) for test in tests)]
-    words = (
+    text = (
         f"tests {listed(numbers, 3)}: their loading differs from that of the sweep, which changes "
         "their wear and temperature"
     )
     if len(numbers) == 1:
-        words = (
+        text = (
             f"test {numbers[0]}: its loading differs from that of the sweep, which changes its "
             "wear and temperature"
         )
-    return *sweep.notes, SceneNote("", words)
+    return *sweep.notes, SceneNote("", text)
 
 
 def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:

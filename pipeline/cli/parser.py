@@ -98,7 +98,11 @@ def _refuse_to_overwrite_an_input(options: argparse.Namespace) -> None:
     paths = {name: path for name, path in vars(options).items() if isinstance(path, Path)}
     out = paths.pop("output", None)
     with suppress(OSError):  # such as a name that is too long, which the command reports
-        if out and out.is_file() and any(p.exists() and out.samefile(p) for p in paths.values()):
+        if (
+            out
+            and out.is_file()
+            and any(path.exists() and out.samefile(path) for path in paths.values())
+        ):
             options.parser.error(f"{out} is an input of this command; choose another output file")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import itertools
 import shlex
 import sys
 from pathlib import Path
@@ -152,7 +151,8 @@ def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
         choices += ["--accuracy", goals[-1]]
     elif sweep.preset and sweep.preset != scene.preset:
         choices += ["--preset", sweep.preset]
-    choices += itertools.chain(*(("--set", f"{p}={quoted(v)}") for p, v in settings.items()))
+    for path, values in settings.items():
+        choices += ["--set", f"{path}={quoted(values)}"]
     return shlex.join(["irg", "run", name, *choices])
 
 

@@ -84,8 +84,8 @@ def select_realization(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
         seed = getattr(sweep_of(ds).scene.roughness, "seed", None)
         seeds = [] if seed is None else [seed]
     if realization not in seeds:
-        known = ", ".join(map(str, seeds)) or "a single surface without a number"
-        raise InputError(f"realization {realization} is not in the sweep, which has {known}")
+        surfaces = ", ".join(map(str, seeds)) or "a single surface without a number"
+        raise InputError(f"realization {realization} is not in the sweep, which has {surfaces}")
     is_dimension = "realization" in ds["status"].dims
     return ds.sel(realization=[realization]) if is_dimension else ds
 

@@ -57,11 +57,13 @@ def case_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
     """Headings and rows of the cases that the user chose; no rows for a single case."""
     table = sweep.case_table.without_surfaces
     headings = [column.name.replace("_", " ") for column in table.columns]
-    rows = [[_label(column, row[column.name]) for column in table.columns] for row in table.rows]
+    rows = [
+        [_label_text(column, row[column.name]) for column in table.columns] for row in table.rows
+    ]
     return headings, rows if headings else []
 
 
-def _label(column: Column, label: Label) -> str:
+def _label_text(column: Column, label: Label) -> str:
     """A label of a case with its unit."""
     unit = PLACE_UNITS.get(column.name)
     if unit and not isinstance(label, str):

@@ -56,8 +56,8 @@ class Cases:
     changes: Sequence[Entries] = ({},)
 
     def __mul__(self, other: Cases) -> Cases:
-        both = [{**a, **b} for a in self.changes for b in other.changes]
-        return Cases(self.table * other.table, both)
+        changes = [{**first, **second} for first in self.changes for second in other.changes]
+        return Cases(self.table * other.table, changes)
 
 
 def with_first_case(
@@ -148,10 +148,10 @@ def _read_columns(
     sheet = sheet.renamed(CONDITION_ENTRIES)
     entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
     paths = [column.name for column in sheet.columns if "." in column.name]
-    columns, words, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
+    columns, word_columns, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
     if faults:
         raise TableError(sheet.name, faults)
-    return columns, words
+    return columns, word_columns
 
 
 def _read_point(index: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:

@@ -19,8 +19,6 @@ from pipeline.scene.load_stages import stages_of
 from pipeline.sweep.case import Case
 from tribo.simulation.pins import sizes_of
 
-_BODY_SIZES = "diameter", "width", "track_length"
-_TRACK_KEYS = "diameter", "track_length"
 _LOAD_ROUNDING = 1e-9  # relative error of loads in floating point
 _LENGTH_TOLERANCE = 0.01  # relative difference allowed between two lengths of one track
 # Least length of a track in contact widths, so that a pass is short compared with the time between
@@ -74,8 +72,8 @@ def _unknown_materials(scene: Any) -> Misfits:
     scene_materials = scene.materials or {}
     for body in ("pin", "disk"):
         if (name := getattr(scene, body).material) and name not in scene_materials:
-            known = {**scene_materials, **library()["materials"]}
-            hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
+            materials = {**scene_materials, **library()["materials"]}
+            hint, choices = did_you_mean(name, materials), ", ".join(map(quoted, materials))
             problem = (
                 f"{quoted(name)} is neither defined under [materials] nor in the library{hint}"
             )
@@ -120,8 +118,8 @@ def _loads_without_stage(scene: Any) -> Misfits:
 def _short_pin(scene: Any) -> Misfits:
     length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]
     if length and length < side * (1 - 1e-9):
-        words = f"is shorter than the window, {display(side, 'mm')} along y; give at least that"
-        yield "pin.length", f"{display(length, 'mm')} {words}"
+        problem = f"is shorter than the window, {display(side, 'mm')} along y; give at least that"
+        yield "pin.length", f"{display(length, 'mm')} {problem}"
 
 
 @_check("pin.shape", *(f"pin.{size}" for size in _SIZES))
@@ -136,7 +134,9 @@ def _unfit_sizes(scene: Any) -> Misfits:
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 
-@_check("motion", *(f"{body}.{key}" for body in ("pin", "disk") for key in _TRACK_KEYS))
+@_check(
+    "motion", *(f"{body}.{key}" for body in ("pin", "disk") for key in ("diameter", "track_length"))
+)
 def _unfit_track(scene: Any) -> Misfits:
     for name in ("pin", "disk"):
         body = getattr(scene, name)
@@ -155,14 +155,19 @@ def _unfit_track(scene: Any) -> Misfits:
             yield f"motion.{path}", f"{display(length, 'mm')} {problem}"
 
 
-@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _BODY_SIZES))
+@_check(
+    "pin.length",
+    *(f"{body}.{key}" for body in ("pin", "disk") for key in ("diameter", "width", "track_length")),
+)
 def _unfit_bodies(scene: Any) -> Misfits:
     """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         if body.diameter and body.track_length:
-            words = "with diameter (disc) and track_length (plate) the same heat would count twice"
-            yield f"{name}.diameter", f"{words}; give one of them"
+            problem = (
+                "with diameter (disc) and track_length (plate) the same heat would count twice"
+            )
+            yield f"{name}.diameter", f"{problem}; give one of them"
         elif body.width and not body.diameter:
             yield f"{name}.width", f"belongs to a disc; give {name}.diameter, or leave it out"
         elif body.diameter and not body.width:
@@ -176,8 +181,8 @@ def _unfit_bodies(scene: Any) -> Misfits:
 def _cold_limit(scene: Any) -> Misfits:
     critical, bulk = scene.temperature.critical, scene.temperature.bulk
     if critical is not None and critical <= bulk:
-        words = f"{display(critical, '°C')} is not above temperature.bulk ({display(bulk, '°C')})"
-        yield "temperature.critical", f'{words}; give a higher one, such as "145 degC"'
+        problem = f"{display(critical, '°C')} is not above temperature.bulk ({display(bulk, '°C')})"
+        yield "temperature.critical", f'{problem}; give a higher one, such as "145 degC"'
 
 
 @_check("friction")

@@ -87,8 +87,8 @@ def table_of(declared: Any) -> Table:
             is_needed=is_needed,
         )
     class_name = declared.__name__.removesuffix("Table")
-    words = re.sub("(?<=.)(?=[A-Z])", " ", class_name).lower()
-    return Table(keys, declared, getattr(declared, "form_name", words))
+    spaced_name = re.sub("(?<=.)(?=[A-Z])", " ", class_name).lower()
+    return Table(keys, declared, getattr(declared, "form_name", spaced_name))
 
 
 def kind_of(hint: Any) -> Kind:
@@ -403,6 +403,6 @@ def number_in(kind: Kind) -> Quantity | Number | None:
     """The kind of number within a list or among several kinds; None if there is none."""
     if isinstance(kind, Quantity | Number):
         return kind
-    inner = kind.kinds if isinstance(kind, Either) else [getattr(kind, "item_kind", None)]
-    numbers = (number_in(item) for item in inner if isinstance(item, Kind))
+    members = kind.kinds if isinstance(kind, Either) else [getattr(kind, "item_kind", None)]
+    numbers = (number_in(member) for member in members if isinstance(member, Kind))
     return next((number for number in numbers if number), None)

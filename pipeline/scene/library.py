@@ -75,13 +75,13 @@ def _completed(
     faults: Faults,
 ) -> Entries:  # fmt: skip
     """The table at `path`, completed by the library's `name`, which stands in `entry`."""
-    known = library()[kind]
-    if name not in known:
-        names = ", ".join(map(quoted, known))
+    library_tables = library()[kind]
+    if name not in library_tables:
+        names = ", ".join(map(quoted, library_tables))
         faults.refuse(entry, f"{quoted(name)} is not in the library; available {kind}: {names}")
-        name = next(iter(known))  # so that its entries do not count as missing
+        name = next(iter(library_tables))  # so that its entries do not count as missing
     added_values = {}
-    for key, (value, source) in known[name].items():
+    for key, (value, source) in library_tables[name].items():
         if key not in table:
             added_values[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)

@@ -125,8 +125,8 @@ class Source:
             faults[:] = [fault for fault in faults if fault.key not in missing]
         if scene is None:
             return None
-        listed = listed_cases(scene, along)
-        seeds = listed.table.column("realization")
+        cases = listed_cases(scene, along)
+        seeds = cases.table.column("realization")
         if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
             seed = seeds[0]  # the scene itself has the first surface, as with areas of a scan
             entries = replace_values(entries, {SEED_ENTRY: seed})
@@ -139,8 +139,8 @@ class Source:
             title=scene.tables.title or self.name,
             note=scene.tables.note,
             base=scene.case,
-            cases=() if faults else tuple(read_cases(entries, self.files, scene, listed, key)),
-            case_table=listed.table,
+            cases=() if faults else tuple(read_cases(entries, self.files, scene, cases, key)),
+            case_table=cases.table,
             loads=declared.loads,
             velocities=declared.velocities,
             fields=declared.fields,

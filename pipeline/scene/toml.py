@@ -104,9 +104,9 @@ def read_document(path: Path, faults: Faults, extending: tuple[Path, ...] = ()) 
         if without is not None:
             faults.append(Fault("without", 'nothing to remove: "without" needs "extends"', path))
         return document
-    name = _KEYS["extends"].kind.read(extends, "extends", wrong := Faults())
-    if wrong:
-        raise SceneFileError(path, [document.line(wrong[0])])
+    name = _KEYS["extends"].kind.read(extends, "extends", extends_faults := Faults())
+    if extends_faults:
+        raise SceneFileError(path, [document.line(extends_faults[0])])
     base_path, chain = scene_path(name, path.parent), (*extending, path)
     if len(chain) > 20:
         raise SceneFileError(
@@ -136,8 +136,8 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     """
     overrides = dict(overrides)
     without = overrides.pop("without", None)
-    listed = [without] if isinstance(without, str) else without
-    document = _leave_out(document, listed, document.file, faults)
+    paths = [without] if isinstance(without, str) else without
+    document = _leave_out(document, paths, document.file, faults)
     if "fidelity.preset" in overrides:
         document = document.without("fidelity")
     for key, value in overrides.items():
@@ -147,20 +147,24 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
     """The document without the entries listed in `value`, the list ``without`` of `file`."""
-    wrong, entries = Faults(), document.entries
+    without_faults, entries = Faults(), document.entries
     with suppress(TooManyFaultsError):
-        keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
+        keys = (
+            []
+            if value is None
+            else _KEYS["without"].kind.read(value, "without", without_faults) or []
+        )
         for index, key in enumerate(keys):
             if entry_at(entries, key) is None:
                 names = [*entries, *(path for path, _ in flat(entries))]
-                hint = did_you_mean(key, names) if len(wrong) < MAX_HINTS else ""
-                wrong.refuse(
+                hint = did_you_mean(key, names) if len(without_faults) < MAX_HINTS else ""
+                without_faults.refuse(
                     f"without[{index}]",
                     f"{quoted(key)} is not an entry of {name_of(document.file)}{hint}; name one "
                     "that exists there",
                 )
             document = document.without(key)
-    faults += [fault._replace(file=file) for fault in wrong]
+    faults += [fault._replace(file=file) for fault in without_faults]
     return document
 
 

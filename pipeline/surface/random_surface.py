@@ -77,7 +77,7 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     power = power[is_compared] / power[is_compared].mean()
     modes = q_x, q_y, is_compared
     sides = zip(spacing, heights.shape, strict=True)
-    bounds = [*((np.log(step / 3), np.log(step * n)) for step, n in sides), (0.02, 1.0)]
+    bounds = [*((np.log(step / 3), np.log(step * count)) for step, count in sides), (0.02, 1.0)]
     start = np.array([*np.log(np.multiply(5, spacing)), 0.8])
     fit = minimize(_deviance, start, (power, *modes), bounds=bounds, method="L-BFGS-B")
     length_x, length_y = np.exp(fit.x[:2]).tolist()
