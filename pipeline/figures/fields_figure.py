@@ -69,7 +69,7 @@ def drawn_case(ds: xr.Dataset, conditions: Mapping[str, Any], realization: int |
     if realization is None and "realization" in ds["status"].dims:
         seeds = ds["realization"].values.tolist()
         field_seed = dict(sweep_of(ds).surface_with_fields).get("realization")
-        realization = field_seed if field_seed in seeds else seeds[0]
+        realization = seeds[seeds.index(field_seed)] if field_seed in seeds else seeds[0]
     case = cases_of(select_realization(ds, realization))[0]
     return DrawnCase(case, conditions_of(case, conditions))
 
