@@ -296,7 +296,7 @@ def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
     data = small("table4").data
     assert data["load"].tolist() == TABLE_4.normal_load.tolist()
     assert np.shape(data["max_celsius"]["swept"]) == (len(TABLE_4), 1)
-    assert np.mean(data["failed_percent"]["swept"]) == pytest.approx(10, abs=10)
+    assert np.mean(data["failed_percent"]["swept"]) == pytest.approx(10, abs=5)  # 13 on coarse ones
     assert np.mean(data["failed_percent"]["local"]) < 1
     assert np.all(np.array(data["failed_percent"]["unworn"]) > 20)
 
