@@ -21,12 +21,7 @@ from tests.crash import damage, kills, pairs, power
 from tests.crash.loop import Report, Run
 from tests.helpers.campaigns import conclude
 
-CAMPAIGNS = {
-    "kills": kills,
-    "power": power,
-    "damage": damage,
-    "pairs": pairs,
-}
+CAMPAIGNS = {"kills": kills, "power": power, "damage": damage, "pairs": pairs}
 
 
 def main():

@@ -16,11 +16,7 @@ from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
 
 FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7
-CONDITIONS = {
-    "friction": 0.1,
-    "bulk_temperature": 298.15,
-    "critical_temperature": 418.15,
-}
+CONDITIONS = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 MEASURED = (
     bare_test(750.0, 1.25, 0.103),
     bare_test(600.0, 1.5, 0.1),

@@ -34,12 +34,7 @@ from tribo.simulation.verdict import allowable_rise
 from tribo.surface import self_affine
 from tribo.surface.areal import remove_form
 from tribo.surface.topography import block_average
-from tribo.thermal import (
-    ConductingHalfSpace,
-    contact_quantiles,
-    partition_heat,
-    rise_exceeded,
-)
+from tribo.thermal import ConductingHalfSpace, contact_quantiles, partition_heat, rise_exceeded
 from tribo.wear import RollingWear
 from tribo.wear.archard import evaluate_wear, require_wear
 from workflows.paper.rig import critical_temperature_rig

@@ -57,10 +57,7 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(folder_with_results):
 
 @pytest.mark.parametrize(
     ("name", "load", "velocity"),  # as stated at the top of these files
-    [
-        ("pin_on_disk", 200.0, 0.24),
-        *(pytest.param(*row, marks=pytest.mark.slow) for row in SLOW),
-    ],
+    [("pin_on_disk", 200.0, 0.24), *(pytest.param(*row, marks=pytest.mark.slow) for row in SLOW)],
 )
 def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):
     scene = pipeline.load_scene(name)

@@ -23,10 +23,7 @@ from tribo import InputError
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror=alert(2)> & 'a'"
 VOID = {"meta", "img", "source", "br", "link"}
-TESTS = (
-    bare_test(250.0, 1.5, outcome="mild"),
-    bare_test(500.0, 3.0, outcome="severe"),
-)
+TESTS = (bare_test(250.0, 1.5, outcome="mild"), bare_test(500.0, 3.0, outcome="severe"))
 
 
 class Page(HTMLParser):

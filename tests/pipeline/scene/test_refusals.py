@@ -265,10 +265,7 @@ TEXTS = {
         lambda: load_scene("first_try", overrides={"pin.radius": None}),
         'is None; to leave it out, set without = ["pin.radius"]',
     ),
-    "overrides": (
-        lambda: load_scene("first_try", overrides="a=1"),
-        "overrides is 'a=1'; give a",
-    ),
+    "overrides": (lambda: load_scene("first_try", overrides="a=1"), "overrides is 'a=1'; give a"),
     "chain": (chain, "21 scenes extend one another; at most 20 may"),
     "dotted": (
         toml(b".".join([b"a"] * 500) + b" = 1\n"),
@@ -277,10 +274,7 @@ TEXTS = {
     "nested": (toml(b".".join([b"a"] * 15) + b" = 1\n"), "a: lists or tables are nested too deep"),
     "long path": (entry(".".join("a" * 500), 1), "no entry has more than 10 parts"),
     "changed long path": (lambda: scene().changed(".".join("a" * 500), 1), "no entry has more"),
-    "twice": (
-        entry("fidelity.increments", 5, increments=6),
-        "increments: is given twice",
-    ),
+    "twice": (entry("fidelity.increments", 5, increments=6), "increments: is given twice"),
     "twice, table": (entry("pin.radius", "2 mm", pin={"radius": "3 mm"}), "pin.radius is given"),
     "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
     "extends": (toml(b"extends = 3\n"), "extends: 3"),

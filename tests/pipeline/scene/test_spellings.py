@@ -208,11 +208,7 @@ UNITS = {
         1e-6: "mm3/(N mm) | mm2/N | cm3/(N m) | 1/MPa",
         1e-12: "mm3/(N km) | µm2/N",
     },
-    "1 K": {
-        1: "K | kelvin",
-        1e-3: "mK",
-        0.5555555555555556: "degR",
-    },
+    "1 K": {1: "K | kelvin", 1e-3: "mK", 0.5555555555555556: "degR"},
 }
 """Sizes of units in SI, by hand from definitions of SI and NIST SP 811, and their spellings."""
 

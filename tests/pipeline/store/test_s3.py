@@ -20,14 +20,7 @@ from tests.crash.driver import computing
 from tests.helpers import tiny
 from tests.helpers.reported import Heard
 from tests.helpers.s3 import served
-from tests.helpers.stores import (
-    Killed,
-    assert_is_as_computed,
-    commit,
-    done_points,
-    opened,
-    record,
-)
+from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, opened, record
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)

@@ -10,16 +10,7 @@ import pytest
 
 from tests.helpers.physics import assert_sound
 from tests.helpers.scenes import STEEL, small_scene
-from tribo import (
-    Ball,
-    Grid,
-    InputError,
-    Material,
-    MeasuredRoughness,
-    Ramp,
-    Wear,
-    simulate,
-)
+from tribo import Ball, Grid, InputError, Material, MeasuredRoughness, Ramp, Wear, simulate
 from tribo.errors import RangeError
 
 SOLVED = "solved"

@@ -17,11 +17,7 @@ RATIO = tribo.Motion(slide_roll_ratio=0.5)
 
 def twin_disc(motion=RATIO, elements=300, **changes):
     """Scene of a smooth line contact, whose elements are rows, infinitely long for heat."""
-    fidelity = tribo.Fidelity(
-        pixels_per_element=1,
-        increments=1,
-        contact_tolerance=1e-6,
-    )
+    fidelity = tribo.Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-6)
     scene = tribo.Scene(
         pin=tribo.Cylinder(RADIUS, LENGTH, replace(STEEL, hardness=math.inf)),
         disk=replace(STEEL, hardness=math.inf),

@@ -8,13 +8,7 @@ import pytest
 import tribo
 from tests.helpers.scenes import STEEL
 from tests.promises.front import BOUND_UNDER_STRIPS
-from tests.promises.moving_disk import (
-    FAMILIES,
-    decisive,
-    errors,
-    family_points,
-    oblique_heights,
-)
+from tests.promises.moving_disk import FAMILIES, decisive, errors, family_points, oblique_heights
 from tribo.contact import solve_contact
 from tribo.simulation import RampCache, heat
 from tribo.simulation.cache import elastic_bodies

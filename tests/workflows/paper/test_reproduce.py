@@ -136,11 +136,7 @@ def small(folder, scenes):
                     (folder / "fig4.png").symlink_to(folder / "page" / "fig4.png")
                 else:
                     reports[name] = paper.reproduce(
-                        name,
-                        folder / f"{name}.png",
-                        scenes=scenes,
-                        results=folder,
-                        **options,
+                        name, folder / f"{name}.png", scenes=scenes, results=folder, **options
                     )
         return reports[name]
 
