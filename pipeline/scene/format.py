@@ -110,30 +110,23 @@ class Test(Declared):
         "Name of the test in the output; by default the next free number."] = None
 
 
-_CHOICES = {
-    "pixels_per_element":
-        "Pixels along each side of an element; a maximum if `fewest_elements` is above 0.",
-    "increments": "Steps of the ramp up to its reference load.",
-    "fewest_elements":
-        "Least number of elements in contact: elements are small enough for it, and for the "
-        "summits of the surface. With 0, elements have the size given, and their mean height.",
-    "contact_tolerance": "Residual of the contact at which its solver stops.",
-}
 USUAL_PRESET = "standard"
 
 class _Preset(OneOf):
     def read(self, value: object, path: str, faults: Faults, allowed: object = None) -> Any:
         return super().read(value, path, faults, f"{self}, or irg run --accuracy 5%")
 
-class _FidelityTable(Declared):
+class FidelityTable(Declared):
     preset: A[str, _Preset(tuple(tribo.PRESETS)),
         'Preset, from "standard", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
-
-_HINTS = get_type_hints(tribo.Fidelity)
-FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
-    "__annotations__": {name: A[_HINTS[name] | None, text] for name, text in _CHOICES.items()},
-    **dict.fromkeys(_CHOICES),
-})
+    pixels_per_element: A[int | None,
+        "Pixels along each side of an element; a maximum if `fewest_elements` is above 0."] = None
+    increments: A[int | None, "Steps of the ramp up to its reference load."] = None
+    fewest_elements: A[int | None,
+        "Least number of elements in contact: elements are small enough for it, and for the "
+        "summits of the surface. With 0, elements have the size given, and their mean height."
+        ] = None
+    contact_tolerance: A[float | None, "Residual of the contact at which its solver stops."] = None
 
 class MaterialTable(Declared):
     like: A[str | None,
