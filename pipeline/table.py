@@ -8,6 +8,7 @@ an ambiguous number are refused: all faults at once, each with its row and colum
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -192,10 +193,8 @@ class Sheet:
     def _cells(self, column: Column, is_omissible: bool, faults: TableFaults) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
-            location, plain_cell = (
-                f"row {line}, {column.heading}",
-                cell.translate(_PLAIN_CHARACTERS),
-            )
+            location = f"row {line}, {column.heading}"
+            plain_cell = cell.translate(_PLAIN_CHARACTERS)
             if not cell:
                 advice = "give a value in each row"
                 if is_omissible:
@@ -277,16 +276,17 @@ def rows_of(
 
 def numbers_of(sheet: Sheet, units: Mapping[str, str]) -> dict[str, Array]:
     """Values in SI of the columns named in `units`, whose headings or cells have units."""
-
-    def faults_in(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
-        for name, unit in units.items():
-            try:
-                to_si(str(row.get(name, "")), f"1 {unit}")
-            except ValueError as error:
-                yield name, str(error) if name in row else f"missing; give one in {unit}"
-
-    rows = rows_of(sheet, units, faults_in, needed=units)
+    rows = rows_of(sheet, units, functools.partial(_quantity_faults, units), needed=units)
     return {
         name: np.array([to_si(str(row[name]), f"1 {unit}") for row in rows])
         for name, unit in units.items()
     }
+
+
+def _quantity_faults(units: Mapping[str, str], row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the columns named in `units` that have no quantity in a row, and why."""
+    for name, unit in units.items():
+        try:
+            to_si(str(row.get(name, "")), f"1 {unit}")
+        except ValueError as error:
+            yield name, str(error) if name in row else f"missing; give one in {unit}"

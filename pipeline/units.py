@@ -172,9 +172,9 @@ def _registry() -> pint.UnitRegistry[Any]:
 def _split(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
     _require_short(text)
-    typed = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺]+", lambda power: f"^{power[0].translate(_SUPERSCRIPTS)}", text)
-    typed = _TIMES_TEN.sub(r"e\1", typed.translate(_PRINTED_SIGNS))
-    match = _QUANTITY.fullmatch(_SCALE_FIRST.sub(r"\2 \1", typed))
+    plain = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺]+", lambda power: f"^{power[0].translate(_SUPERSCRIPTS)}", text)
+    plain = _TIMES_TEN.sub(r"e\1", plain.translate(_PRINTED_SIGNS))
+    match = _QUANTITY.fullmatch(_SCALE_FIRST.sub(r"\2 \1", plain))
     if match is None:
         raise UnitError(f"{_quoted(text)} is not a number with a unit{_comma_hint(text)}")
     return match[1], match[2].strip()

@@ -57,6 +57,7 @@ def surface(options: argparse.Namespace) -> Result:
 
 
 def _data_sheet(options: argparse.Namespace) -> Result:
+    """Result of ``irg surface --ra RA --rsm RSM``: the table of a random surface."""
     from pipeline.surface.random_surface import data_sheet_toml
 
     if options.output:

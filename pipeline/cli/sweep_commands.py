@@ -62,8 +62,9 @@ def run(options: argparse.Namespace) -> Result:
     if options.accuracy is not None:
         from pipeline.run.goal import goal_outcomes, reason_surface_is_fixed
 
-        goals = goal_outcomes(ds, options.accuracy, bool(fixed := reason_surface_is_fixed(sweep)))
-        text += [line for goal in goals for line in goal.lines(options.accuracy, fixed)]
+        reason = reason_surface_is_fixed(sweep)
+        goals = goal_outcomes(ds, options.accuracy, bool(reason))
+        text += [line for goal in goals for line in goal.lines(options.accuracy, reason)]
         is_reached = all(goal.is_below(options.accuracy) for goal in goals)
         document["accuracy"] = {
             "goal": options.accuracy,

@@ -34,7 +34,7 @@ from pipeline.answers.scene_wording import value_words
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
-from pipeline.figures.fields_figure import QuantityLike, select_realization, wanted_values
+from pipeline.figures.fields_figure import QuantityLike, select_realization, values_in_si
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
 from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests, velocities_at_friction
 from pipeline.messages import split_notes
@@ -139,7 +139,7 @@ def _require_plane(ds: xr.Dataset) -> None:
 
 def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
-    loads, velocities = wanted_values("load", load), wanted_values("velocity", velocity)
+    loads, velocities = values_in_si("load", load), values_in_si("velocity", velocity)
     if len(loads) != len(velocities):
         raise InputError(
             f"{len(loads)} of load and {len(velocities)} of velocity cannot form pairs; give as "

@@ -122,7 +122,7 @@ def chosen_points(drawn: DrawnCase, load: QuantityLike, velocity: QuantityLike) 
     return points
 
 
-def wanted_values(axis: str, values: Any) -> list[float]:
+def values_in_si(axis: str, values: Any) -> list[float]:
     """Loads or velocities of an option, in SI; an empty list without any."""
     if values is None or not np.size(values):
         return []
@@ -139,7 +139,7 @@ def nearest_indices(case: CaseResults, axis: str, values: QuantityLike) -> list[
     simulated = case.loads if axis == "load" else case.velocities
     ends = {axis: (simulated[0].item(), simulated[-1].item())}
     indices, unit = list[int](), UNITS[axis]
-    for value in wanted_values(axis, values):
+    for value in values_in_si(axis, values):
         if refusal := outside_reason(case, ends, **{axis: value}):
             raise InputError(refusal)
         index = int(np.abs(simulated - value).argmin())

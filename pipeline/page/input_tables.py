@@ -86,15 +86,12 @@ def _parts(case: Case) -> Iterator[tuple[str, Part]]:
         yield "motion", _texts(scene.motion)
     if case.lubricant:
         yield "oil", _texts(case.lubricant)
-    corrections = case.conditions.corrections
-    yield (
-        "conditions",
-        {
-            **_texts(case.conditions, ["corrections"]),
-            **({"corrections": corrections.text} if corrections else {}),
-            **({"critical temperature": "from tests"} if case.critical_from_tests else {}),
-        },
-    )
+    conditions = {**_texts(case.conditions, ["corrections"])}
+    if case.conditions.corrections:
+        conditions["corrections"] = case.conditions.corrections.text
+    if case.critical_from_tests:
+        conditions["critical temperature"] = "from tests"
+    yield "conditions", conditions
     errors = "model_bias", "model_scatter"
     yield "model error", {name: _text(name, getattr(case, name)) for name in errors}
 

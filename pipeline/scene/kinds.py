@@ -209,18 +209,18 @@ class Quantity(Kind):
     def _read(self, value: Any, path: str, faults: Faults) -> float:
         if not isinstance(value, str):
             raise InvalidValueError(f"{quoted(value)} has no unit")
-        exact = exact_si(value, like=self.example)
-        if exact == 0 and self.zero:
-            return float(exact)
-        if exact <= 0:
+        number = exact_si(value, like=self.example)
+        if number == 0 and self.zero:
+            return float(number)
+        if number <= 0:
             raise InvalidValueError(f"{quoted(value)} is outside the allowed range")
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
-        if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
+        if not exact_si(low, self.example) <= number <= exact_si(high, self.example):
             raise InvalidValueError(
                 f"{quoted(value)} is outside the allowed range, which is {low} to {high}"
             )
-        faults.warnings += unusual_warning(path, float(exact), self.usual, self.unit)
-        return float(exact)
+        faults.warnings += unusual_warning(path, float(number), self.usual, self.unit)
+        return float(number)
 
 
 FROM_TESTS = "from tests"

@@ -52,6 +52,7 @@ def read_instrument_file(path: Path, kind: str) -> HeightFile:
 
 
 def _library_message(error: Exception, suffix: str) -> str:
+    """Why SurfaceTopography cannot read a file with an ending such as ".plux"."""
     text, error_name = str(error).strip(), type(error).__name__
     if error_name == "CannotDetectFileFormat":  # its text lists the errors of all readers
         pattern = rf"tried {re.escape(suffix[1:])}reader:\s*(.*)"
@@ -67,6 +68,7 @@ def _library_message(error: Exception, suffix: str) -> str:
 
 
 def _from_library(reader: Any) -> HeightFile:
+    """Heights of the default channel of a reader of SurfaceTopography."""
     channel = reader.default_channel
     if channel.physical_sizes is None:
         raise InputError(f"a file without the size of its pixels; {EXPORT}")

@@ -87,6 +87,7 @@ def read_scan(
 def _scan(
     file: HeightFile, height_unit: float | None, pixel_size: tuple[float, float] | None
 ) -> Scan:
+    """Scan of the heights of a file, in m, with the unit and pixels of the user or of the file."""
     notes = ["x, the sliding direction, goes from column to column", *file.notes]
     unit, sides = height_unit or file.unit, pixel_size or file.pixel_size
     missing = [] if unit else ["the unit of its heights (height_unit)"]
@@ -168,6 +169,7 @@ def _read(path: Path, content: bytes) -> HeightFile:
 
 
 def _array(content: bytes) -> Array:
+    """Numbers of a .npy file in two dimensions."""
     try:
         array = np.load(io.BytesIO(content), allow_pickle=False)
     except Exception as error:  # of a damaged file, errors of many kinds

@@ -127,11 +127,11 @@ def _harmonic(heights: Array) -> Array:
         is_inside &= (neighbour_x < heights.shape[0]) & (neighbour_y < heights.shape[1])
         numbers = np.flatnonzero(is_inside)
         neighbours = neighbour_x[is_inside], neighbour_y[is_inside]
-        is_hole_too = is_hole[neighbours]
+        is_neighbour_hole = is_hole[neighbours]
         neighbour_count[numbers] += 1
-        known_sum[numbers] += np.where(is_hole_too, 0.0, heights[neighbours])
-        holes.append(numbers[is_hole_too])
-        neighbour_holes.append(hole_numbers[neighbours][is_hole_too])
+        known_sum[numbers] += np.where(is_neighbour_hole, 0.0, heights[neighbours])
+        holes.append(numbers[is_neighbour_hole])
+        neighbour_holes.append(hole_numbers[neighbours][is_neighbour_hole])
     pairs = np.concatenate(holes), np.concatenate(neighbour_holes)
     adjacency = sparse.coo_array((np.ones(len(pairs[0])), pairs), (len(x), len(x)))
     laplace = (sparse.diags_array(neighbour_count) - adjacency).tocsc()
