@@ -5,22 +5,10 @@ from dataclasses import fields, replace
 import tribo
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column, numbered_cases
+from pipeline.sweep.sweep import Sweep
 
 _SCENE = {field.name for field in fields(tribo.Scene)}
-_CASE = {
-    "conditions",
-    "friction_band",
-    "model_bias",
-    "model_scatter",
-    "oil",
-    "preset",
-    "critical_from_tests",
-}
-_SWEEP = {
-    "name", "title", "note", "notes", "sources", "stored_steps", "loads", "velocities", "fields",
-    "steps", "case_table",
-}  # fmt: skip
-FIELDS = {*_SCENE, *_CASE, *_SWEEP, "tests"}
+_SWEEP = {field.name for field in fields(Sweep)} - {"base", "cases", "tests"}
 
 
 def bare_test(load, velocity, friction=None, case=None, **more):
@@ -41,9 +29,8 @@ class Rows(CaseTable):
 
 def changed(sweep, **values):
     """Copy of a sweep with new values of fields of the sweep, its cases and their scenes."""
-    assert values.keys() <= FIELDS, values.keys() - FIELDS
     sweep_values = {name: value for name, value in values.items() if name in _SWEEP}
-    objects = {name: value for name, value in values.items() if name in {*_SCENE, *_CASE}}
+    objects = {name: value for name, value in values.items() if name not in {*_SWEEP, "tests"}}
     base, *cases = (_case(case, objects) for case in (sweep.base, *sweep.cases))
     if rows := sweep_values.pop("case_table", None):
         table = CaseTable(rows.columns, rows.rows)

@@ -9,7 +9,7 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.scene_file import Source
 from pipeline.store.schema import INPUTS, split_arrays
 from pipeline.sweep.stored import plain_sweep
-from tests.helpers.entries import FIELDS, changed
+from tests.helpers.entries import changed
 
 _BASE = {
     "materials": {
@@ -31,7 +31,6 @@ _BASE = {
 
 def sweep_of_fields(**values):
     """Sweep with these values of fields of its parts; other fields have usual values."""
-    assert values.keys() <= FIELDS, values.keys() - FIELDS
     sweep = Source("scene", _BASE, Files()).read(Faults())
     usual = {"fidelity": tribo.Fidelity(), "title": "A scene"}
     return changed(sweep, **usual | values)
