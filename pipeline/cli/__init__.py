@@ -98,9 +98,7 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         if isinstance(error, FileNotFoundError) and error.filename is None:  # by os.getcwd
             reason = "the working directory was deleted; change to another one"
         output.print_error(f"cannot continue: {reason}{saved}")
-        with suppress(OSError, ValueError, AttributeError):
-            # Keep Python from flushing stdout again at exit.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_stdout()
         return output.WRONG_USE
     except (ValueError, KeyError, TypeError) as error:
         *_, (frame, _) = walk_tb(error.__traceback__)
@@ -113,3 +111,9 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         return output.WRONG_USE
     finally:
         output.QUIET.clear()
+
+
+def _discard_stdout() -> None:
+    """Keep Python from flushing stdout at exit, which would fail a second time."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

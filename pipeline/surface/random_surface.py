@@ -217,7 +217,7 @@ def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float
 
     Nearly equal correlation lengths along x and y become their geometric mean.
     """
-    x, y = (f'"{display(length, "um", 3)}"' for length in nearly_equal(lengths))
+    x, y = (f'"{display(length, "um", 3)}"' for length in average_if_close(lengths))
     length = x if x == y else f"[{x}, {y}]"
     return (
         f'disk = {{ roughness = {{ ra = "{display(ra, "um", 4)}", '
@@ -225,7 +225,7 @@ def roughness_toml(ra: float, hurst_exponent: float, lengths: tuple[float, float
     )
 
 
-def nearly_equal(lengths: tuple[float, float]) -> tuple[float, float]:
+def average_if_close(lengths: tuple[float, float]) -> tuple[float, float]:
     """Lengths along x and y; both their geometric mean if they differ by less than 15 %."""
     x, y = lengths
     mean = math.sqrt(x * y)

@@ -15,8 +15,8 @@ from pipeline.messages import quoted
 from pipeline.quantities import display, display_sides
 from pipeline.surface.random_surface import (
     SelfAffineFit,
+    average_if_close,
     fit_self_affine,
-    nearly_equal,
     roughness_toml,
 )
 from pipeline.surface.scan import Scan, read_scan
@@ -93,7 +93,9 @@ class SurfaceStatistics:
     @property
     def words_on_lay(self) -> str:
         """Direction of the lay relative to sliding, and the lengths of the fit, in sentences."""
-        x, y = (display(length, "µm", 3) for length in nearly_equal(self.fit.correlation_length))
+        x, y = (
+            display(length, "µm", 3) for length in average_if_close(self.fit.correlation_length)
+        )
         lengths = f"Correlation length: {x} along sliding (x), {y} across sliding (y)."
         angle = self.roughness.lay
         if angle is None:
@@ -270,7 +272,7 @@ def _statistics(file: str, scan: Scan, max_missing: float) -> SurfaceStatistics:
     notes += _unusual_values(roughness, sides)
     level, *_ = remove_form(filled(scan, max_missing), sides)
     fit = fit_self_affine(level, sides)
-    lengths = nearly_equal(fit.correlation_length)
+    lengths = average_if_close(fit.correlation_length)
     surface = self_affine(Grid(shape, sides), roughness.sa, fit.hurst_exponent, lengths, seed=0)
     fitted = areal_roughness(surface, sides)
     return SurfaceStatistics(
