@@ -327,40 +327,30 @@ def test_a_client_that_is_closed_ends_a_run_with_one_error(path):
     assert 0 < summary(path).done < len(MANY.loads) * 60
 
 
-def test_results_whose_fetch_is_cancelled_are_computed_again(path, tiny_store, monkeypatch):
-    """A restart of all workers cancels fetches in the same way."""
+def cancel(futures):
+    """Fail as if all workers were restarted."""
+    raise CancelledError
 
+
+def lose(futures):
+    """Fail as if a worker died before its result is fetched, and the one that computes it again."""
+    worker = SimpleNamespace(address="tcp://127.0.0.1:1")
+    error = KilledWorker(futures[0].key, worker, 0)
+    futures[0]._state.set_error(error, None)
+    raise error
+
+
+@pytest.mark.parametrize("fail", [cancel, lose])
+def test_results_whose_fetch_fails_are_computed_again(path, tiny_store, monkeypatch, fail):
     with local_cluster(2) as (_, client):
         gather, first = client._gather, iter([True])
 
-        async def cancelled_once(*futures, **options):
+        async def failing_once(futures, **options):
             if next(first, False):
-                raise CancelledError
-            return await gather(*futures, **options)
-
-        monkeypatch.setattr(client, "_gather", cancelled_once)
-        outcome = run_sweep(SWEEP, path, client=client)
-    assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
-    assert content(path) == content(tiny_store)
-
-
-def test_a_point_whose_result_and_next_worker_are_lost_is_computed_again(
-    path, tiny_store, monkeypatch
-):
-    """A worker dies before its result is fetched, and another one as it computes that again."""
-
-    with local_cluster(2) as (_, client):
-        gather, first = client._gather, iter([True])
-
-        async def lost_once(futures, **options):
-            if next(first, False):
-                worker = SimpleNamespace(address="tcp://127.0.0.1:1")
-                error = KilledWorker(futures[0].key, worker, 0)
-                futures[0]._state.set_error(error, None)
-                raise error
+                fail(futures)
             return await gather(futures, **options)
 
-        monkeypatch.setattr(client, "_gather", lost_once)
+        monkeypatch.setattr(client, "_gather", failing_once)
         outcome = run_sweep(SWEEP, path, client=client)
     assert (outcome.done, outcome.failed, next(first, None)) == (9, (), None)
     assert content(path) == content(tiny_store)
