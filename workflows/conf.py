@@ -2,6 +2,8 @@
 
 from importlib.metadata import version as installed_version
 
+from pipeline.cli.parser import whole_parser
+
 project = "irg-transition"
 author = "The irg-transition developers"
 version = release = installed_version(project)
@@ -21,7 +23,18 @@ html_css_files = [("print.css", {"media": "print"})]
 smartquotes = False  # the dashes of options are two
 
 myst_heading_anchors = 4
-myst_enable_extensions = ["amsmath", "dollarmath"]
+myst_enable_extensions = ["amsmath", "dollarmath", "substitution"]
+myst_substitutions = {
+    "commands": "\n".join(
+        [
+            "| command | purpose |\n|---|---|",
+            *(
+                f"| `irg {name}` | {' '.join(command.description.split())} |"
+                for name, command in whole_parser().get_default("commands").items()
+            ),
+        ]
+    )
+}
 nb_execution_mode = "off"  # notebooks are shown as `make notebooks` stored them
 
 default_role = "py:obj"  # names in backticks link to their entries
