@@ -75,26 +75,30 @@ def _unknown_materials(scene: Any) -> Misfits:
             materials = {**scene_materials, **library()["materials"]}
             hint, choices = did_you_mean(name, materials), ", ".join(map(quoted, materials))
             problem = (
-                f"{quoted(name)} is neither defined under [materials] nor in the library{hint}"
+                f"{quoted(name)} is neither defined under [materials] nor in the library{hint}; "
+                f"give {choices}, or add a table for it"
             )
-            yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
+            yield f"{body}.material", problem
 
 
 @_check("window.pixels", "fidelity.pixels_per_element")
 def _unfit_pixels(scene: Any) -> Misfits:
     pixels, block = scene.window.pixels, scene.fidelity.pixels_per_element
     if any(count % block for count in pixels):
-        problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or change"
-        yield "window.pixels", f"{quoted(list(pixels))} {problem} fidelity.pixels_per_element"
+        problem = (
+            f"{quoted(list(pixels))} cannot be averaged {block} × {block}; give multiples of "
+            f"{block}, or change fidelity.pixels_per_element"
+        )
+        yield "window.pixels", problem
 
 
 @_check("sweep.realizations", "disk.roughness")
 def _realizations_of_a_smooth_disk(scene: Any) -> Misfits:
     realizations = scene.sweep.realizations
     if realizations is not None and scene.disk.roughness is None:
-        count = quoted(realizations if isinstance(realizations, int) else list(realizations))
-        problem = "needs a rough disk, [disk.roughness]; give one, or leave this out"
-        yield "sweep.realizations", f"{count} {problem}"
+        value = quoted(realizations if isinstance(realizations, int) else list(realizations))
+        problem = f"{value} needs a rough disk, [disk.roughness]; give one, or leave this out"
+        yield "sweep.realizations", problem
 
 
 @_check("loading", "sweep.loads", "sweep.steps")
@@ -118,8 +122,11 @@ def _loads_without_stage(scene: Any) -> Misfits:
 def _short_pin(scene: Any) -> Misfits:
     length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]
     if length and length < side * (1 - 1e-9):
-        problem = f"is shorter than the window, {display(side, 'mm')} along y; give at least that"
-        yield "pin.length", f"{display(length, 'mm')} {problem}"
+        problem = (
+            f"{display(length, 'mm')} is shorter than the window, {display(side, 'mm')} along y; "
+            "give at least that"
+        )
+        yield "pin.length", problem
 
 
 @_check("pin.shape", *(f"pin.{size}" for size in _SIZES))
@@ -145,14 +152,19 @@ def _unfit_track(scene: Any) -> Misfits:
             continue
         if scene.motion is None:
             if name == "pin":
-                problem = "has no effect: a stationary pin has no earlier revolutions; remove it"
-                yield key, f"{problem}, or give a [motion]"
+                problem = (
+                    "has no effect: a stationary pin has no earlier revolutions; remove it, or "
+                    "give a [motion]"
+                )
+                yield key, problem
             continue
         path = f"{name}_track_length"
         length = getattr(scene.motion, path)
         if length and abs(length / track - 1) > _LENGTH_TOLERANCE:
-            problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
-            yield f"motion.{path}", f"{display(length, 'mm')} {problem}"
+            problem = (
+                f"{display(length, 'mm')} is not the {display(track, 'mm')} of {key}; leave it out"
+            )
+            yield f"motion.{path}", problem
 
 
 @_check(
@@ -165,24 +177,31 @@ def _unfit_bodies(scene: Any) -> Misfits:
         body, length = getattr(scene, name), scene.pin.length
         if body.diameter and body.track_length:
             problem = (
-                "with diameter (disc) and track_length (plate) the same heat would count twice"
+                "with diameter (disc) and track_length (plate) the same heat would count twice; "
+                "give one of them"
             )
-            yield f"{name}.diameter", f"{problem}; give one of them"
+            yield f"{name}.diameter", problem
         elif body.width and not body.diameter:
             yield f"{name}.width", f"belongs to a disc; give {name}.diameter, or leave it out"
         elif body.diameter and not body.width:
             yield f"{name}.width", "missing; a disc with a diameter needs a width"
         if body.diameter and body.width and length and body.width < length:
-            problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
-            yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"
+            problem = (
+                f"{display(body.width, 'mm')} is narrower than the contact, "
+                f"{display(length, 'mm')} of pin.length; give at least that"
+            )
+            yield f"{name}.width", problem
 
 
 @_check("temperature.critical", "temperature.bulk")
 def _cold_limit(scene: Any) -> Misfits:
     critical, bulk = scene.temperature.critical, scene.temperature.bulk
     if critical is not None and critical <= bulk:
-        problem = f"{display(critical, '°C')} is not above temperature.bulk ({display(bulk, '°C')})"
-        yield "temperature.critical", f'{problem}; give a higher one, such as "145 degC"'
+        problem = (
+            f"{display(critical, '°C')} is not above temperature.bulk ({display(bulk, '°C')}); "
+            'give a higher one, such as "145 degC"'
+        )
+        yield "temperature.critical", problem
 
 
 @_check("friction")
