@@ -16,7 +16,7 @@ from typing import Any, TypeGuard
 import numpy as np
 import pandas as pd
 
-from pipeline.quantities import DIMENSIONS, SIZES, shown_in
+from pipeline.quantities import DIMENSIONS, SIZES, in_unit
 from pipeline.store.files import store_file, sync
 from tribo import InputError
 from tribo.types import Mask
@@ -29,7 +29,7 @@ def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataF
     units = [_split_heading(heading)[1] for heading in headings]
     converted = [
         tuple(
-            shown_in(value, unit) if unit and _is_number(value) else value
+            in_unit(value, unit) if unit and _is_number(value) else value
             for value, unit in zip(row, units, strict=True)
         )
         for row in rows

@@ -75,12 +75,12 @@ ROUNDING = 5e-6
 _FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
 
 
-def shown_in(value: Any, unit: str) -> Any:
+def in_unit(value: Any, unit: str) -> Any:
     """Convert a value, or an array, from SI to a unit; unchanged if the unit is not known.
 
     Examples
     --------
-    >>> shown_in(418.0, "°C"), shown_in(2.5e-6, "µm")
+    >>> in_unit(418.0, "°C"), in_unit(2.5e-6, "µm")
     (144.85000000000002, 2.5)
     """
     return value * _FACTORS.get(unit, 1.0) - float(ZERO.get(unit, 0))
@@ -106,9 +106,9 @@ def display(value: float, unit: str, form: int | str = 6) -> str:
     >>> display(1.234e-5, "µm", 3), display(418.4, "°C", ".0f")
     ('12.3 µm', '145 °C')
     """
-    return f"{format(shown_in(value, unit), f'.{form}g' if isinstance(form, int) else form)} {unit}"
+    return f"{format(in_unit(value, unit), f'.{form}g' if isinstance(form, int) else form)} {unit}"
 
 
 def display_sides(sides: Iterable[float]) -> str:
     """Write sides of a window or a pixel as text, such as ``102.4 × 51.2 µm``."""
-    return " × ".join(f"{shown_in(side, 'µm'):.4g}" for side in sides) + " µm"
+    return " × ".join(f"{in_unit(side, 'µm'):.4g}" for side in sides) + " µm"

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.quantities import DIMENSIONS, ZERO, shown_in
+from pipeline.quantities import DIMENSIONS, ZERO, in_unit
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
@@ -307,7 +307,7 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     None, no value is unusual.
     """
     (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
-    number, suffix = shown_in(value, unit), f" {unit}" if unit else ""
+    number, suffix = in_unit(value, unit), f" {unit}" if unit else ""
     if low <= number <= high:
         return ""
     return (

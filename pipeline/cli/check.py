@@ -19,7 +19,7 @@ from pipeline.cli.output import Result
 from pipeline.frames import frame_of, records
 from pipeline.messages import listed, pluralized
 from pipeline.progress import duration
-from pipeline.quantities import display, display_sides, shown_in
+from pipeline.quantities import display, display_sides, in_unit
 from pipeline.run.estimate import Estimate, machine_memory, worker_bytes
 from pipeline.scene.contact_estimate import (
     CaseEstimate,
@@ -178,7 +178,7 @@ def _film_rows(sweep: Sweep, film_parameters: Sequence[float]) -> Iterator[_Row]
 
 def _span_text(span: Span, unit: str = "") -> str:
     """Range of a quantity, or its single value, as text in a `unit`, such as "1.2 to 3 µm"."""
-    low, high = (f"{shown_in(value, unit):.3g}" for value in span)
+    low, high = (f"{in_unit(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
@@ -225,7 +225,7 @@ def _surface_words(surface: SurfaceSummary) -> str:
     plane_heights = surface.mean_height, *surface.rise
     if all(abs(height) < 0.01 * surface.rq for height in plane_heights):
         return f"measured: {heights}; level"
-    mean, x, y = (shown_in(height, "µm") for height in plane_heights)
+    mean, x, y = (in_unit(height, "µm") for height in plane_heights)
     return (
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
         f"{y:.3g} µm along y over the window"

@@ -18,7 +18,7 @@ from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, working, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.messages import pluralized
-from pipeline.quantities import display, shown_in
+from pipeline.quantities import display, in_unit
 from pipeline.run.serial import run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.create import writing
@@ -118,7 +118,7 @@ def infer(options: argparse.Namespace) -> Result:
         bound = display(result["at_most"], "°C", 3)
         finding = f"critical temperature: at most {bound} (95 %), from {count}"
     else:
-        celsius = shown_in(result["critical_temperature"], "°C")
+        celsius = in_unit(result["critical_temperature"], "°C")
         finding = (
             f"critical temperature {format_value(celsius, result['spread_this_rig'])} °C; standard "
             f"deviation {result['spread_another_rig']:.2g} "
@@ -141,7 +141,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     *_, end = sweep.scene.all_load_steps(load)
     with working("searching for the wear rate, one simulation at a time"):
         rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
-    value, lowest, highest = (shown_in(limit, "mm³/(N m)") for limit in astuple(rate))
+    value, lowest, highest = (in_unit(limit, "mm³/(N m)") for limit in astuple(rate))
     fraction_per_second = end.normal_load / (end.impulse + end.normal_load)
     basis = (
         f"for {end.time:.3g} s of sliding before the width was measured; each further second at "

@@ -19,7 +19,7 @@ from pipeline.answers.scene_wording import heating_words
 from pipeline.answers.verdict_model import conditions_of, outside_reason
 from pipeline.arguments import in_load_or_velocity
 from pipeline.figures import style
-from pipeline.quantities import ROUNDING, UNITS, shown_in
+from pipeline.quantities import ROUNDING, UNITS, in_unit
 from pipeline.store.dataset import fields_of
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.case import Conditions, allowable_rise
@@ -181,7 +181,7 @@ def fields(
         raise InputError(f"fields shows one point, not {1 + len(more_points)}; give one")
     _require_step(drawn, stored_fields, point, step)
     fields_at_step = _fields_at(drawn, stored_fields, point, step)
-    x, y = (shown_in(stored_fields[axis].values, "µm") for axis in "xy")
+    x, y = (in_unit(stored_fields[axis].values, "µm") for axis in "xy")
     figure, panels, height = _empty_panels(np.ptp(y) / np.ptp(x))
     labels = "contact pressure [GPa]", "contact temperature [°C]", "wear depth of the pin [µm]"
     colour_maps = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed, worn
@@ -196,7 +196,7 @@ def fields(
         bar = axes.inset_axes((0, 1 + _COLOUR_BAR_HEIGHT / height, 1, _COLOUR_BAR_HEIGHT / height))
         figure.colorbar(image, cax=bar, label=label, location="top")
     if (critical := drawn.conditions.critical_temperature) is not None and len(y) > 1:
-        limit, temperature, axes = shown_in(critical, "°C"), fields_at_step[1], panels[1]
+        limit, temperature, axes = in_unit(critical, "°C"), fields_at_step[1], panels[1]
         if temperature.min() < limit < temperature.max():
             axes.contour(x, y, temperature.T, [limit], colors=style.SKY, linewidths=style.THIN)
             axes.child_axes[0].set_xlabel(f"{labels[1]}; outline at {limit:g}")
@@ -272,7 +272,7 @@ def _fields_at(
         at_zero, at_one = corrected_columns(columns, conditions)["rise_quantile"][step - 1]
         rise = at_zero + (at_one - at_zero) * rise
     return (
-        np.ma.masked_equal(shown_in(arrays["pressure"].values, "GPa"), 0.0),
-        shown_in(conditions.contact_temperature(rise), "°C"),
-        np.ma.masked_equal(shown_in(arrays["wear_depth"].values, "µm"), 0.0),
+        np.ma.masked_equal(in_unit(arrays["pressure"].values, "GPa"), 0.0),
+        in_unit(conditions.contact_temperature(rise), "°C"),
+        np.ma.masked_equal(in_unit(arrays["wear_depth"].values, "µm"), 0.0),
     )

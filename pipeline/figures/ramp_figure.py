@@ -23,7 +23,7 @@ from pipeline.figures.fields_figure import (
     drawn_case,
 )
 from pipeline.figures.style import BLACK, GREY
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from tribo.types import Array
 
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
@@ -62,7 +62,7 @@ def ramp(
             side_axes = axes if look is _SOLID else axes.twinx()
             side_axes.grid(visible=look is _SOLID)
             quantity, unit = label.rstrip("]").split(" [")
-            values = shown_in(columns[name].astype(float), unit.split()[0])
+            values = in_unit(columns[name].astype(float), unit.split()[0])
             _draw_curves(side_axes, columns, values, points, look)
             side_axes.ticklabel_format(axis="y", scilimits=(-2, 3))
             top = headroom * side_axes.get_ylim()[1]  # room for the legend
@@ -105,12 +105,12 @@ def _draw_temperatures(
         curves.append((conditions, _SOLID))
     for curve_conditions, look in curves:
         rise = curve_conditions.governing_rise({**columns, "quantile": area_fractions})
-        temperature = shown_in(conditions.contact_temperature(rise), "°C")
+        temperature = in_unit(conditions.contact_temperature(rise), "°C")
         _draw_curves(axes, columns, temperature, points, look)
         label = governing_words(curve_conditions.critical_area_fraction)
         handles.append(Line2D([], [], color=BLACK, label=label, **look))
     if conditions.critical_temperature is not None:
-        critical = shown_in(conditions.critical_temperature, "°C")
+        critical = in_unit(conditions.critical_temperature, "°C")
         label = f"critical temperature, {critical:g} °C"
         handles.append(axes.axhline(critical, color=GREY, ls=":", label=label))
     axes.set_ylabel("contact temperature [°C]")

@@ -14,7 +14,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
-from pipeline.quantities import display_sides, shown_in
+from pipeline.quantities import display_sides, in_unit
 from pipeline.run.trade import Trade
 from pipeline.surface.statistics import SurfaceStatistics
 from tribo.types import Array
@@ -80,9 +80,9 @@ def draw_surface(statistics: SurfaceStatistics) -> Figure:
 
 def _draw_maps(figure: Figure, subplot: SubplotSpec, statistics: SurfaceStatistics) -> None:
     """Draw the heights of scan and random surface, in one scale of colours."""
-    max_height = shown_in(3 * statistics.roughness.sq, "µm")
+    max_height = in_unit(3 * statistics.roughness.sq, "µm")
     x, y = (
-        shown_in(count * side, "µm")
+        in_unit(count * side, "µm")
         for count, side in zip(statistics.shape, statistics.pixel_size, strict=True)
     )
     grid = subplot.subgridspec(2, 1) if x > 2 * y else subplot.subgridspec(1, 2)
@@ -92,7 +92,7 @@ def _draw_maps(figure: Figure, subplot: SubplotSpec, statistics: SurfaceStatisti
         # More than 800 pixels along a side cannot be seen.
         every_nth = tuple(slice(None, None, -(-count // 800)) for count in heights.shape)
         image = axes.imshow(
-            shown_in(heights[every_nth].T, "µm"), cmap="cividis", vmin=-max_height, vmax=max_height,
+            in_unit(heights[every_nth].T, "µm"), cmap="cividis", vmin=-max_height, vmax=max_height,
             extent=(0, x, 0, y), origin="lower", interpolation="nearest",
         )  # fmt: skip
         axes.grid(visible=False)
@@ -110,7 +110,7 @@ def _draw_spectra(axes: Axes, statistics: SurfaceStatistics) -> None:
         for axis, colour in enumerate((BLUE, VERMILION)):
             frequency, density = _spectrum(heights, statistics.pixel_size[axis], axis)
             axes.plot(
-                shown_in(1 / frequency, "µm"), 1e18 * density, line, color=colour,
+                in_unit(1 / frequency, "µm"), 1e18 * density, line, color=colour,
                 label=f"{name} along {'xy'[axis]}",
             )  # fmt: skip
     axes.set(xscale="log", xlabel="wavelength [µm]")

@@ -210,7 +210,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
             column.unit,
             column.meaning,
             types[type(first_row[column.name])],
-            {"shown_in": column.display_unit} if column.display_unit else {},
+            {"in_unit": column.display_unit} if column.display_unit else {},
         )
         for column in sweep.case_table.columns
     }

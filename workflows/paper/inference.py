@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from pipeline.sweep.case import known_critical_temperature
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
@@ -45,7 +45,7 @@ def inverse(study: Study) -> Report:
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
     durations = {load: _duration_for_printed(row) for load, row in rates.items()}
-    printed = float(shown_in(known_critical_temperature(white.conditions), "°C"))
+    printed = float(in_unit(known_critical_temperature(white.conditions), "°C"))
     chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
         "printed_critical": printed,
@@ -176,7 +176,7 @@ def _temperatures(
     for oil, transitions in tests.items():
         of_rig = f"{printed:g}" if oil == "white oil" else ""
         for (scene, row), values in zip(transitions, critical[oil], strict=True):
-            bulk = shown_in(scene.conditions.bulk_temperature, "°C")
+            bulk = in_unit(scene.conditions.bulk_temperature, "°C")
             yield line(f"  {oil}, {label_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.answers.scene_wording import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from pipeline.sweep.case import known_critical_temperature
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
@@ -102,7 +102,7 @@ def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     for (name, (time, values)), (colour, style) in zip(curves.items(), looks, strict=True):
         begins = float(record.times[0]) if name == _RECORD else onset
         lower.plot(time + begins, values, color=colour, ls=style, label=name)
-    critical = shown_in(known_critical_temperature(sweep.conditions), "°C")
+    critical = in_unit(known_critical_temperature(sweep.conditions), "°C")
     lower.axhline(critical, color=GREY, ls=":", lw=1.2)
     lower.text(0.05, critical + 1, f"critical, {critical:g} °C", color=GREY, va="bottom")
     lower.set(xlabel="time [s]", ylabel=f"exceeded on {_share(sweep)}\nof the contact [°C]")

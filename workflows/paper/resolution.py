@@ -13,7 +13,7 @@ from matplotlib.figure import Figure, FigureBase
 
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from tribo import Fidelity, Scene, simulate
 from tribo.types import Array
 
@@ -81,7 +81,7 @@ def fig6(study: Study) -> Report:
         "load": _POINT.normal_load,
         "velocity": _POINT.velocity,
         "friction": _POINT.friction,
-        "bulk": shown_in(sweep.conditions.bulk_temperature, "°C"),
+        "bulk": in_unit(sweep.conditions.bulk_temperature, "°C"),
     }
     return Report.from_values(
         "fig6",
@@ -130,7 +130,7 @@ def _explicit_end(sweep: Sweep) -> tuple[float, Array]:
     *_, last = sweep.scene.all_load_steps(load)
     rise = highest_rise(sweep.scene, pressure, velocity, last.time)
     conditions = replace(sweep.conditions, friction=_POINT.friction)
-    return float(shown_in(conditions.contact_temperature(rise), "°C")), pressure
+    return float(in_unit(conditions.contact_temperature(rise), "°C")), pressure
 
 
 def _is_unstable(scene: Scene) -> bool:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from pipeline import Conditions, Sweep
 from pipeline.answers.scene_wording import governing_words
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 
@@ -124,7 +124,7 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Rival]
     """Criteria by name: the model's, and simpler ones by closed forms with the measured widths."""
     conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
     contact = SmoothContact(pin, sweep.scene.disk)
-    bulk = float(shown_in(conditions.bulk_temperature, "°C"))
+    bulk = float(in_unit(conditions.bulk_temperature, "°C"))
     F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 
     def by_friction(
@@ -186,7 +186,7 @@ def _table(criteria: Mapping[str, _Rival], film: Array, conditions: Conditions) 
         )
         for its in criteria.values()
     ]
-    label = f"film parameter Λ at {shown_in(conditions.bulk_temperature, '°C'):g} °C"
+    label = f"film parameter Λ at {in_unit(conditions.bulk_temperature, '°C'):g} °C"
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
     return texts(
         ("", *map(label_of, TABLE_4), *columns),

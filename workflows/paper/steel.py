@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline import Sweep, boundary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from pipeline.sweep.case import known_critical_temperature
 from tribo.simulation import add_temperature, contacts
 from tribo.types import Array
@@ -34,7 +34,7 @@ def steel(study: Study) -> Report:
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     names, by_oil = [], {}
     for oil, transitions in tests.items():
-        bulks = [shown_in(sweep.conditions.bulk_temperature, "°C") for sweep, _ in transitions]
+        bulks = [in_unit(sweep.conditions.bulk_temperature, "°C") for sweep, _ in transitions]
         names += [
             f"  {oil}, {row.normal_load:g} N, {bulk:g} °C"
             for (_, row), bulk in zip(transitions, bulks, strict=True)
@@ -47,8 +47,8 @@ def steel(study: Study) -> Report:
     boundary = _boundary(study)
     white, of_a = means["white oil"], means["oil A"]
     conditions = tests["white oil"][0][0].conditions
-    printed = float(shown_in(known_critical_temperature(conditions), "°C"))
-    bulk = float(shown_in(conditions.bulk_temperature, "°C"))
+    printed = float(in_unit(known_critical_temperature(conditions), "°C"))
+    bulk = float(in_unit(conditions.bulk_temperature, "°C"))
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from pipeline import Conditions, Sweep
 from pipeline.answers.scene_wording import governing_words
 from pipeline.figures.style import GREY, house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from pipeline.sweep.case import allowable_rise, known_critical_temperature
 from tribo.thermal import rise_exceeded
 
@@ -115,8 +115,8 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
 
 def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
     """Means over surfaces, and their deviations from printed values, by name."""
-    friction, bulk = conditions.friction, float(shown_in(conditions.bulk_temperature, "°C"))
-    critical = float(shown_in(known_critical_temperature(conditions), "°C"))
+    friction, bulk = conditions.friction, float(in_unit(conditions.bulk_temperature, "°C"))
+    critical = float(in_unit(known_critical_temperature(conditions), "°C"))
     outer, bearing = (
         100 * (mean(data[key]) / _WIDTHS - 1) for key in ("unworn_width_um", "bearing_width_um")
     )
@@ -157,7 +157,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
 
 
 def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
-    critical = shown_in(known_critical_temperature(conditions), "°C")
+    critical = in_unit(known_critical_temperature(conditions), "°C")
     needed = data["friction_for_printed_share"]
     label = f"  swept, friction {conditions.friction:g} at each"
 

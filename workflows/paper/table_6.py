@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import house_style
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from tribo.types import Array
 
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
@@ -47,8 +47,8 @@ def table6(study: Study) -> Report:
     fraction, swept = transitions[0][0].conditions.critical_area_fraction, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
     exceeded = {wear: celsius_of(its, fraction) for wear, its in ends.items()}
-    at_room = highest["swept"] - shown_in(swept["bulk"], "°C") + ROOM_CELSIUS
-    white_at_room = celsius_of(as_white, HIGHEST) - shown_in(as_white["bulk"], "°C") + ROOM_CELSIUS
+    at_room = highest["swept"] - in_unit(swept["bulk"], "°C") + ROOM_CELSIUS
+    white_at_room = celsius_of(as_white, HIGHEST) - in_unit(as_white["bulk"], "°C") + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
         "load": TABLE_6.normal_load,

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
-from pipeline.quantities import shown_in
+from pipeline.quantities import in_unit
 from pipeline.sweep.case import allowable_rise
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
@@ -129,7 +129,7 @@ def _stacked(ends: Sequence[Ends], axis: int = 0) -> Ends:
 def celsius_of(ends: Ends, share: float) -> Array:
     """Temperature [°C] that a share of the contact exceeds, from quantities of `end_at`."""
     rise = rise_exceeded(ends["rise_quantile"], share)
-    return np.asarray(shown_in(ends["bulk"] + ends["friction"] * rise, "°C"))
+    return np.asarray(in_unit(ends["bulk"] + ends["friction"] * rise, "°C"))
 
 
 def failed_percent(ends: Ends, critical: float, friction: float | None = None) -> Array:
@@ -145,7 +145,7 @@ def history(sweep: Sweep, load: float, velocity: float, share: float) -> tuple[A
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
     rise = np.append(0.0, rise_exceeded(columns["rise_quantile"][warm], share))
-    temperature: Array = shown_in(conditions.contact_temperature(rise), "°C")
+    temperature: Array = in_unit(conditions.contact_temperature(rise), "°C")
     return np.append(0.0, columns["time"][warm]), temperature, result.state
 
 
