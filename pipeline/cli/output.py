@@ -40,7 +40,7 @@ class Result:
 
     document: dict[str, Any] | None = None  # for --json; None: the frames are the document
     text: Iterable[str | pd.DataFrame] = ()
-    warned: WarnedPoints | None = None  # warnings of its points
+    warned_points: WarnedPoints | None = None  # warnings of its points
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Any] | None = None
     code: int = DONE
@@ -51,7 +51,7 @@ def print_result(options: argparse.Namespace, result: Result) -> None:
 
     With --json, and without a `Result.document`, sentences are printed as notes on stderr.
     """
-    text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
+    text = [*result.text, *wrapped(result.warned_points.lines() if result.warned_points else ())]
     out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
         from pipeline.frames import write_frames  # pandas is slow to import

@@ -72,8 +72,10 @@ def point(options: argparse.Namespace) -> Result:
         margins = pipeline.margin(ds, load, velocity)
         text = [*margin_lines(margins), *common_lines(margins)]
         frame = complete_frame(margins).join(contact)
-    warned = pipeline.points_with_warnings(ds)
-    return Result(text=wrapped([*text, "", transposed(contact)]), warned=warned, frames=[frame])
+    warned_points = pipeline.points_with_warnings(ds)
+    return Result(
+        text=wrapped([*text, "", transposed(contact)]), warned_points=warned_points, frames=[frame]
+    )
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:

@@ -68,9 +68,9 @@ def status(options: argparse.Namespace) -> Result:
     if state.running:
         text.append(f"running: {state.running}")
     text += [preset_error_text(sweep), *(f"failed: {point}" for point in failed)]
-    warned = None
+    warned_points = None
     try:
-        warned = pipeline.points_with_warnings(options.store)
+        warned_points = pipeline.points_with_warnings(options.store)
     except StoreError as error:  # points are counted nevertheless
         text.append(f"points with warnings could not be counted: {error}")
     progress = "done" if state.done == state.total else counts
@@ -79,7 +79,9 @@ def status(options: argparse.Namespace) -> Result:
     numbers = state.total, state.done, len(state.failed), state.pending
     headings = "name", "state", "points", "done", "failed", "pending", "preset", "title"
     frame = frame_of(headings, [(state.name, progress, *numbers, sweep.preset, state.title)])
-    return Result(text=text, warned=warned, frames=[frame], code=SOME_FAILED if failed else DONE)
+    return Result(
+        text=text, warned_points=warned_points, frames=[frame], code=SOME_FAILED if failed else DONE
+    )
 
 
 def verify(options: argparse.Namespace) -> Result:
@@ -117,8 +119,8 @@ def margin(options: argparse.Namespace) -> Result:
         raise InputError(f"{reason}: {command}" if command else reason)
     else:
         text = _point_text(margins)
-    warned = pipeline.points_with_warnings(ds)
-    return Result(text=wrapped(text), warned=warned, frames=[complete_frame(margins)])
+    warned_points = pipeline.points_with_warnings(ds)
+    return Result(text=wrapped(text), warned_points=warned_points, frames=[complete_frame(margins)])
 
 
 def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
@@ -146,14 +148,14 @@ def _extending_command(ds: xr.Dataset, options: argparse.Namespace) -> str:
     is_usual = Path(options.store).absolute() == Path("results", f"{sweep.name}.zarr").absolute()
     history = str(ds.attrs.get("history", "")).splitlines()
     goals = [line.removeprefix(GOAL_PREFIX) for line in history if line.startswith(GOAL_PREFIX)]
-    choices = list[str]() if is_usual else ["-o", str(options.store)]
+    arguments = list[str]() if is_usual else ["-o", str(options.store)]
     if goals:
-        choices += ["--accuracy", goals[-1]]
+        arguments += ["--accuracy", goals[-1]]
     elif sweep.preset and sweep.preset != scene.preset:
-        choices += ["--preset", sweep.preset]
+        arguments += ["--preset", sweep.preset]
     for path, values in settings.items():
-        choices += ["--set", f"{path}={quoted(values)}"]
-    return shlex.join(["irg", "run", name, *choices])
+        arguments += ["--set", f"{path}={quoted(values)}"]
+    return shlex.join(["irg", "run", name, *arguments])
 
 
 def _point_text(margins: xr.Dataset) -> list[str | pd.DataFrame]:
@@ -198,14 +200,16 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
 def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     ds, conditions = dataset_in(options), conditions_in(options)
-    warned = pipeline.points_with_warnings(ds)
+    warned_points = pipeline.points_with_warnings(ds)
     if options.by == "test":
         results = pipeline.compare_tests(ds, **conditions)
         if not results.sizes["test"]:
             raise InputError("the scene has no tests; add [[tests]] to it")
         table = without_columns(comparison_frame(results))
         text: list[Any] = ["tests, each at its own conditions", table, *common_lines(results)]
-        return Result(text=wrapped(text), warned=warned, frames=[complete_frame(results)])
+        return Result(
+            text=wrapped(text), warned_points=warned_points, frames=[complete_frame(results)]
+        )
     with working("computing the boundary"):
         results = pipeline.boundary(ds, **conditions)
     rows = without_columns(boundary_frame(results, options.by))
@@ -214,7 +218,9 @@ def boundary(options: argparse.Namespace) -> Result:
     hint = [f"{omitted} more rows: use --all, or -o TABLE.csv"] if omitted else []
     text = [*conditions_lines(results), "", printed, "", *hint, *boundary_lines(results)]
     names = [name for name in map(str, results) if results[name].dims[-1:] == (options.by,)]
-    return Result(text=wrapped(text), warned=warned, frames=[complete_frame(results, *names)])
+    return Result(
+        text=wrapped(text), warned_points=warned_points, frames=[complete_frame(results, *names)]
+    )
 
 
 def _are_tested(ds: xr.Dataset, rows: pd.DataFrame, by: str) -> Mask:

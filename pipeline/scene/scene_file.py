@@ -199,12 +199,12 @@ def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, path: Path, faults: Faults
 ) -> dict[str, Any]:
     """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
-    replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
-    choices = table_of(FidelityTable).keys
+    entries: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
+    numerical_settings = table_of(FidelityTable).keys
     for name, value in overrides.items():
-        key = f"fidelity.{name}" if name in choices else name
+        key = f"fidelity.{name}" if name in numerical_settings else name
         if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
-            hint = did_you_mean(key, [*choices, *scene_entries()])
+            hint = did_you_mean(key, [*numerical_settings, *scene_entries()])
             problem = f"unknown key{hint}; give an entry such as wear.pattern or title"
             faults.append(Fault(key, problem))
             continue
@@ -214,14 +214,14 @@ def _path_overrides(
         try:
             if value is None:
                 raise tribo.InputError(f'is None; to leave it out, set without = ["{key}"]')
-            plain = plain_value(key, value)
-            for entry_path in _paths_in(key, plain):
-                if _is_set(entry_path, replaced):
+            plain_entry = plain_value(key, value)
+            for entry_path in _paths_in(key, plain_entry):
+                if _is_set(entry_path, entries):
                     raise tribo.InputError(f"{entry_path} is given twice; give it once")
-            replaced[key] = plain
+            entries[key] = plain_entry
         except tribo.InputError as error:
             faults.append(Fault(key, str(error).removeprefix(f"{key} "), path))
-    return replaced
+    return entries
 
 
 def _paths_in(path: str, value: Any) -> list[str]:
