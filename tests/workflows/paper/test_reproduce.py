@@ -44,7 +44,17 @@ SMALLER = {
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
 BEYOND = "contra", "heldout", "inverse", "rivals", "spacing", "steel"
 """Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
-ONE_SURFACE = "contra", "spacing", "steel", "fig6", "heldout", "inverse", "table4", "table6"
+ONE_SURFACE = (
+    "contra",
+    "spacing",
+    "steel",
+    "fig6",
+    "fig10",
+    "heldout",
+    "inverse",
+    "table4",
+    "table6",
+)
 """Results that are computed on one surface here."""
 COARSE = replace(tribo.PRESETS["standard"], fewest_elements=0)
 """Choices that take the place of the preset in figures and tables of the paper."""
