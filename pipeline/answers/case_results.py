@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,6 @@ from tribo.types import Array, Indices, Mask
 
 SPECIMEN_DIMS = ("realization", *PLANE)
 """Axes of the points of one case."""
-_BATCH_SIZE = 16  # realizations whose steps are read at once
 ROUNDING = 1e-6
 """Relative difference of values that a user may have stored in 32 bits."""
 NOT_SIMULATED = (
@@ -156,11 +155,9 @@ class CaseResults:
         balance = {"mean_pressure", "contact_fraction", "max_rise"} & {*map(str, self.ds)}
         least_loads = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
         thresholds = np.array(least_loads)[:, None, None]
-        parts = list[Array]()
-        for columns in self._parts(names | balance | {"time", "sliding_distance"}):
-            self._require_simulated(columns)
-            parts.append(worst_rises(columns, thresholds, conditions))
-        rises = np.concatenate(parts)
+        columns = self._columns(names | balance | {"time", "sliding_distance"})
+        self._require_simulated(columns)
+        rises = worst_rises(columns, thresholds, conditions)
         rises = np.where(self.done, rises, np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
 
@@ -200,28 +197,19 @@ class CaseResults:
 
     def sampling(self, conditions: Conditions) -> Array:
         """Standard deviation of ln(rise) between surface realizations, by each point; or NaN."""
-        parts = self._parts(("rise_quantile", "rise_realization_std"))
-        shares = self.ds["area_fraction_below"].values
-        deviations = [relative_sampling(columns, conditions, shares) for columns in parts]
-        return np.where(self.done, np.concatenate(deviations), np.nan)
+        columns = self._columns(("rise_quantile", "rise_realization_std"))
+        deviations = relative_sampling(columns, conditions, columns["quantile"])
+        return np.where(self.done, deviations, np.nan)
 
     @property
     def sampling_freedom(self) -> Array:
         """Degrees of freedom of `sampling` at each point; infinite where the point is not done."""
         return np.where(self.done, self.array("rise_realization_freedom"), np.inf)
 
-    def _parts(self, names: Iterable[str]) -> Iterator[dict[str, Any]]:
-        """Yield arrays by name for `_BATCH_SIZE` realizations at a time, to bound memory."""
-        names, shares = [*names], {"quantile": self.ds["area_fraction_below"].values}
-        count = self.ds.sizes["realization"]
-        if count <= _BATCH_SIZE:
-            yield shares | {name: self.array(name) for name in names}
-            return
-        # An accuracy goal has up to 256 realizations, of a few points each.
-        for first in range(0, count, _BATCH_SIZE):
-            subset = self.ds.isel(realization=slice(first, first + _BATCH_SIZE))
-            part = replace(self, ds=subset, _arrays={})
-            yield shares | {name: part.array(name) for name in names}
+    def _columns(self, names: Iterable[str]) -> dict[str, Any]:
+        """Arrays by name, and the probabilities of the quantiles."""
+        shares = self.ds["area_fraction_below"].values
+        return {"quantile": shares} | {name: self.array(name) for name in names}
 
     @functools.cached_property
     def warning_flags(self) -> Indices:

@@ -214,11 +214,13 @@ def _final_states(
     requested: Container[int],
 ) -> Iterator[State]:
     """Yield the states after `state` at the last load steps of a point, shared by no other."""
-    is_worn, reached = velocity != 0, None
+    is_worn, state_at_load = velocity != 0, None
     for load_step in load_steps:
-        if load_step.holding and reached and not is_worn:
+        if load_step.holding and state_at_load and not is_worn:
             is_requested = load_step is load_steps[-1] or load_step.index in requested
-            yield replace(_later_state(reached, load_step, velocity), is_requested=is_requested)
+            yield replace(
+                _later_state(state_at_load, load_step, velocity), is_requested=is_requested
+            )
             continue
         before, state = _last_part(levels, velocity, state, load_step)
         is_reached = load_step.normal_load == normal_load and not load_step.holding
@@ -227,7 +229,7 @@ def _final_states(
             requested_state = _solve_requested(
                 levels, before, state, load_step, velocity, is_judged
             )
-            reached = requested_state if is_reached else reached
+            state_at_load = requested_state if is_reached else state_at_load
             yield requested_state
         else:
             yield state

@@ -55,8 +55,8 @@ from tribo.thermal.quantiles import GROUPS
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
-_PLASTIC = 1.32471795724474602596  # root of x³ = x + 1, whose powers fill a square evenly
-_STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
+_PLASTIC_NUMBER = 1.32471795724474602596  # root of x³ = x + 1, whose powers fill a square evenly
+_POSITION_STEPS = 1 / _PLASTIC_NUMBER, 1 / _PLASTIC_NUMBER**2
 _GOLDEN_RATIO = (math.sqrt(5) - 1) / 2  # whose multiples fill a length evenly
 _MAX_STEP_PARTS = MOST_PARTS_OF_STEP * DENSE_PARTS
 
@@ -234,6 +234,6 @@ def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple
     # Roberts' sequence fills the window evenly and repeats no position.
     x, y = (
         unit * int(n / unit * (number * step % 1))
-        for n, unit, step in zip(scene.grid.shape, units, _STEPS, strict=True)
+        for n, unit, step in zip(scene.grid.shape, units, _POSITION_STEPS, strict=True)
     )
     return x, y

@@ -94,12 +94,12 @@ def _excess_warming(
     """Excess of the rise by present heat since time 0, per unit heat per length [m K/W]."""
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)
-    inside = (np.arange(nodes := 1 + _NODES // len(ages)) + 0.5) / nodes
-    root = (ends[:-1, None] + np.diff(ends)[:, None] * inside).ravel()
-    step = np.repeat(np.diff(ends) / nodes, nodes)
+    fractions = (np.arange(nodes := 1 + _NODES // len(ages)) + 0.5) / nodes
+    root = (ends[:-1, None] + np.diff(ends)[:, None] * fractions).ravel()
+    root_steps = np.repeat(np.diff(ends) / nodes, nodes)
     reach = 2 * math.sqrt(kappa) * root
     remaining = scipy.special.erf(length / (2 * reach)) * np.exp(
         -((velocity * root**2 / reach) ** 2)
     )
-    terms = np.interp(root**2, ages, missing) * remaining / root  # dτ/τ is 2 dω/ω
-    return float(terms @ step / (math.pi * material.thermal_conductivity))
+    integrand = np.interp(root**2, ages, missing) * remaining / root  # dτ/τ is 2 dω/ω
+    return float(integrand @ root_steps / (math.pi * material.thermal_conductivity))

@@ -99,10 +99,10 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
         return scene
     lowest, summits = _lowest_load(scene, normal_load), _cached_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
-    across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
+    max_across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
     # Elements along a long summit are equally warm, and count once per width of the summit.
     equivalent_count, widths = expected.touching, summits.widths
-    max_size, fewest = across, fidelity.fewest_elements
+    max_size, fewest = max_across, fidelity.fewest_elements
     if not expected.is_smooth:
         equivalent_count *= min(widths) / max(widths)
         summit_count = expected.touching / math.prod(widths)
@@ -112,14 +112,16 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
                 summit_count * position_count(scene, lowest),
                 POSITION_SIZE_FACTOR * max_width,
             )
-        max_size = min(across, max_width) if summit_count >= SUMMITS_PER_ELEMENT * fewest else 1.0
+        max_size = (
+            min(max_across, max_width) if summit_count >= SUMMITS_PER_ELEMENT * fewest else 1.0
+        )
     block = fidelity.pixels_per_element
     sizes = (
         n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= equivalent_count
     )
     size = next((n for n in sizes if n <= max_size), 1)
     max_coarsening = (
-        min(math.sqrt(equivalent_count / (ELEMENTS_OF_HISTORY * fewest)), across) / size
+        min(math.sqrt(equivalent_count / (ELEMENTS_OF_HISTORY * fewest)), max_across) / size
     )
     # Stages wear the pin so much that a coarser grid of earlier steps errs by up to 3.5 %.
     coarsening_limit = 1 if isinstance(scene.loading, Stages) else HISTORY_COARSENING

@@ -89,12 +89,16 @@ def _smooth_contact(
     x, separation, touches = row
     for _ in range(_MAX_ROUNDS):
         nodes = np.flatnonzero(touches)
-        sides = np.stack((np.ones(nodes.size), -separation[nodes]), axis=1)
-        factor = scipy.linalg.cho_factor(influence[np.ix_(nodes, nodes)], check_finite=False)
-        unit, fitted = scipy.linalg.cho_solve(factor, sides, check_finite=False).T
-        approach = (total - fitted.sum()) / unit.sum()
+        right_sides = np.stack((np.ones(nodes.size), -separation[nodes]), axis=1)
+        cholesky_factor = scipy.linalg.cho_factor(
+            influence[np.ix_(nodes, nodes)], check_finite=False
+        )
+        unit_solution, closing_pressure = scipy.linalg.cho_solve(
+            cholesky_factor, right_sides, check_finite=False
+        ).T
+        approach = (total - closing_pressure.sum()) / unit_solution.sum()
         pressure = np.zeros(x.size)
-        pressure[nodes] = fitted + approach * unit
+        pressure[nodes] = closing_pressure + approach * unit_solution
         displacement = influence @ pressure
         gap = displacement + separation - approach
         previous, touches = touches, np.where(touches, pressure > 0, gap < 0)
@@ -120,10 +124,10 @@ def _mean_gap(scene: Scene, state: State, film: Array, inner_rows: Mask) -> floa
         gap -= gap.mean(where=(pressure > 0) & ~yields)
     else:
         load = (1 - FILM_SHARE) * float(dry_pressure.sum()) * scene.grid.element_area
-        rough = solve_contact(
+        rough_contact = solve_contact(
             solid, separation, load, scene.hardness, _TOLERANCE, (1 - FILM_SHARE) * dry_pressure
         )
-        pressure, gap = rough.pressure, rough.gap
+        pressure, gap = rough_contact.pressure, rough_contact.gap
     return float(np.where(pressure > 0, 0.0, np.maximum(gap, 0.0))[inner_rows].mean())
 
 
@@ -168,21 +172,23 @@ def film_excess(
     pin, disk = scene.velocities_at(velocity)
     speed = abs(pin + disk) / 2
     length = scene.pin.length
-    eta, alpha = oil.viscosity(bulk), oil.pressure_coefficient
-    if not (speed and length and alpha):
+    viscosity, pressure_coefficient = oil.viscosity(bulk), oil.pressure_coefficient
+    if not (speed and length and pressure_coefficient):
         return -math.inf
     modulus = 2 * contact_modulus(scene.pin.material, scene.disk)
-    slope = math.log(oil.viscosity(bulk - 5) / oil.viscosity(bulk + 5)) / 10
-    heating = slope * eta * speed**2 / _OIL_CONDUCTIVITY
-    sliding = min(abs(pin - disk) / (2 * speed), 2.0)
+    thinning_slope = math.log(oil.viscosity(bulk - 5) / oil.viscosity(bulk + 5)) / 10
+    heating_ratio = thinning_slope * viscosity * speed**2 / _OIL_CONDUCTIVITY
+    slip_ratio = min(abs(pin - disk) / (2 * speed), 2.0)
     thinning = 1 / (
         1
         + 0.0766
-        * (alpha * modulus) ** 0.687
+        * (pressure_coefficient * modulus) ** 0.687
         * (load / length / (modulus * scene.pin.radius)) ** 0.447
-        * heating**0.527
-        * math.exp(0.875 * sliding)
+        * heating_ratio**0.527
+        * math.exp(0.875 * slip_ratio)
     )
-    inlet_pressure = 12 * eta * thinning**1.4 * speed * inlet
-    carrying_pressure = -math.expm1(-FILM_SHARE * alpha * pressure) / alpha
+    inlet_pressure = 12 * viscosity * thinning**1.4 * speed * inlet
+    carrying_pressure = (
+        -math.expm1(-FILM_SHARE * pressure_coefficient * pressure) / pressure_coefficient
+    )
     return math.log(inlet_pressure / carrying_pressure) if inlet_pressure > 0 else -math.inf

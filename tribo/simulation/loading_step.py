@@ -98,8 +98,8 @@ def advance(
         # shifted positions it is the pressure of the last contact.
         is_shifted = contact_pass.shift is not None or contact_pass.strip_shifts
         extrapolated = (guess is None and not is_shifted) or not last_pressure.any()
-        initial = None if extrapolated else last_pressure
-        contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, initial)
+        pass_guess = None if extrapolated else last_pressure
+        contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, pass_guess)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
         if wear:
             wear_depth = wear_depth + wear.depth(contact.pressure, contact_pass.stage.distance)

@@ -218,16 +218,16 @@ def _windows_worn(scene: Scene, state: State) -> float:
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
     """Contact fraction and width, highest and mean pressure, share at the hardness, by name."""
-    contact = pressure > 0
-    nodes = int(np.count_nonzero(contact))
-    rows = np.flatnonzero(contact.any(axis=1))
-    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
+    touches = pressure > 0
+    element_count = int(np.count_nonzero(touches))
+    rows = np.flatnonzero(touches.any(axis=1))
+    width = int(rows[-1] - rows[0]) + 1 if element_count else 0
     return {
-        "contact_fraction": nodes / pressure.size,
+        "contact_fraction": element_count / pressure.size,
         "contact_width": width / len(pressure) * scene.grid.size[0],
         "max_pressure": float(pressure.max()),
-        "mean_pressure": float(pressure.sum()) / max(nodes, 1),
-        "plastic_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+        "mean_pressure": float(pressure.sum()) / max(element_count, 1),
+        "plastic_fraction": np.count_nonzero(pressure >= scene.hardness) / max(element_count, 1),
     }
 
 
@@ -237,5 +237,5 @@ def touching_elements(scene: Scene, state: State) -> int:
     If nothing depends on y, an element represents a whole row along y. Then the number is squared,
     as if y were divided like x.
     """
-    nodes = int(np.count_nonzero(state.pressure))
-    return nodes**2 if scene.is_plane else nodes
+    element_count = int(np.count_nonzero(state.pressure))
+    return element_count**2 if scene.is_plane else element_count

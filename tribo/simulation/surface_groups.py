@@ -29,9 +29,10 @@ def surface_groups(scene: Scene) -> Indices:
     if scene.grid.periodic[1]:
         return np.broadcast_to(np.arange(ny) * GROUPS // ny, (nx, ny))
     lengths = surface_lengths(scene)
-    side = _CELL * math.sqrt(math.prod(lengths))
+    cell_side = _CELL * math.sqrt(math.prod(lengths))
     x, y = (
-        (np.arange(n) * size / side).astype(int) for n, size in zip((nx, ny), spacing, strict=True)
+        (np.arange(n) * size / cell_side).astype(int)
+        for n, size in zip((nx, ny), spacing, strict=True)
     )
     groups: Indices = (_NEXT_COLUMN * x[:, None] + y[None, :]) % GROUPS
     return groups

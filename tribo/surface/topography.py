@@ -61,8 +61,8 @@ def self_affine(
     modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # the amplitude is even in q_x
     np.fft.ifft(modes, axis=0, out=modes)
     np.fft.irfft(modes, n=ny, axis=1, out=heights)
-    distance = modes.view(float).reshape(-1)[: heights.size].reshape(heights.shape)
-    heights *= ra / _mean_distance(heights, out=distance)
+    distance_buffer = modes.view(float).reshape(-1)[: heights.size].reshape(heights.shape)
+    heights *= ra / _mean_distance(heights, out=distance_buffer)
     return heights
 
 

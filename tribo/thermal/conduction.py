@@ -128,19 +128,19 @@ def _spectrum(
 
     rule = _gauss(quadrature_nodes)
     # Modes along y are on the first axis, so that the products below run along long rows.
-    half = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
-    half += 4 * confined_length
+    half_spectrum = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
+    half_spectrum += 4 * confined_length
     filon_start = x.series_start(v) if v else math.inf
     for panel in panels(v, confined_length, end, filon_start, dx):
         s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
         g = factor(y, s, panel[0], 0.0)
         g[:, 0] *= scipy.special.erf(heated / (2 * s))
-        _add_products(half, f, g)
-    half /= 4 * math.sqrt(math.pi) * K
+        _add_products(half_spectrum, f, g)
+    half_spectrum /= 4 * math.sqrt(math.pi) * K
     if velocity < 0:
-        np.conj(half, out=half)
-    spectrum = np.empty((mx, my // 2 + 1), half.dtype)
-    spectrum[: mx // 2 + 1] = half.T
+        np.conj(half_spectrum, out=half_spectrum)
+    spectrum = np.empty((mx, my // 2 + 1), half_spectrum.dtype)
+    spectrum[: mx // 2 + 1] = half_spectrum.T
     np.conj(spectrum[1 : (mx + 1) // 2][::-1], out=spectrum[mx // 2 + 1 :])
     return spectrum
 
@@ -180,9 +180,9 @@ def _weighted_factor(
     return s, np.asarray((terms * series_terms(axis, s, k)).sum(axis=1))
 
 
-def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add a panel, the sum over nodes of factors along x and y, to the spectrum `half`."""
-    block = half[: g.shape[1], : f.shape[1]].view(float)
+def _add_products(half_spectrum: Spectrum, f: Spectrum, g: Spectrum) -> None:
+    """Add a panel, the sum over nodes of factors along x and y, to `half_spectrum`."""
+    block = half_spectrum[: g.shape[1], : f.shape[1]].view(float)
     block += g.T @ f.view(float)
 
 
