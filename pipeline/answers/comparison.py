@@ -26,8 +26,9 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     """Compare the tests of a scene with the model, each at its own conditions, along ``test``.
 
     ``log_rise_ratio_mild`` and ``log_rise_ratio_severe`` belong to the ends of a transition, and
-    ``loo_probability`` is the probability of the outcome by the other tests. The attribute
-    ``levels`` has the values of ln(rise ratio) at which severe wear is 5, 50 and 95 % probable.
+    ``loo_probability`` is the probability of the outcome, predicted from the other tests. The
+    attribute ``levels`` has the values of ln(rise ratio) at which severe wear is 5, 50 and 95 %
+    probable.
 
     Examples
     --------
@@ -80,7 +81,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     -------
     Dataset
         ``critical_temperature``, the median; ``spread_another_rig``, its standard deviation on
-        another rig, with the model's bias in it, and ``spread_this_rig`` on this one; ``at_least``
+        another rig, model bias included, and ``spread_this_rig`` on this one; ``at_least``
         and ``at_most``, its bounds by only mild or only severe tests, at which the likelihood is 5
         % of its maximum. The attribute ``model`` names the surface, wear pattern and preset to
         which it belongs.

@@ -118,9 +118,9 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     -------
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
-        the temperature [K] that a share ``area_fraction_below`` of the contact stays below; and,
-        with a critical temperature, ``failed_area_fraction``, the share of the contact area above
-        it.
+        quantiles of the temperature over the contact area [K]: a share ``area_fraction_below`` of
+        it is cooler; and, with a critical temperature, ``failed_area_fraction``, the share of the
+        contact area above it.
 
     Examples
     --------

@@ -68,7 +68,7 @@ def report(
 ) -> str | Path:
     """Write a report on a sweep: one page of HTML without scripts, which needs no other file.
 
-    The verdict on the operating point stands first, then the diagram, the boundary, tests,
+    It begins with the verdict on the operating point, followed by the diagram, the boundary, tests,
     errors, inputs, limits, and how all was computed.
 
     Parameters

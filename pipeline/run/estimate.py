@@ -47,7 +47,7 @@ class Estimate:
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
-    tasks: int  #: Parallel tasks; points that share a contact are one. More workers would be idle.
+    tasks: int  #: Parallel tasks, also the largest useful number of workers.
     workers: int  #: Processes that compute.
     seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
     disk_bytes: float  #: Size of the store on disk [B].

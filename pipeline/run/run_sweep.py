@@ -73,8 +73,8 @@ def run_sweep(
     sweep : Sweep, str or path
         The scene, or its path.
     out : str or path
-        Path of the store, which is created, resumed or extended. If it is a folder, all done points
-        are read first, and computed again if they are damaged.
+        Path of the store, which is created, resumed or extended. In a folder, all done points are
+        read first; damaged ones are computed again.
     workers : int, optional
         Number of processes; by default one for each core that this process may use. There are no
         more than tasks.
@@ -88,12 +88,11 @@ def run_sweep(
     retry_failed : bool, optional
         True to compute points again that failed in an earlier run.
     accuracy : float or str, optional
-        Relative error of the boundary's velocity to reach, such as 0.02 or "2%". It is the whole
-        numerical error at each load with a crossing, a bound at 95 %: by the preset, the points
-        left out and the choice of realizations of the surface. The preset is chosen, and only the
-        points that are needed are computed, on as many realizations as it takes. The part by the
-        realizations is left out of the goal if the surface is not random, or its seeds are listed.
-        A later run with a smaller accuracy goes on with the store. By default all points are
+        Largest numerical error (95 % bound) of the critical velocity at any load that has one,
+        such as 0.02 or "2%": discretization, interpolation and surface sampling together. The run
+        chooses the preset, and computes only the points and surface realizations that this needs.
+        Surface sampling does not count if the surface is not random, or its seeds are listed. A
+        later run with a smaller accuracy continues in the store. By default all points are
         computed.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
@@ -101,8 +100,8 @@ def run_sweep(
     dashboard : bool, optional
         True to report the link of Dask's dashboard, which everybody on this machine can read.
     source : str or path, optional
-        Another store, which is only read. Its done points are taken over instead of being computed,
-        if this sweep needs them and they belong to the same scene.
+        Another store, which is only read. Its done points are copied instead of being computed, if
+        this sweep needs them and they belong to the same scene.
 
     Raises
     ------

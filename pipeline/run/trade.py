@@ -88,12 +88,12 @@ def trade(
     workers: int | None = None,
     progress: Report | None = None,
 ) -> Trade:
-    """Measure what each accuracy of a scene's boundary costs, and what a whole plane does.
+    """Measure the computing time of accuracy goals and of whole planes.
 
     Parameters
     ----------
     scene : Sweep, str or path
-        Scene, or its path or name. Of several scenes in a sweep the first gives errors of planes.
+        Scene, or its path or name. With several cases, errors of planes are those of the first.
     out : str or path
         New store for the points of the runs.
     accuracies : sequence of float, optional

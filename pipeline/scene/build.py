@@ -279,7 +279,7 @@ def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
 
 
 def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
-    """Tracks that earlier turns have warmed; None without any."""
+    """Tracks that earlier revolutions have warmed; None without any."""
     pin = scene.pin
     tracks: dict[str, Any] = {
         "track": _track_of(tables.disk, pin, scene.disk),

@@ -55,7 +55,7 @@ def case_words(case: CaseName) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Sweep:
-    """Cases, loads and velocities to simulate, and how to judge the results.
+    """Cases, loads and velocities to simulate, and the conditions of their verdicts.
 
     A sweep is read once, from a scene file; after that it is plain data, as it is in a store.
 
@@ -361,11 +361,11 @@ class Sweep:
 
 
 def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
-    """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
+    """Tracks of rolling bodies that the scene treats as cold, although they have been warmed.
 
     A value is None if the length of the body's track is unknown. Keys are "pin_track" and "track"
     (of the disk), as in `Corrections`. The result is empty if no body rolls, all velocities are 0,
-    or the heat of earlier turns is included.
+    or the heat of earlier revolutions is included.
     """
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)

@@ -34,7 +34,7 @@ class Conditions:
         Rise due to effects outside the model, as a fraction of the computed rise by friction: 0.06
         multiplies this by 1.06. It is above -1.
     corrections : Corrections or None
-        Warming of the tracks by earlier turns; None without any.
+        Warming of the tracks by earlier revolutions; None without any.
     critical_area_fraction : float
         Wear is severe if a larger share of the contact area than this one is above the critical
         temperature. It is at least 0 (the highest temperature decides) and below 1.

@@ -1,6 +1,6 @@
 """Effects that the two half-spaces lack, applied to the results of a simulation.
 
-Warming of the tracks by earlier turns is a thermal resistance in series with the half-spaces
+Warming of the tracks by earlier revolutions is a thermal resistance in series with the half-spaces
 (`tribo.thermal.circuit_rise`). It follows from the recorded values, without a new simulation.
 
 Earlier turns make a track warmer by w·s. Here w is its warming if all heat went into its body, and
@@ -100,8 +100,8 @@ class Corrections:
     Attributes
     ----------
     track, pin_track : Track or None
-        Tracks of disk and pin, which earlier turns have warmed. The track of a body at rest stays
-        cold.
+        Tracks of disk and pin, which earlier revolutions have warmed. The track of a body at rest
+        stays cold.
     motion : Motion or None
         Motion of both bodies; None where the pin is at rest.
     course : tuple of tuple of float
@@ -153,7 +153,7 @@ class Corrections:
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Contact temperature [K] to add to that of two half-spaces, per unit friction coefficient.
 
-        It is due to tracks that earlier turns have warmed.
+        It is due to tracks that earlier revolutions have warmed.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
         time. The result has their shape. At a step whose ``mean_rise`` is 0 or NaN, it is 0 or NaN.
@@ -268,7 +268,7 @@ class _History(NamedTuple):
 def _turn_resistance(
     track: Track | None, histories: Sequence[_History], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns, divided by the contact's heat flow [K/W]."""
+    """Warming of a track by earlier revolutions, divided by the contact's heat flow [K/W]."""
     if track is None:
         return 0.0
     return np.array(
@@ -280,7 +280,7 @@ def _turn_resistance(
 
 
 def _turn_warming(track: Track, history: _History, speed: float) -> float:
-    """Warming of a track by earlier turns [K], if all heat at unit friction goes into its body."""
+    """Warming of a track by earlier revolutions [K], if its body gets all heat at unit friction."""
     width = track.width or track.aspect * history.contact_width
     return track_warming(
         history.times[-1],

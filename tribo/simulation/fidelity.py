@@ -26,10 +26,9 @@ class Fidelity:
         Steps of the ramp up to its reference load.
     fewest_elements : int
         Least number of elements that are expected to touch. If it is above 0, elements are made
-        small enough for this and for the surface's summits, down to the pixels; steps before a
-        point's last have larger elements, of which twice as many are expected to touch; and steps
-        in which the contact would change much are cut into parts. See
-        `tribo.simulation.element_size`.
+        small enough for this and for the surface's summits, down to the pixels. Steps before a
+        point's last have larger elements, of which twice as many are expected to touch. Steps in
+        which the contact would change much are divided. See `tribo.simulation.element_size`.
     contact_tolerance : float
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. With
         the wear pattern "local" a larger value than 0.03 is replaced by 0.03, because the error of
@@ -42,9 +41,9 @@ class Fidelity:
         coarsened.
     imprint : float
         Largest depth to which the roughness may wear itself into the pin within a part of a step,
-        divided by the height of the roughness. Steps are cut into as many parts as this takes, at
-        most 4; 0 for no parts. With 25 steps or more they are not cut. Local wear and ridges along
-        y leave such imprints.
+        divided by the height of the roughness. Steps are divided into as many parts as this needs,
+        at most 4; 0 for no parts. With 25 steps or more they are not divided. Local wear and ridges
+        along y leave such imprints.
     parts : int
         Least number of parts of each step of a rising load.
 

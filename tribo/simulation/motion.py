@@ -55,8 +55,8 @@ class Motion:
         Length of the track around the pin [m], over which its wear spreads; 2π times its radius if
         not given. It is needed if the pin's radius is the reduced radius of two discs.
     disk_track_length : float, optional
-        Length of the track around the disk [m]. No step of a simulation depends on it. It states
-        how much heat of earlier revolutions a scene leaves out.
+        Length of the track around the disk [m]. It does not change the simulation; answers use it
+        to state how much heat of earlier revolutions the scene leaves out.
 
     Examples
     --------

@@ -173,10 +173,10 @@ def judge(
     Returns
     -------
     Verdict
-        Mild or severe at the worst time, when the rise is highest, once the load is reached. The
-        candidates are the beginning and the end of a hold, or all its steps if bodies keep heat.
-        For a specimen in stages they are onset and end of all stages up to this one. Its
-        `warnings` are those of the last state, and of values outside their usual range.
+        Mild or severe at the time of the highest rise, once the load is reached: the beginning or
+        the end of a hold, or any of its steps if bodies keep heat; for load stages, the onset or
+        the end of any stage up to this one. Its `warnings` are those of the last state, and of
+        values outside their usual range.
 
     Raises
     ------

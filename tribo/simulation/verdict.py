@@ -46,7 +46,7 @@ class Verdict:
         Second part: the rise between two half-spaces, `Conditions.added_rise_fraction` included
         [K].
     added_rise : float
-        Third part: the rise added by earlier turns [K].
+        Third part: the rise added by earlier revolutions [K].
     warnings : tuple of PointWarning
         Reasons for caution about the point, see `tribo.warnings`.
 
