@@ -75,55 +75,65 @@ class Neighbourhood:
         The function takes the stencil and the values, and returns new values at the same nodes,
         computed in single precision. Threads must not share the function.
         """
-        nx, ny = self._shape
-        (periodic_x, periodic_y), is_even = self._periodic, self._is_even
-        # Fields are padded by one element and flattened. Rows before the first and after the last
-        # node are omitted. Single precision takes half the time, and suffices for a search
-        # direction.
-        low, high = (0, nx) if periodic_x else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
-        row_length = ny + 2
-        padded_nodes = nodes + 2 * (nodes // ny) + (1 + (1 - low) * row_length)
-        flat, y_neighbours, to_upper, total = np.empty(
-            (4, (high - low + 2) * row_length), dtype=np.float32
+        return _NodeStencil(nodes, self._shape, self._periodic, self._is_even)
+
+
+class _NodeStencil:
+    """Applies stencils to values at some nodes.
+
+    Fields are padded by one element and flattened. Rows before the first and after the last node
+    are omitted. Single precision takes half the time, and suffices for a search direction.
+    """
+
+    def __init__(
+        self, nodes: Nodes, shape: tuple[int, int], periodic: tuple[bool, bool], is_even: bool
+    ) -> None:
+        (nx, ny), self._periodic, self._is_even = shape, periodic, is_even
+        low, high = (0, nx) if periodic[0] else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
+        self._row_length = ny + 2
+        self._padded_nodes = nodes + 2 * (nodes // ny) + (1 + (1 - low) * self._row_length)
+        self._flat, self._y_neighbours, self._to_upper, self._total = np.empty(
+            (4, (high - low + 2) * self._row_length), dtype=np.float32
         )
-        field = flat.reshape(-1, row_length)
-        flat[...] = 0.0
-        y_neighbours[[0, -1]] = 0.0
+        self._flat[...] = 0.0
+        self._y_neighbours[[0, -1]] = 0.0
 
-        def weighted(factors: Array, out: NDArray[np.float32]) -> NDArray[np.float32]:
-            np.multiply(y_neighbours, factors[1], out=total)
-            np.multiply(flat, factors[0], out=out)
-            return np.add(out, total, out=out)
+    def __call__(self, stencil: Array, values: Array) -> Array:
+        """Values at the nodes after the stencil has been applied to `values` at the nodes."""
+        flat, y_neighbours, to_upper = self._flat, self._y_neighbours, self._to_upper
+        lower, centre, upper = (stencil / stencil[1, 0]).astype(np.float32)
+        scale = largest(values)
+        if scale == 0.0:
+            return np.zeros(values.size)
+        # Faster than casting on assignment.
+        flat[self._padded_nodes] = (values / scale).astype(np.float32)
+        field = flat.reshape(-1, self._row_length)
+        if self._periodic[1]:
+            field[:, 0], field[:, -1] = field[:, -2], field[:, 1]
+        if self._periodic[0]:
+            field[0], field[-1] = field[-2], field[1]
+        np.add(flat[:-2], flat[2:], out=y_neighbours[1:-1])
+        to_lower = self._weight(lower, to_upper)
+        if not self._is_even:
+            to_lower = self._weight(lower, np.empty_like(to_upper))
+            self._weight(upper, to_upper)
+        np.multiply(y_neighbours, centre[1], out=y_neighbours)
+        np.add(
+            to_upper[: -2 * self._row_length],
+            to_lower[2 * self._row_length :],
+            out=self._total[self._row_length : -self._row_length],
+        )
+        np.add(self._total, y_neighbours, out=self._total)
+        result: Array = self._total.take(self._padded_nodes) * np.float64(scale)
+        result += values
+        result *= stencil[1, 0]
+        return result
 
-        def apply(stencil: Array, values: Array) -> Array:
-            lower, centre, upper = (stencil / stencil[1, 0]).astype(np.float32)
-            scale = largest(values)
-            if scale == 0.0:
-                return np.zeros(values.size)
-            # Faster than casting on assignment.
-            flat[padded_nodes] = (values / scale).astype(np.float32)
-            if periodic_y:
-                field[:, 0], field[:, -1] = field[:, -2], field[:, 1]
-            if periodic_x:
-                field[0], field[-1] = field[-2], field[1]
-            np.add(flat[:-2], flat[2:], out=y_neighbours[1:-1])
-            to_lower = weighted(lower, to_upper)
-            if not is_even:
-                to_lower = weighted(lower, np.empty_like(to_upper))
-                weighted(upper, to_upper)
-            np.multiply(y_neighbours, centre[1], out=y_neighbours)
-            np.add(
-                to_upper[: -2 * row_length],
-                to_lower[2 * row_length :],
-                out=total[row_length:-row_length],
-            )
-            np.add(total, y_neighbours, out=total)
-            result: Array = total.take(padded_nodes) * np.float64(scale)
-            result += values
-            result *= stencil[1, 0]
-            return result
-
-        return apply
+    def _weight(self, factors: Array, out: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Sum of the field and its neighbours along y, times their factors, written to `out`."""
+        np.multiply(self._y_neighbours, factors[1], out=self._total)
+        np.multiply(self._flat, factors[0], out=out)
+        return np.add(out, self._total, out=out)
 
 
 class Preconditioner:

@@ -91,24 +91,10 @@ def track_warming(
         return 0.0
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
-    def remaining_rise(rounds: Array) -> Array:
-        """Rise [K] that the pass `rounds` revolutions ago still causes in the track.
-
-        It is per unit friction coefficient, if the disk takes all heat, and has the shape of
-        `rounds`. Load and revolution time are the arguments `loads` and `round_trip` of
-        `track_warming`.
-        """
-        age = rounds * round_trip
-        load = np.interp(time - age, *knots)
-        spread = np.sqrt(diffusivity * age)
-        strip = strip_response(width, max(width, disc.width) if disc else math.inf, spread)
-        if disc:
-            strip = strip * disc.rim_response(age, diffusivity)
-            return np.asarray(load * strip / (width * heat_capacity))
-        warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
-        return warming
-
-    warming = float(remaining_rise(np.arange(1.0, min(count, _SUMMED_PASSES) + 1)).sum())
+    ages = np.arange(1.0, min(count, _SUMMED_PASSES) + 1) * round_trip
+    pass_loads = np.interp(time - ages, *knots)
+    body = width, diffusivity, heat_capacity, disc
+    warming = float(_remaining_rise(ages, pass_loads, *body).sum())
     if count > _SUMMED_PASSES:
         first_round, last_round = _SUMMED_PASSES + 0.5, count + 0.5
         # Panels end at kinks of the load, and are short compared with the age of their passes.
@@ -122,8 +108,26 @@ def track_warming(
         nodes, weights = np.polynomial.legendre.leggauss(_PANEL_NODES)
         halves = np.diff(ends)[:, None] / 2
         rounds = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
-        warming += float((halves * weights * remaining_rise(rounds)).sum())
+        ages = rounds * round_trip
+        pass_loads = np.interp(time - ages, *knots)
+        warming += float((halves * weights * _remaining_rise(ages, pass_loads, *body)).sum())
     return warming
+
+
+def _remaining_rise(
+    ages: Array, loads: Array, width: float, diffusivity: float, heat_capacity: float,
+    disc: Disc | None,
+) -> Array:  # fmt: skip
+    """Rise [K] that passes of some `ages` [s] under `loads` [N] still cause in the track.
+
+    It is per unit friction coefficient, if the disk takes all heat.
+    """
+    spread = np.sqrt(diffusivity * ages)
+    strip = strip_response(width, max(width, disc.width) if disc else math.inf, spread)
+    if disc:
+        strip = strip * disc.rim_response(ages, diffusivity)
+        return np.asarray(loads * strip / (width * heat_capacity))
+    return np.asarray(loads * strip / (width * heat_capacity * math.sqrt(math.pi) * spread))
 
 
 def strip_response(width: float, body_width: float, spread: Array) -> Array:
