@@ -111,8 +111,10 @@ def conditions_lines(answer: xr.Dataset) -> list[str]:
 
 def model_error_line(answer: xr.Dataset) -> str:
     """Line on the model error of the first case, and the number of further cases."""
-    first, *others = attribute_texts(answer, "model_error")
-    return f"model error: {first}, and {len(others)} more" if others else f"model error: {first}"
+    first, *further_texts = attribute_texts(answer, "model_error")
+    if further_texts:
+        return f"model error: {first}, and {len(further_texts)} more"
+    return f"model error: {first}"
 
 
 def temperature_error_line(answer: xr.Dataset) -> str:

@@ -105,12 +105,12 @@ class Field:
         low, high = self.bracketing_rows(loads)
         first, last = self._velocity_limits
         with np.errstate(divide="ignore", invalid="ignore"):
-            most = np.fmin(
+            max_slant = np.fmin(
                 np.log(last[low] / velocities) / (x - known_x[low]),
                 np.log(velocities / first[high]) / (known_x[high] - x),
             )
         gap = np.clip(np.searchsorted(rows, low), 0, len(rows) - 2)
-        slant = np.clip(self._level_slants[gap], 0.0, np.maximum(np.nan_to_num(most), 0.0))
+        slant = np.clip(self._level_slants[gap], 0.0, np.maximum(np.nan_to_num(max_slant), 0.0))
         return np.asarray(velocities * np.exp(slant * (x - known_x[:, None])))
 
     def row_values(self, row_velocities: Array, velocities: Array) -> Array:

@@ -221,11 +221,9 @@ def mean_of_realizations(
     scaled_sampling = _scale_to_spread(squares, count, sampling, freedom[:, None])
     deviation, student_t = _deviation(count, squares, scaled_sampling, freedom[:, None])
     if is_highest:
-        offset, ones = (
-            np.where(has_point, differences, -np.inf).max(axis=0),
-            np.ones((len(loads),) * 2),
-        )
-        return RealizationMean(offset, student_t * deviation, deviation, ones, ones)
+        offset = np.where(has_point, differences, -np.inf).max(axis=0)
+        all_ones, bound = np.ones((len(loads), len(loads))), student_t * deviation
+        return RealizationMean(offset, bound, deviation, correlation=all_ones, covariance=all_ones)
     correlation, covariance = np.eye(len(loads)), np.diag(1 / np.maximum(count[:, 0], 1))
     scale = np.median(deviation, axis=1)[:, None]
     rows = np.flatnonzero((count[:, 0] > 0) & (scale[:, 0] > 0))
@@ -292,8 +290,9 @@ def _scale_to_spread(squares: Array, count: Indices, sampling: Array, freedom: A
     variance = np.square(sampling)
     observed = np.where(variance > 0, np.maximum(count - 1, 0), 0)
     ratio = np.divide(squares, variance, out=np.zeros_like(squares), where=variance > 0).sum(axis=0)
-    ratio, most = ratio / np.maximum(observed.sum(axis=0), 1), observed.max(axis=0)
-    return np.asarray(sampling * np.sqrt((freedom + most * ratio) / np.maximum(freedom + most, 1)))
+    ratio, max_observed = ratio / np.maximum(observed.sum(axis=0), 1), observed.max(axis=0)
+    total_freedom = np.maximum(freedom + max_observed, 1)
+    return np.asarray(sampling * np.sqrt((freedom + max_observed * ratio) / total_freedom))
 
 
 def _deviation(count: Any, squares: Any, sampling: Any, freedom: Any) -> tuple[Array, Array]:

@@ -288,7 +288,7 @@ class Search:
         crossing = np.array([k for k in sorted(loads) if self._lines[k][0].has_crossing], int)
         counts, tried = self.specimen.realizations[crossing], self._has_realization
         if not self.goal.counts_surface:
-            least, few = self.goal.realizations, crossing
+            min_count, incomplete_rows = self.goal.realizations, crossing
         else:
             # The points of the first realization between loads of several count with a second one.
             # A second one shows how much of the interpolation error is its roughness, and how
@@ -296,11 +296,11 @@ class Search:
             is_known = self.specimen.freedom[crossing] > 0
             is_enough = is_known & (self._squared_budgets[crossing] > 0)
             is_few = (counts == 0) | ((counts == 1) & ~is_enough)
-            least, few = min(2, self.goal.realizations), crossing[is_few]
+            min_count, incomplete_rows = min(2, self.goal.realizations), crossing[is_few]
         points = [
             self._point_near_crossing(realization, load)
-            for load in few.tolist()
-            for realization in np.flatnonzero(~tried[:least, load]).tolist()
+            for load in incomplete_rows.tolist()
+            for realization in np.flatnonzero(~tried[:min_count, load]).tolist()
         ]
         has_deviation = (counts > 0) & (counts + self.specimen.freedom[crossing] > 1)
         if self.goal.counts_surface and has_deviation.any() and not self.specimen.is_highest:

@@ -74,10 +74,10 @@ def require_stored_classes(sweep: Sweep) -> None:
 
 def require_few(plain: Mapping[str, Any]) -> None:
     """Raise an `InputError` if plain data of a sweep have more of something than is read."""
-    for name, most in _MOST.items():
-        if (count := len(plain.get(name, ()))) > most:
+    for name, max_count in _MOST.items():
+        if (count := len(plain.get(name, ()))) > max_count:
             raise InputError(
-                f"the sweep of the store has {count} {name}; at most {most} can be kept"
+                f"the sweep of the store has {count} {name}; at most {max_count} can be kept"
             )
 
 
