@@ -108,5 +108,7 @@ def test_a_fault_of_this_program_is_not_called_damage_of_the_store(path, monkeyp
 
     monkeypatch.setattr(tribo.Ramp, "__post_init__", faulty)
     for read in (pipeline.open_sweep, pipeline.summary):
-        with pytest.raises(TypeError, match="a fault of this program"):
+        with pytest.raises(pipeline.StoreError, match="a fault of this program") as error:
             read(path)
+        assert "damaged" not in str(error.value)
+        assert isinstance(error.value.__cause__, TypeError)
