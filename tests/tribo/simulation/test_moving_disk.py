@@ -7,7 +7,6 @@ import pytest
 
 import tribo
 from tests.helpers.scenes import STEEL
-from tests.promises.front import BOUND_UNDER_STRIPS
 from tests.promises.moving_disk import FAMILIES, decisive, errors, family_points, oblique_heights
 from tribo.contact import solve_contact
 from tribo.simulation import RampCache, heat
@@ -53,9 +52,9 @@ def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_pin_of_each_family_is_as_hot_as_under_a_moving_disk(family):
-    """Strips change each point at random: the bound of the rise is 0.65 of that of velocity."""
+    """Strips change each point at random, by up to 1.3 % of the rise in these scenes."""
     (point,) = family_points(family, 1)
-    assert abs(errors(*point, steps=96).mean()) < 0.65 * BOUND_UNDER_STRIPS
+    assert abs(errors(*point, steps=96).mean()) < 0.013
 
 
 def test_a_pin_that_wears_against_a_window_at_rest_is_too_cold_there():
