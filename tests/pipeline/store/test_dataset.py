@@ -108,11 +108,11 @@ REFILLED = {  # how xarray computes values of points from other points, and what
     ),
     "the nearest load": (
         lambda ds: ds.isel(load=[0, 2]).reindex(load=ds["load"].values, method="nearest"),
-        "those at load 250 N are of",
+        "those at load 250 N are those of",
     ),
     "the nearest velocity": (
         lambda ds: ds.isel(velocity=[0, 2]).reindex(velocity=ds["velocity"], method="nearest"),
-        "those at velocity 1 m/s are of",
+        "those at velocity 1 m/s are those of",
     ),
 }  # fmt: skip
 
