@@ -217,9 +217,11 @@ def main():
 def conclusion(lines):
     """The largest of the mean errors in the lines of the table, in a sentence."""
     surface, load, count, mean, uncertainty, *_ = max(lines, key=lambda line: abs(float(line[3])))
+    counts = [line[2] for line in lines]
     return (
-        f"largest mean error of {len(lines)} surfaces and loads: {mean} ± {uncertainty} % of the "
-        f"rise ({surface}, {load}, {count} scenes)"
+        f"largest mean error of {len(lines)} surfaces and loads, each of {min(counts)} to "
+        f"{max(counts)} scenes: {mean} ± {uncertainty} % of the rise ({surface}, {load}, {count} "
+        "scenes)"
     )
 
 
