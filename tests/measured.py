@@ -74,7 +74,7 @@ def searches(text, _):
     points = {row[2]: [] for row in rows}
     for row in rows:
         if row[0] == rows[0][0]:
-            points[row[2]].append(f"{row[3].split()[0]} points with {row[1]} loads")
+            points[row[2]].append(f"{row[3].split()[0]} ({row[1]})")
     counts = "; ".join(f"{accuracy}: {', '.join(texts)}" for accuracy, texts in points.items())
     return f"at {at:.1f} % of loads, {between:.1f} % of positions between them; {counts}"
 
@@ -139,8 +139,8 @@ def passed(text, _):
 RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
-        "99 % of the errors of the critical velocity, at positions without a warning, are below "
-        "the bound of the preset, or below 3.5 % if the pin wears under strips of the disk",
+        "99 % of errors of the critical velocity, without a warning, are below the bound of the "
+        "preset, or 3.5 % if the pin wears under strips of the disk",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",
@@ -148,8 +148,8 @@ ROWS = {
         presets,
     ),
     "moving disk": Row(
-        "largest mean error of the rise, compared with loops of 384 positions of a moving disk, of "
-        "surfaces without a lay and with grooves along, across and oblique to sliding",
+        "largest mean error of the rise, relative to loops of 384 positions of a moving disk, with "
+        "and without a lay",
         ("tribo",),
         "python -m tests.promises.moving_disk",
         "--scenes 2",
@@ -165,8 +165,7 @@ ROWS = {
         stated,
     ),
     "realizations": Row(
-        "sets of 1 to 8 surface realizations agree with all others within their stated errors "
-        "(95 %), with and without a lay",
+        "1 to 8 surface realizations agree with all others within their stated errors (95 %)",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.realizations",
         "",
@@ -174,8 +173,7 @@ ROWS = {
         last_line,
     ),
     "loads": Row(
-        "stated errors hold on planes whose boundary is known, for accuracies of 1 and 2 %; points "
-        "of a search",
+        "goals of 1 and 2 % hold on planes whose boundary is known; points of a search (loads)",
         ("pipeline/answers", "pipeline/run"),
         "python -m tests.promises.loads",
         "--planes 4",

@@ -219,9 +219,8 @@ def conclusion(lines):
     surface, load, count, mean, uncertainty, *_ = max(lines, key=lambda line: abs(float(line[3])))
     counts = [line[2] for line in lines]
     return (
-        f"largest mean error of {len(lines)} surfaces and loads, each of {min(counts)} to "
-        f"{max(counts)} scenes: {mean} ± {uncertainty} % of the rise ({surface}, {load}, {count} "
-        "scenes)"
+        f"{len(lines)} surfaces and loads, {min(counts)} to {max(counts)} scenes each: {mean} ± "
+        f"{uncertainty} % ({surface}, {load}, {count} scenes)"
     )
 
 

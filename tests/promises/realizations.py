@@ -221,9 +221,8 @@ def main():
     )
     least = min(share for share, _ in shares["1"])
     statement = (
-        f"stated errors hold for {texts}; for at least {least:.0%} of the single realizations of "
-        f"each of {len(shares['1'])} scenes; a single one states {min(ratios):.2g} to "
-        f"{max(ratios):.2g} times the bound by all"
+        f"{texts}; at least {least:.0%} of single realizations of each of {len(shares['1'])} "
+        f"scenes, which state {min(ratios):.2g} to {max(ratios):.2g} times the bound by all"
     )
     is_right = all(map(are_right, filter(None, shares.values())))
     is_right = is_right and min(ratios) >= MIN_STATED and max(ratios) <= MAX_STATED

@@ -50,7 +50,7 @@ def test_factor_and_degrees_of_freedom_are_those_of_random_fields(window, length
     freedom, factor = quality_of_fields(scene)
     if window == "ball":
         freedom = FREEDOM_OF_CELLS
-    assert jackknife_quality(scene) == pytest.approx((freedom, factor), rel=0.1)
+    assert jackknife_quality(scene) == pytest.approx((freedom, factor), rel=0.05)
 
 
 def test_a_scan_of_a_surface_has_about_the_quality_of_the_surface():
