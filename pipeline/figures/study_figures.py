@@ -34,12 +34,11 @@ def draw_trade(trade: Trade) -> Figure:
         times, errors = [cost.seconds for cost in costs], [cost.error for cost in costs]
         axes.plot(times, errors, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
         for cost in costs:
-            name = str(cost.preset)
-            if cost.has_steps:
-                name = f"{cost.preset}, all steps"
+            name, offset = str(cost.preset), (8, 4)
+            if cost.has_steps:  # the plane without them has nearly the same time and error
+                name, offset = f"{cost.preset}, all steps", (8, 18)
             if cost.accuracy is not None:
-                name = f"{100 * cost.accuracy:g} %: {cost.points} points"
-            offset = (8, -14) if cost.has_steps else (8, 4)  # planes have nearly the same error
+                name, offset = f"{100 * cost.accuracy:g} %: {cost.points} points", (12, -12)
             axes.annotate(
                 name, (cost.seconds, cost.error), offset, textcoords="offset points",
                 path_effects=style.HALO,
