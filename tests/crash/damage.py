@@ -175,7 +175,7 @@ def campaign(run):
             original = original_store(bool(run.mistake) or number % 2 == 0)
             kind = run.chance.choice(kinds)
             # Each chunk of a field belongs to a single point.
-            among = ["pressure"] if run.mistake else sorted(original.files)
+            among = ["fields/pressure"] if run.mistake else sorted(original.files)
             file = run.chance.choice(original.files[run.chance.choice(among)])
             path = run.folder / "out.zarr"
             shutil.rmtree(path, ignore_errors=True)
