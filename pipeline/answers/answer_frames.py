@@ -165,7 +165,7 @@ def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 def _heading(name: str, answer: xr.Dataset) -> str:
     unit = answer[name].attrs.get("units", "") if name in answer.variables else ""
     is_error = "error" in name or name == "temperature_margin"
-    has_display_unit = "in_unit" in answer[name].attrs if name in answer.variables else False
+    has_display_unit = "display_unit" in answer[name].attrs if name in answer.variables else False
     if unit and (has_display_unit or (name in answer.dims and name not in PLANE)):
         unit = usual_unit(answer[name])
     if unit == "K" and not is_error:

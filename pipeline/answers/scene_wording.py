@@ -200,5 +200,5 @@ def named_value(coordinate: xr.DataArray) -> str:
 
 def usual_unit(axis: xr.DataArray) -> str:
     """Unit in which values of the coordinate `axis` are printed, such as "mm" for a radius."""
-    unit, display_unit = str(axis.attrs.get("units", "")), str(axis.attrs.get("in_unit", ""))
+    unit, display_unit = str(axis.attrs.get("units", "")), str(axis.attrs.get("display_unit", ""))
     return typeset(display_unit) if display_unit and unit else _DISPLAY_UNITS.get(unit, unit)

@@ -91,7 +91,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     seconds = _SECONDS_TO_START
     sweep_tasks = [*tasks(points_of(sweep), sweep)]
     test_points = list_points_of_tests(sweep)
-    tests_sweep = sweep_of_tests(sweep, False) if test_points else None
+    tests_sweep = sweep_of_tests(sweep) if test_points else None
     test_tasks = [*tasks(points_of(tests_sweep), tests_sweep)] if tests_sweep else []
     for part, part_tasks in ((sweep, sweep_tasks), (tests_sweep, test_tasks)):
         if part and part_tasks:

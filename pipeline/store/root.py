@@ -51,7 +51,7 @@ from pipeline.store.schema import (
     split_arrays,
 )
 from pipeline.sweep.codec import ArrayError
-from pipeline.sweep.plan import choose_stored_steps, judges_holds, sweep_of_tests
+from pipeline.sweep.plan import choose_stored_steps, sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, require_few, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
@@ -96,8 +96,7 @@ class Root:
         """
         tests, (plain, arrays) = None, stored or plain_sweep(sweep)
         if sweep.tests or sweep.former_tests:
-            test_sweep = sweep_of_tests(sweep, judges_holds(sweep))
-            tests = Group(test_sweep, prefix=f"{OF_TESTS}/", growths=growths[0])
+            tests = Group(sweep_of_tests(sweep), prefix=f"{OF_TESTS}/", growths=growths[0])
         plane = Group(sweep, arrays, "", *growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
@@ -366,14 +365,10 @@ def stale_documents(location: Location, root: Root) -> dict[str, Document]:
 def _with_additions(stored: Document, right: Document) -> Document:
     """The document `right` with what users added to the `stored` one."""
     complete = stored | right | {"attributes": stored.get("attributes", {}) | right["attributes"]}
-    if (
-        stored and _CONSOLIDATED in right
-    ):  # Zarr drops the copy of all metadata if an array is added
-        complete[_CONSOLIDATED], old = (
-            stored.get(_CONSOLIDATED),
-            (stored.get(_CONSOLIDATED) or {}).get("metadata", {}),
-        )
-        if old:
+    # Zarr drops the copy of all metadata if an array is added.
+    if stored and _CONSOLIDATED in right:
+        complete[_CONSOLIDATED] = stored.get(_CONSOLIDATED)
+        if old := (stored.get(_CONSOLIDATED) or {}).get("metadata", {}):
             members = right[_CONSOLIDATED]["metadata"].items()
             merged = {path: _with_additions(old.get(path, {}), member) for path, member in members}
             complete[_CONSOLIDATED] = right[_CONSOLIDATED] | {"metadata": old | merged}

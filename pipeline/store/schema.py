@@ -15,7 +15,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 42
+FORMAT = 43
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -210,7 +210,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
             column.unit,
             column.meaning,
             types[type(first_row[column.name])],
-            {"in_unit": column.display_unit} if column.display_unit else {},
+            {"display_unit": column.display_unit} if column.display_unit else {},
         )
         for column in sweep.case_table.columns
     }

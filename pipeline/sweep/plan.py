@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.sweep.case import TEST, Conditions
+from pipeline.sweep.case import TEST, Case, Conditions
 from pipeline.sweep.case_table import PLACE_UNITS, CaseRow, CaseTable, Column
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
@@ -316,13 +316,7 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
         wears = any(scene.wears for scene in scenes)
         are_distinct = len({*contact_keys}) == len(contact_keys)
         steps = "course" if are_ramps and wears and are_distinct else "end"
-    # A disc or a track that stores heat warms up during the hold.
-    loading, case_corrections = sweep.scene.loading, [case.conditions.corrections for case in cases]
-    has_hold = isinstance(loading, Ramp) and bool(loading.hold)
-    warms = has_hold and any(
-        corrections.keeps_heat for corrections in case_corrections if corrections
-    )
-    return StoredSteps(steps, warms)
+    return StoredSteps(steps, _judges_holds(cases))
 
 
 class PointOfTest(NamedTuple):
@@ -349,7 +343,7 @@ def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     ]
 
 
-def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
+def sweep_of_tests(sweep: Sweep) -> Sweep:
     """The sweep of the points of tests, a row for each of `list_all_points_of_tests`."""
     points = list_all_points_of_tests(sweep)
     columns = (
@@ -362,7 +356,7 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
         ),
     )
     rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
-    cases = (test.case for test in (*sweep.tests, *sweep.former_tests) for _ in test.points)
+    cases = [test.case for test in (*sweep.tests, *sweep.former_tests) for _ in test.points]
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -372,13 +366,11 @@ def sweep_of_tests(sweep: Sweep, judges_hold: bool) -> Sweep:
         fields=False,
         tests=(),
         former_tests=(),
-        stored_steps=StoredSteps("end", judges_hold),
+        stored_steps=StoredSteps("end", _judges_holds(cases)),
     )
 
 
-def judges_holds(sweep: Sweep) -> bool:
-    """True if the holds of tests are judged at each step, since bodies warm up in them."""
-    all_corrections = (
-        test.case.conditions.corrections for test in (*sweep.tests, *sweep.former_tests)
-    )
+def _judges_holds(cases: Iterable[Case]) -> bool:
+    """True if holds are judged at each step: a disc or a track that stores heat warms up then."""
+    all_corrections = (case.conditions.corrections for case in cases)
     return any(corrections.keeps_heat for corrections in all_corrections if corrections)
