@@ -225,7 +225,7 @@ def _smooth_bounds(curves: Pchip, roughness: Array) -> Array:
     """
     x, y, gap = curves.x, curves.y, np.diff(curves.x)[:, None]
     if len(x) > 2:
-        sagitta = curves.beyond((x[:-1] + x[1:]) / 2) - (y[:-1] + y[1:]) / 2
+        sagitta = curves.beyond((x[:-1] + x[1:])[:, None] / 2) - (y[:-1] + y[1:]) / 2
         curved = np.maximum(np.abs(sagitta), MIN_CURVATURE * gap**2 / 8)
         curved[1:-1] /= 2
     else:

@@ -78,7 +78,7 @@ class Field:
         """
         values = np.full((len(self.loads), len(velocities)), np.nan)
         for rows, curves in self.curves:
-            values[rows] = curves.beyond(np.log(velocities)).T
+            values[rows] = curves.beyond(np.log(velocities)[:, None]).T
         return values
 
     @functools.cached_property
@@ -121,9 +121,7 @@ class Field:
         """
         values = np.full(row_velocities.shape, np.nan)
         for rows, curves in self.curves:
-            for column, row in enumerate(rows.tolist()):
-                curve = Pchip(curves.x, curves.y[:, [column]])
-                values[row] = curve.beyond(np.log(row_velocities[row]))[:, 0]
+            values[rows] = curves.beyond(np.log(row_velocities[rows]).T).T
         return values + RISE_EXPONENT * np.log(velocities / row_velocities)
 
     def __call__(self, loads: Array, velocities: Array) -> Array:

@@ -42,18 +42,20 @@ class Pchip:
         return self.at(x[:, None], np.arange(self.y.shape[1]))
 
     def beyond(self, x: Array) -> Array:
-        """Values (m, k) of all curves at `x` (m,); beyond an end a power law continues.
+        """Values (m, k) of all curves at `x` (m, 1), or each at its own `x` (m, k).
 
-        It passes through the two outermost points, with an exponent of at least `MIN_SLOPE`.
+        Beyond an end a power law continues. It passes through the two outermost points, with an
+        exponent of at least `MIN_SLOPE`.
         """
+        curves = np.arange(self.y.shape[1])
         if len(self.x) == 1:
-            return self.grid(x)
-        values = self.grid(np.clip(x, self.x[0], self.x[-1]))
+            return self.at(x, curves)
+        values = self.at(np.clip(x, self.x[0], self.x[-1]), curves)
         for end, neighbour, is_beyond in ((0, 1, x < self.x[0]), (-1, -2, x > self.x[-1])):
             if is_beyond.any():
                 distance = self.x[end] - self.x[neighbour]
                 slope = np.maximum((self.y[end] - self.y[neighbour]) / distance, MIN_SLOPE)
-                values[is_beyond] += (x[is_beyond] - self.x[end])[:, None] * slope
+                values += np.where(is_beyond, (x - self.x[end]) * slope, 0.0)
         return values
 
 

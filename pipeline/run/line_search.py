@@ -67,7 +67,9 @@ class Line:
         if len(x) > 1:
             # A monotone cubic, continued with the mean slope beyond the computed points.
             clipped, mean_slope = np.clip(grid, x[0], x[-1]), (y[-1] - y[0]) / (x[-1] - x[0])
-            cubic = Pchip(x, y[:, None]).beyond(clipped)[:, 0] + mean_slope * (grid - clipped)
+            cubic = Pchip(x, y[:, None]).beyond(clipped[:, None])[:, 0] + mean_slope * (
+                grid - clipped
+            )
             estimate = np.clip(cubic, low, high)
             margin = ROUGHNESS_DEVIATION + MAX_CURVATURE * _sagitta(x, grid)
             low, high = np.maximum(low, estimate - margin), np.minimum(high, estimate + margin)
