@@ -23,7 +23,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import psutil
 
 from tests.sources.measure import ROOT, code_digest
@@ -69,14 +68,18 @@ def stated(text, _):
 
 
 def searches(text, _):
-    rows = cells(text)
-    at, between = (np.mean([float(row[k].rstrip("%")) for row in rows]) for k in (5, 6))
+    rows = [row for row in cells(text) if len(row) == 7]
+    *kinds, (_, _, at, between) = [row for row in cells(text) if len(row) == 4]
     points = {row[2]: [] for row in rows}
     for row in rows:
         if row[0] == rows[0][0]:
             points[row[2]].append(f"{row[3].split()[0]} ({row[1]})")
     counts = "; ".join(f"{accuracy}: {', '.join(texts)}" for accuracy, texts in points.items())
-    return f"at {at:.1f} % of loads, {between:.1f} % of positions between them; {counts}"
+    lowest = min(kinds, key=lambda row: float(row[2].split()[0]))
+    return (
+        f"at {at} of loads, {between} of positions between them; least {lowest[2]} of loads "
+        f"({lowest[0]}); {counts}"
+    )
 
 
 def shares(text, _):

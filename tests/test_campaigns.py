@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.constants import PRESET_BOUNDS
 from tests import measured, mutants
-from tests.promises import errors, front, goals, laboratories, realizations, truth
+from tests.promises import errors, front, goals, laboratories, loads, realizations, truth
 from tests.promises.families import FAMILIES, case_of, cases
 from tests.sources import measure
 from tribo import PRESETS
@@ -120,6 +120,14 @@ def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_c
     ):
         line = "fine, without a warning, share 0.1", 5, count, "1%", "1%", "1%", over, covered_share
         assert errors.are_covered([line]) == is_right
+
+
+@pytest.mark.parametrize(
+    ("held", "is_right"), [([1.0] * 4, True), ([0.9, 1.0] * 10, True), ([0.8, 1.0] * 100, False)]
+)
+def test_planes_are_wrong_whose_errors_hold_at_fewer_loads_than_by_chance(held, is_right):
+    for shares in ([held, [1.0] * len(held)], [[1.0] * len(held), held]):
+        assert loads.kind_row("planes", np.transpose(shares))[1] == is_right
 
 
 # Tests of a laboratory
