@@ -84,8 +84,7 @@ def plane_sections(
         table_caption = (
             "Critical velocity as computed, and where severe wear is 5 and 95 % probable"
         )
-    all_cross = bool(boundary["critical_velocity"].notnull().all())
-    if all_cross and len({*boundary["outcome_along_velocity"].values.ravel()}) == 1:
+    if boundary["critical_velocity"].notnull().all():
         omitted_columns.append("outcome")
     frame = without_columns(boundary_frame(boundary), omitted_columns)
     table = elements.table_of(frame, table_caption)
