@@ -9,6 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.answers.answer_frames import boundary_frame
+from pipeline.answers.answer_lines import to_decide
 from pipeline.answers.readable import probability_text, verdict_text
 from pipeline.answers.results import sweep_of
 from pipeline.figures.rows_figure import most_critical_row
@@ -102,7 +103,8 @@ def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     statement = (
         f"The probability of severe wear is {probability_text(margin['probability'].item())}"
     )
-    assert first.index(statement) < first.index("Transition diagram")
+    advice = f"To decide it, {to_decide(margin)}.\n"
+    assert first.index(statement) < first.index(advice) < first.index("Transition diagram")
 
 
 def test_the_tables_are_those_of_the_answers(sweep, page):
@@ -169,8 +171,11 @@ REPORTS = {
 def test_a_report_of_any_sweep_is_sound_and_says_what_matters(undrawn, name):
     make, arguments, statements = REPORTS[name]
     page = checked(pipeline.report(make(), **arguments))
+    captions = [image["alt"] for image in page.attributes_of("img")]
     for statement in statements:
-        assert statement in page.words or statement in page.attributes_of("img")[0]["alt"]
+        assert statement in page.words or statement in captions[0]
+    # The points of several cases would cover each other.
+    assert any("Dots: simulated points." in text for text in captions) == (name != "two pins")
 
 
 def test_rows_are_judged_and_the_deciding_one_is_bold(undrawn, sweep):

@@ -86,6 +86,11 @@ def new_scene_twice():
     return new_scene("mine.toml")
 
 
+def new_scene_at_a_link():
+    Path("link.toml").symlink_to("no scene.toml")
+    return new_scene("link.toml")
+
+
 def over(path, values, **other_entries):
     return entry("sweep.over", {path: values}, **other_entries)
 
@@ -148,6 +153,8 @@ ENTRIES = {
                      "tests[1].number: 2 is the number of two tests"),
     "entry of a test": (entry("tests", [{**TEST, "with": {"pin.radius": 3}}], without="tests"),
                         "tests[0].with: pin.radius: 3 has no unit"),
+    "entries of a test": (entry("tests", [{**TEST, "with": ["1 mm"]}], without="tests"),
+                          'tests[0].with: ["1 mm"] is not a table; give a table of entries'),
     "step of a test": (entry("tests", [{**TEST, "step": "3 mm"}]), "has the wrong dimension"),
     "test without outcome": (entry("tests", [{"load": "4 N", "velocity": "1 m/s"}]),
                              'outcome: missing; required: "mild", "severe" or "transition"'),
@@ -221,6 +228,8 @@ ENTRIES = {
     "test many entries": (entry("tests", [{"load": "300 N", "velocity": "2 m/s", "outcome": "mild",
                                            "with": {f"pin.k{k}": 1 for k in range(101)}}]),
                           "101 entries are too many; give 100 at most"),
+    "over a list": (over("pin.radius", [["1 mm"]]),
+                    'pin.radius"[0]: ["1 mm"] is neither a number nor a quantity; give a'),
     "over many entries": (entry("sweep.over", {f"pin.k{k}": [1] for k in range(101)}),
                           "sweep.over: 101 entries are too many; vary 100 at most"),
     "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
@@ -285,6 +294,7 @@ TEXTS = {
     "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
     "new again": (new_scene_twice, "mine.toml already exists"),
+    "new at a link": (new_scene_at_a_link, "link.toml already exists"),
     "new folder": (
         lambda: new_scene("no/mine.toml"),
         "no/mine.toml cannot be written: No such file",

@@ -79,8 +79,12 @@ def test_marks_of_missing_heights_are_holes_and_told(tmp_path):
 
 def test_units_and_sizes_are_given_or_asked_for(tmp_path):
     np.save(tmp_path / "a.npy", 10 * HEIGHTS)
-    with pytest.raises(InputError, match=r"height_unit.* and the sides of a pixel .*; add what"):
+    with pytest.raises(InputError) as error:
         read_scan(tmp_path / "a.npy")
+    assert str(error.value) == (
+        f"{tmp_path / 'a.npy'}: the file does not have the unit of its heights (height_unit) and "
+        "the sides of a pixel (pixel_size); add what is missing"
+    )
     with pytest.raises(InputError, match=r"heights of .* m; give the right unit"):
         read_scan(tmp_path / "a.npy", 1.0, SIDES)
 
@@ -135,6 +139,9 @@ def test_a_random_surface_is_fitted_by_its_own_numbers(tmp_path):
     assert statistics.faults_of_fit == ()
     assert statistics.fit.correlation_length == pytest.approx((3e-6, 12e-6), rel=0.3)
     assert abs(statistics.roughness.lay) == pytest.approx(90, abs=15)
+    texts = {name: text for name, text, _ in statistics.rows()}
+    assert float(texts["Str"]) == pytest.approx(statistics.roughness.aspect, rel=0.05)
+    assert texts["lay"] == f"{statistics.roughness.lay:.0f}° from x"
 
 
 @pytest.mark.parametrize(
@@ -173,6 +180,13 @@ def test_what_a_random_surface_lacks_is_said(tmp_path, change, why):
     assert poor.tables.index("the scan itself") < poor.tables.index("a random surface")
 
 
+def test_few_heights_are_not_compared_by_their_spectrum(tmp_path):
+    grid = Grid((16, 16), (0.5e-6, 0.5e-6))
+    np.save(tmp_path / "a.npy", self_affine(grid, 3e-7, 0.8, (1e-6, 1e-6), seed=3).T)
+    statistics = surface_statistics(tmp_path / "a.npy", 1.0, ("0.5 um", "0.5 um"))
+    assert statistics.faults_of_fit[0] == "the scan has too few heights to compare spectra"
+
+
 @pytest.mark.parametrize(
     ("factor", "side", "word"),
     [
@@ -201,9 +215,9 @@ def test_the_tables_that_are_printed_make_scenes_like_the_scan(tmp_path):
         (tmp_path / "a.toml").write_text(head + toml)
         return load_scene(tmp_path / "a.toml").scene.roughness
 
-    assert roughness(statistics.random_tables).ra == pytest.approx(
-        statistics.roughness.sa, rel=1e-3
-    )
+    random = roughness(statistics.random_tables)
+    assert random.ra == pytest.approx(statistics.roughness.sa, rel=1e-3)
+    assert random.correlation_length == pytest.approx(statistics.fit.correlation_length, rel=0.01)
     scan = roughness(
         statistics.scan_tables.replace("window = { ", "window = { pixels = [96, 64], ")
     ).array

@@ -41,6 +41,12 @@ def test_a_step_of_a_ramp_is_the_end_of_the_point_at_its_load_except_with_larger
     assert course["mean_pressure"][0] / first["mean_pressure"][-1] < 0.9
 
 
+def test_a_point_has_the_surface_of_its_realization():
+    sweep = tiny.sweep(case_table=surface_table((1, 2)))
+    expected = run_alone(sweep, Point(600.0, 1.0, (("realization", 2),)))
+    assert same(run_point(sweep, "600 N", "1 m/s", realization=2), expected)
+
+
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
