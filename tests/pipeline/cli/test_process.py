@@ -201,6 +201,12 @@ SAFE = "; finished points are saved"
         (RuntimeError("can't start new thread"), "status", 2,
          "irg: out of memory, or at the limit of threads and processes for this user (ulimit -a)"
          ": use fewer workers or a coarser grid\n"),
+        (OSError(28, "No space left on device"), "run", 2,
+         f"irg: cannot continue: [Errno 28] No space left on device{SAFE}\n"),
+        (FileNotFoundError(2, "No such file or directory", "a.csv"), "status", 2,
+         "irg: cannot continue: [Errno 2] No such file or directory: 'a.csv'\n"),
+        (RuntimeError("error during blosc decompression: -1"), "status", 2,
+         "irg: cannot continue: error during blosc decompression: -1\n"),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("always")
@@ -258,6 +264,14 @@ def test_each_signal_ends_a_command_once_and_acts_as_before_afterwards(number):
         assert signal.getsignal(number) == signal.SIG_DFL
     finally:
         signal.signal(number, before)
+
+
+def test_a_terminal_with_few_letters_gets_the_codes_of_others(monkeypatch):
+    terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", terminal)
+    assert main(["surface", "--ra", "0.2 um", "--rsm", "60 um"]) == 0
+    terminal.flush()
+    assert rb" \xb5m" in terminal.buffer.getvalue()
 
 
 def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):

@@ -97,6 +97,8 @@ REFUSALS = {
                 "apply only with --contact-width"),
     "width": (irg("infer", "first_try", *WIDTH),
               "--contact-width also needs --load and --velocity"),
+    "width at a load": (irg("infer", "first_try", *WIDTH, "--load", "400 N"),
+                        "--contact-width also needs --load and --velocity"),
     "short": (irg("infer", "first_try", *WIDTH, *POINT, "--duration", "1 s"),
               "shorter than the ramp to"),
     "record": (recorded, "--duration applies to load ramps; a recorded load has its own duration"),

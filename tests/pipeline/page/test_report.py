@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 import pipeline
+import tribo
 from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.answer_lines import to_decide
 from pipeline.answers.readable import probability_text, verdict_text
@@ -162,6 +163,10 @@ REPORTS = {
     "two pins": (
         two_pins, {"load": 300.0, "velocity": 4.0},
         ("most critical operating point: pin radius 1", "Critical velocity as computed"),
+    ),
+    "a rolling pin": (
+        lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {},
+        ("motion", "slide roll ratio", "0.5"),
     ),
     "a row": (plane, {"points": ONE_ROW}, ("critical operating point: wear specific",)),
 }  # fmt: skip
