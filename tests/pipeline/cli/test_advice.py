@@ -100,7 +100,8 @@ CASES = {
     ),
     "options of a width": Case(
         "infer small.toml --contact-width '0.2 mm'", "also needs (--load) and (--velocity)",
-        "infer small.toml --contact-width '0.12 mm' {} '400 N' {} '4 m/s'", "specific wear rate",
+        "infer small.toml --contact-width '0.12 mm' {} '400 N' {} '4 m/s'",
+        "each further second at full load lowers the rate by about",
     ),
     # tables of operating points
     "a column to ignore": Case(

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.answers.answer_lines import closing_lines
 from pipeline.cli import main
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.run import cluster
@@ -48,7 +49,10 @@ def store(swept):
 def test_run_again_has_nothing_left_to_do(scene, store, irg):
     run = irg("run", scene, "-o", store, "--json", "--workers", 1)
     assert (run["points"], run["done"], run["computed"], run["failed"]) == (9, 9, 0, 0)
-    assert f"next: irg boundary {store}, irg plot {store}\n" in irg("run", scene, "-o", store)
+    output = irg("run", scene, "-o", store)
+    assert f"next: irg boundary {store}, irg plot {store}\n" in output
+    boundary = " ".join(closing_lines(pipeline.boundary(store)))
+    assert boundary in " ".join(output.split())
 
 
 def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
