@@ -76,6 +76,7 @@ def test_a_table_of_western_excel_and_a_workbook_are_read(tmp_path):
         ("load [N],velocty [m/s]\n300,1.5\n", r'did you mean "velocity"'),
         (f"{HEADS},surface speed [m/s]\n300,1.5,3\n", r'"surface speed \[m/s\]" has numbers'),
         (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 may be 1200 or 1\.200"),
+        (f'{HEADS}\n"1,200,000",1.5\n', "may be 1200000; write it without marks of thousands"),
         (HEADS, "has no rows below its headings"),
         ("\x00\x01\x02\x03" * 99, "is binary"),
     ],
