@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from pipeline import load_scene, new_scene, to_si
 from pipeline.arguments import in_count, in_si
@@ -119,6 +120,8 @@ QUANTITIES = {
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
     "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
     "count": (lambda: in_count("samples", 1.5), "samples is 1.5"),
+    "a frame": (lambda: in_si("load", pd.DataFrame({"load": [4.0]}), "750 N"),
+                "load is a table; give one of its columns"),
     "share": (lambda: share_of("ten"), '"ten" is not a number; give one such as 0.1'),
 }
 
