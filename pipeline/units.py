@@ -147,7 +147,8 @@ def to_si(text: str, like: str) -> float:
     """
     for name, quantity in {"text": text, "like": like}.items():
         if not isinstance(quantity, str):
-            raise UnitError(f"{name} is {f'{quantity!r}':.80}; give a number with a unit as text")
+            words = " ".join(repr(quantity).split())  # an array has several lines
+            raise UnitError(f"{name} is {words:.80}; give a number with a unit as text")
     value = float(exact_si(text, like))
     if math.isinf(value):
         raise UnitError(f"{_quoted(text)} is too large")
