@@ -198,6 +198,16 @@ def test_each_operation_of_xarray_works_on_fields_with_and_without_chunks(rows_s
             assert operation(fields).compute().data_vars.keys() == {*FIELDS}, name
 
 
+def test_a_name_is_that_of_a_store_in_results_and_a_path_is_not(tiny_store, tmp_path, monkeypatch):
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results/tiny.zarr").symlink_to(tiny_store)
+    monkeypatch.chdir(tmp_path)
+    assert pipeline.open_sweep("tiny").identical(pipeline.open_sweep(tiny_store))
+    for path in ("other/tiny", "tiny.zarr"):
+        with pytest.raises(tribo.TriboError, match=path):
+            pipeline.open_sweep(path)
+
+
 def test_means_over_realizations_keep_the_times_of_steps(path):
     sweep = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), case_table=surface_table((1, 2)))
     commit_all(path, sweep)
