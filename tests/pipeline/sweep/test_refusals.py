@@ -115,6 +115,7 @@ REFUSALS = {
                    "this version has no SceneWarning.later"),
     "many loads": (data(loads=[*range(1, 5002)]), "has 5001 loads; at most 5000 can be kept"),
     "no data": (lambda: sweep_of_plain({}, {}), "this version needs 'base', which is missing"),
+    "bias": (lambda: replace(tiny.sweep().base, model_bias=1.2), "model bias 1.2 and scatter"),
     "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
     "place of a test": (lambda: SpecimenTest(1.0, 1.0, None, velocity_step=2.0), "out of range"),
     "difference": (data(cases=[{"no": 1}]), "Case has no no"),
