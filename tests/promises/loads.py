@@ -49,7 +49,8 @@ def searched(kind, load_count, accuracy, planes):
 
 def shares_of(verdicts):
     """Shares of loads, and of positions between them, whose stated error holds (n_plane, 2)."""
-    return np.array([(v.is_held_at.mean(), v.is_held_between.mean()) for v in verdicts])
+    held = [(verdict.is_held_at, verdict.is_held_between) for verdict in verdicts]
+    return np.array([(at_loads.mean(), between.mean()) for at_loads, between in held])
 
 
 def search_row(kind, load_count, accuracy, verdicts):
@@ -63,9 +64,11 @@ def search_row(kind, load_count, accuracy, verdicts):
 
 def kind_row(kind, shares):
     """Table row of the `shares` of planes (n_plane, 2), and True if both may be 95 %."""
-    mean, standard_error = shares.mean(axis=0), shares.std(axis=0, ddof=1) / len(shares) ** 0.5
-    cells = [f"{100 * m:.1f} ± {100 * e:.1f} %" for m, e in zip(mean, standard_error, strict=True)]
-    may_hold = (mean + MAX_DISTANCE * standard_error >= MIN_HELD).all()
+    means, errors = shares.mean(axis=0), shares.std(axis=0, ddof=1) / len(shares) ** 0.5
+    cells = [
+        f"{100 * mean:.1f} ± {100 * error:.1f} %" for mean, error in zip(means, errors, strict=True)
+    ]
+    may_hold = (means + MAX_DISTANCE * errors >= MIN_HELD).all()
     return (kind, len(shares), *cells), bool(may_hold)
 
 

@@ -120,10 +120,14 @@ QUANTITIES = {
     "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
     "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
     "count": (lambda: in_count("samples", 1.5), "samples is 1.5"),
-    "an array": (lambda: to_si(np.eye(2), "1 N"),
-                 "text is array([[1., 0.], [0., 1.]]); give a number with a unit as text"),
-    "a frame": (lambda: in_si("load", pd.DataFrame({"load": [4.0]}), "750 N"),
-                "load is a table; give one of its columns"),
+    "an array": (
+        lambda: to_si(np.eye(2), "1 N"),
+        "text is array([[1., 0.], [0., 1.]]); give a number with a unit as text",
+    ),
+    "a frame": (
+        lambda: in_si("load", pd.DataFrame({"load": [4.0]}), "750 N"),
+        "load is a table; give one of its columns",
+    ),
     "share": (lambda: share_of("ten"), '"ten" is not a number; give one such as 0.1'),
 }
 
