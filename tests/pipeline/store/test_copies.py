@@ -29,7 +29,8 @@ from tests.helpers.stores import (
 )
 
 SWEEP = tiny.full()
-LARGER = tiny.full(loads=(100.0, *tiny.LOADS))
+TWO_POINTS = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
+THREE_POINTS = tiny.full(loads=(100.0, 150.0, 600.0), velocities=(0.5,))
 CHUNK = "mean_rise/c.0.0.0"
 
 
@@ -54,7 +55,7 @@ def grow_until(renames, path):
         patch.setattr(Path, "rename", rename_some)
         patch.setattr(create, "sync", killed)  # after the second rename
         with pytest.raises(Killed):
-            commit(path, LARGER, ())
+            commit(path, THREE_POINTS, ())
 
 
 def cut(*keys):
@@ -62,7 +63,8 @@ def cut(*keys):
 
     def harm(copy):
         for file in (copy / key for key in keys):
-            file.write_bytes(file.read_bytes()[:100])
+            content = file.read_bytes()
+            file.write_bytes(content[: len(content) // 2])
 
     return harm
 
@@ -88,12 +90,12 @@ def killed_growths(tmp_path_factory):
     """Folders with a store whose growth was killed after 0, 1 and 2 renames."""
     folders = [tmp_path_factory.mktemp(f"{renames}-renames") for renames in range(3)]
     for renames, folder in enumerate(folders):
-        commit(folder / "tiny.zarr", SWEEP)
+        commit(folder / "tiny.zarr", TWO_POINTS)
         grow_until(renames, folder / "tiny.zarr")
     return folders
 
 
-@pytest.mark.parametrize("sweep", [SWEEP, LARGER], ids=["same scene", "larger scene"])
+@pytest.mark.parametrize("sweep", [TWO_POINTS, THREE_POINTS], ids=["same scene", "larger scene"])
 @pytest.mark.parametrize("kill", KILLS)
 def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on(
     kill, sweep, path, killed_growths
@@ -102,9 +104,9 @@ def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on
     shutil.copytree(killed_growths[renames], path.parent, dirs_exist_ok=True)
     assert beside(path, NEW).exists() or renames == 2
     harm(beside(path, ending))
-    assert find_sweep(path).velocities == SWEEP.velocities
+    assert find_sweep(path).velocities == TWO_POINTS.velocities
     commit(path, sweep, ())
-    assert_is_as_computed(path, points(SWEEP))
+    assert_is_as_computed(path, points(TWO_POINTS))
     assert verify_store(path).is_clean
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
@@ -117,7 +119,7 @@ def test_a_copy_that_cannot_be_read_is_not_deleted_for_a_damaged_one(path, kille
     cut(CHUNK)(beside(path, OLD))
     before = contents(path.parent)
     with pytest.raises(StoreError, match=r"irg-new: its about/zarr\.json is damaged"):
-        commit(path, SWEEP, ())
+        commit(path, TWO_POINTS, ())
     after = {key: content for key, content in contents(path.parent).items() if "lock" not in key}
     assert after == before
 
@@ -141,7 +143,7 @@ SEVERAL = tiny.sweep(
 )
 
 
-@pytest.mark.parametrize("sweep", [SWEEP, SEVERAL, tiny.sweep(loads=(150.0,))])
+@pytest.mark.parametrize("sweep", [TWO_POINTS, SEVERAL, tiny.sweep(loads=(150.0,))])
 def test_a_store_that_has_lost_both_is_restored_by_the_scene_of_its_points(path, sweep):
     commit_all(path, sweep)
     commit(path, sweep, ())
@@ -164,12 +166,12 @@ def test_a_store_that_has_lost_both_is_restored_by_the_scene_of_its_points(path,
 
 @pytest.mark.parametrize("name", ["x", "pressure", "field_realization"])
 def test_a_store_without_the_folder_of_an_array_of_fields_is_extended_by_realizations(path, name):
-    axes = {"loads": (150.0, 600.0), "velocities": (0.5,)}
+    axes = {"loads": (150.0,), "velocities": (0.5,)}
     commit_all(path, tiny.full(**axes, case_table=surface_table((3,))))
     shutil.rmtree(path / "fields" / name)
     commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
     assert verify_store(path).is_clean
-    assert summary(path).done == 4
+    assert summary(path).done == 2
 
 
 @pytest.mark.parametrize("harm", [Path.unlink, lambda file: file.write_text("{}")])
@@ -196,8 +198,8 @@ def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
 
 @pytest.mark.parametrize("key", [FACTS, ROOT])
 def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path, key):
-    sweep = dataclasses.replace(SWEEP, text='radius = "2 mm"\n')
-    commit_all(path, sweep)
+    sweep = dataclasses.replace(TWO_POINTS, text='radius = "2 mm"\n')
+    commit(path, sweep)
     commit(path, sweep, ())
     before = contents(path)
     content = bytearray(before[key])
