@@ -168,6 +168,9 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     _require_sweep(ds, sweep)
     tests, dims = _test_points(ds, sweep), case_dims(ds)
     sizes = [ds.sizes[dim] for dim in dims]
+    ds = ds.drop_vars(FIELDS, errors="ignore")  # they are large, and no answer needs them
+    if dims:
+        ds = ds.compute()  # each variable once, and not once for each case
     parts = (ds.isel(dict(zip(dims, index, strict=True))) for index in np.ndindex(*sizes))
     return [_results_of_case(part, sweep, tests) for part in parts]
 
@@ -218,8 +221,6 @@ def _results_of_case(
         if not coordinate.ndim and key not in (*COORDINATES, "realization")
     }
     ds = ds.reset_coords([key for key in PROGRESS if key in ds.coords])
-    # `expand_dims` reads all values, but fields are large, and no answer needs them.
-    ds = ds.drop_vars(FIELDS, errors="ignore")
     ds = ds.expand_dims([dim for dim in SPECIMEN_DIMS if dim not in ds["status"].dims])
     is_moving = ds["velocity"] > 0
     if is_moving.any() and not is_moving.all():
