@@ -61,8 +61,11 @@ def noting(log):
 
 
 @contextmanager
-def computing(records, pace):
-    """Context: "compute" points in this process from their records, and write each at once."""
+def computing(records, pace, writes_each=True):
+    """Context: "compute" points in this process from their records, and write each at once.
+
+    If `writes_each` is False, all are written at the end.
+    """
 
     watch = mock.Mock(**{"cpu_time.return_value": 0.0})
 
@@ -70,7 +73,8 @@ def computing(records, pace):
         with Writer(store) as writer:
             while queue:
                 writer.add([record_of(records, store.sweep, queue.take("here").point)])
-                tally.count(writer.flush(), 1)
+                if writes_each or not queue:
+                    tally.count(writer.flush(), 1)
                 time.sleep(pace)
 
     with (

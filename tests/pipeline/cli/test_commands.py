@@ -171,7 +171,8 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     assert "(90 % range, from the prior)" in untested_output.replace("\n    ", " ")
     assert other["probability"] > row["probability"]
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
-    irg("run", tested, "-o", "results/tested.zarr", "--workers", 1)
+    plane = "--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s"]'
+    irg("run", tested, *plane, "-o", "results/tested.zarr", "--workers", 1)
     (stored,) = irg(*point, "--json")  # the tests are those of the store
     assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 

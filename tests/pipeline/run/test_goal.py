@@ -172,7 +172,8 @@ def test_velocities_of_a_coarse_sweep_become_more_where_the_goal_needs_them(tmp_
 def test_a_critical_temperature_from_tests_is_found_before_the_boundary_is_searched(tmp_path):
     with_tests = {name: value for name, value in SMALL.items() if name != "without"}
     sweep = pipeline.load_scene(
-        "first_try", overrides={**with_tests, "temperature.critical": "from tests"}
+        "first_try",
+        overrides={**with_tests, "temperature.critical": "from tests", "sweep.loads": ["750 N"]},
     )
     outcome = run(sweep, tmp_path / "a.zarr", 0.06)
     assert outcome.tests.done == outcome.tests.total == 4
