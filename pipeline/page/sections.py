@@ -151,10 +151,11 @@ def common_sections(
         f"{name.replace('_', ' ')} {quoted(value)}"
         for name, value in asdict(sweep.scene.fidelity).items()
     ]
+    settings = f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
     origin = [
         *str(ds.attrs.get("history", "")).splitlines(),
         f"scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
-        f"preset {sweep.preset}: {', '.join(choices)}",
+        f"{settings}: {', '.join(choices)}",
         f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
         _PAPER,
     ]

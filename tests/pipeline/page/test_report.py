@@ -168,6 +168,9 @@ REPORTS = {
         lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {},
         ("motion", "slide roll ratio", "0.5"),
     ),
+    "custom settings": (
+        lambda: plane(preset=None), {}, ("custom numerical settings: pixels per element 1,",),
+    ),
     "a row": (plane, {"points": ONE_ROW}, ("critical operating point: wear specific",)),
 }  # fmt: skip
 
