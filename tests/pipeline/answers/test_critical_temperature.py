@@ -77,6 +77,9 @@ def brute_force(tests, points, bias=0.15, scatter=0.055):
 CASES = {
     "a bracket": [(400.0, 1.2, BULK, "mild"), (400.0, 1.9, BULK, "severe")],
     "transitions": [(300.0, 2.0, BULK, "transition"), (500.0, 1.6, BULK, "transition")],
+    "another bulk temperature": [
+        (400.0, 0.8, WARM, "mild"), (400.0, 1.4, WARM, "severe"),
+    ],
     "two bulk temperatures": [
         (300.0, 2.0, BULK, "transition"), (500.0, 0.9, WARM, "transition"),
         (400.0, 0.6, WARM, "mild"),
