@@ -39,7 +39,7 @@ PHYSICS = {
 
 @pytest.fixture
 def scene(tmp_path):
-    text = SCENE.replace("increments = 10", "increments = 4").replace("fields = true", "")
+    text = SCENE.replace("increments = 10", "increments = 2").replace("fields = true", "")
     (tmp_path / "scene.toml").write_text(text)
     return tmp_path / "scene.toml"
 
