@@ -40,7 +40,6 @@ MAX_CHANGE = 40.0
 _BIN_WIDTH = 0.25  # difference of biases over the scatter, within which they are merged
 NEGLIGIBLE_PAIR = 1e-11
 """Largest weight of an omitted pair of node and bias."""
-_BLOCK = 8  # entries of a table that are computed at once
 _TABLE = np.sinh(np.linspace(-7.8, 7.8, 301)) * 0.05  # y at which P is computed, to ±61
 
 
@@ -95,35 +94,19 @@ class Posterior:
     table: Array = field(default_factory=_TABLE.copy)  #: y at which P is computed.
 
     @functools.cached_property
-    def _probits(self) -> Array:
-        """Probit of P at each y of the table; NaN where `_compute` has not been called."""
-        return np.full(len(self.table), np.nan)
-
-    def _compute(self, first: int, last: int) -> None:
-        """Compute the probits of table entries `first` to `last`, in fixed blocks of entries.
-
-        A sum over all nodes takes a tenth of a millisecond, and most points need few entries.
-        """
-        for start in range(first - first % _BLOCK, last + 1, _BLOCK):
-            block = slice(start, start + _BLOCK)
-            if np.isnan(self._probits[block]).any():
-                y = self.table[block, None]
-                probabilities = ndtr((y + self.bias) / self.scatter) @ self.weights
-                self._probits[block] = ndtri(np.clip(probabilities, 1e-300, 1 - 1e-16))
+    def _probit(self) -> Pchip:
+        """Probit of P over y, which is nearly straight."""
+        probabilities = [
+            ndtr((y[:, None] + self.bias) / self.scatter) @ self.weights
+            for y in np.array_split(self.table, 40)
+        ]
+        probits = ndtri(np.clip(np.concatenate(probabilities), 1e-300, 1 - 1e-16))
+        return Pchip(self.table, probits[:, None])
 
     def probit(self, y: Array) -> Array:
-        """Probit of the probability of severe wear at each of `y`; it is nearly straight over y."""
+        """Probit of the probability of severe wear at each of `y`."""
         clipped = np.clip(np.nan_to_num(y), self.table[0], self.table[-1])
-        if not clipped.size:
-            return clipped
-        # The slope of the cubic at an entry depends on both of its neighbours.
-        ends = np.array([clipped.min(), clipped.max()])
-        first, last = np.searchsorted(self.table, ends, "right").tolist()
-        first, last = max(first - 2, 0), min(last + 1, len(self.table) - 1)
-        self._compute(first, last)
-        entries = slice(first, last + 1)
-        curve = Pchip(self.table[entries], self._probits[entries, None])
-        return np.where(np.isnan(y), np.nan, curve.at(clipped, np.zeros(clipped.shape, int)))
+        return np.where(np.isnan(y), np.nan, self._probit.at(clipped, np.zeros(clipped.shape, int)))
 
     def probability(self, y: Array) -> Array:
         """Probability of severe wear at each of `y`."""
@@ -131,12 +114,9 @@ class Posterior:
 
     def level(self, probability: float) -> float:
         """The y at which severe wear has this probability."""
-        target, low, high = ndtri(probability), 0, len(self.table) - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            self._compute(middle, middle)
-            low, high = (middle, high) if self._probits[middle] < target else (low, middle)
-        bracket = self.table[low : low + 1], self.table[high : high + 1]
+        target, probits = ndtri(probability), self._probit.y[:, 0]
+        i = int(np.clip(np.searchsorted(probits, target), 1, len(probits) - 1))
+        bracket = (self.table[i - 1 : i], self.table[i : i + 1])
         return float(roots(lambda y: self.probit(y) - target, *bracket)[0])
 
 
