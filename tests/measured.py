@@ -77,8 +77,8 @@ def searches(text, _):
     counts = "; ".join(f"{accuracy}: {', '.join(texts)}" for accuracy, texts in points.items())
     lowest = min(kinds, key=lambda row: float(row[2].split()[0]))
     return (
-        f"at {at} of loads, {between} of positions between them; least {lowest[2]} of loads "
-        f"({lowest[0]}); {counts}"
+        f"{at} of loads, {between} of positions between them; least {lowest[2]} ({lowest[0]}); "
+        f"{counts}"
     )
 
 
