@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zarr
 
 import pipeline
 import tribo
@@ -178,6 +179,16 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(
     assert messages == (expected if count else [])
     assert stored(path) == before
     assert pipeline.verify_store(path).is_clean
+
+
+def test_statuses_and_coordinates_are_one_chunk_and_results_are_not(path):
+    loads, velocities = np.linspace(100.0, 600.0, 40), np.linspace(0.5, 1.5, 41)
+    commit(path, tiny.sweep(loads=tuple(loads.tolist()), velocities=tuple(velocities.tolist())), ())
+    group = zarr.open_group(path, mode="r")
+    is_whole = {name: array.chunks == array.shape for name, array in group.arrays()}
+    assert is_whole["status"]
+    assert is_whole["velocity"]
+    assert not is_whole["mean_rise"]
 
 
 def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
