@@ -221,6 +221,12 @@ def facts_of(ds, *point, **conditions):
     return dict(margin_facts(pipeline.margin(ds, *point, **conditions)))
 
 
+def test_a_critical_value_is_stated_or_why_there_is_none():
+    facts = facts_of(synthetic.sweep(velocities=(1.0, 1.5, 2.0)), 200.0, 1.9)
+    assert facts["critical velocity"] == "mild over the whole sweep"
+    assert re.fullmatch(r"\d+ N, safety factor [\d.]+", facts["critical load"])
+
+
 @pytest.mark.parametrize(
     ("point", "ending"),
     [
