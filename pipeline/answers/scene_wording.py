@@ -179,11 +179,15 @@ def _describe_warning(warning: SceneWarning) -> str:
 def model_words(sweep: Sweep) -> str:
     """Surface, wear pattern and preset of a scene, to which its critical temperature belongs."""
     surface, wear = sweep.scene.roughness, sweep.scene.wear
-    preset = f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
     kinds = {type(None): "a smooth surface", SelfAffineRoughness: "a random surface"}
     kind = kinds.get(type(surface), "a measured surface")
     pattern = f"wear pattern {wear.pattern}" if wear else "no wear"
-    return f"{kind}, {pattern}, {preset}"
+    return f"{kind}, {pattern}, {settings_words(sweep)}"
+
+
+def settings_words(sweep: Sweep) -> str:
+    """The preset of a sweep, or that it has none."""
+    return f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
 
 
 def value_words(axis: xr.DataArray, value: float | str) -> str:

@@ -20,6 +20,7 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.readable import attribute_texts
 from pipeline.answers.results import case_dims, sweep_of
+from pipeline.answers.scene_wording import settings_words
 from pipeline.figures.diagram import diagram
 from pipeline.figures.tests_figure import draw_tests
 from pipeline.frames import without_columns
@@ -151,11 +152,10 @@ def common_sections(
         f"{name.replace('_', ' ')} {quoted(value)}"
         for name, value in asdict(sweep.scene.fidelity).items()
     ]
-    settings = f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
     origin = [
         *str(ds.attrs.get("history", "")).splitlines(),
         f"scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
-        f"{settings}: {', '.join(choices)}",
+        f"{settings_words(sweep)}: {', '.join(choices)}",
         f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
         _PAPER,
     ]
