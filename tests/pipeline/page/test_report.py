@@ -166,7 +166,7 @@ REPORTS = {
     ),
     "a rolling pin": (
         lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {},
-        ("motion", "slide roll ratio", "0.5"),
+        ("slide roll ratio 0.5",),
     ),
     "custom settings": (
         lambda: plane(preset=None), {}, ("custom numerical settings: pixels per element 1,",),

@@ -148,7 +148,7 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
     commit(path, first)
     opened_before = [opened_plainly()]
     # Indices of points change, and change back.
-    for load, velocity in ((200.0, 0.5), (100.0, 0.5), (600.0, 1.0)):
+    for load, velocity in ((200.0, 0.5), (100.0, 0.5), (900.0, 0.5), (600.0, 1.0)):
         commit(path, tiny.full(loads=(load,), velocities=(velocity,)))
         reopened = [ds.load() for ds in opened_plainly()]
         for datasets in opened_before:
