@@ -14,7 +14,3 @@ MAX_FAULTS = 100
 """Most faults of a scene that are listed; from then on the scene is not read further."""
 MAX_HINTS = 20
 """Most unknown keys for which similar ones are looked up."""
-MAX_BYTES_OF_ROOT = 10_000_000
-"""Most bytes of a document of a store. 5000 rows with six entries take 2.5 MB."""
-MAX_MARKS_OF_ROOT = 600_000
-"""Most brackets and commas in a document of a store: 5000 rows with six entries take 220 000."""

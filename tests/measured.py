@@ -251,8 +251,7 @@ ROWS = {
         faults("power", "cuts", "cuts"),
     ),
     "damage": Row(
-        "bits of files are flipped; files are cut, zeroed, swapped, deleted, or replaced by older "
-        "ones",
+        "bits of files are flipped; files are cut, zeroed, deleted, or replaced by older ones",
         STORE,
         "python -m tests.crash damage",
         "--trials 20",
@@ -260,8 +259,7 @@ ROWS = {
         faults("damage", "(?!seconds|faults|looks|ack|trials)", "files"),
     ),
     "pairs": Row(
-        "a kill, then a cut file, a removed folder, a full disk or a second driver, before the "
-        "first fault is repaired",
+        "a kill, then a full disk or a second driver, before the first fault is repaired",
         STORE,
         "python -m tests.crash pairs",
         "--trials 120",

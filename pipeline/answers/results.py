@@ -58,7 +58,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Parameters
     ----------
     path : str or path
-        Path or URL of a store made by `pipeline.run_sweep`, which may still be running; or the
+        Path of a store made by `pipeline.run_sweep`, which may still be running; or the
         name of a scene, whose store is in ``results``.
 
     Returns

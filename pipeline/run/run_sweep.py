@@ -21,14 +21,13 @@ from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
-from pipeline.store.copies import find_sweep
-from pipeline.store.create import enlarged, versions, writing
-from pipeline.store.location import Folder, PathLike, location_of
+from pipeline.store.create import enlarged, find_sweep, versions, writing
+from pipeline.store.location import PathLike
+from pipeline.store.points import copy_points
 from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
-from pipeline.store.transfer import copy_points
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.stored import require_stored_classes
 from pipeline.sweep.sweep import Sweep
@@ -131,7 +130,7 @@ def run_sweep(
     require_free_names(sweep)  # before a folder is made
     require_stored_classes(sweep)
     old_sweep, source_store = find_sweep(out), None if source is None else opened(source)
-    goal = None if accuracy is None else _goal_of(sweep, old_sweep, out, accuracy, report)
+    goal = None if accuracy is None else GoalRun(sweep, old_sweep, accuracy, report)
     sweep = goal.sweep if goal else sweep
     with writing(out, sweep, report, goal.accuracy if goal else None) as store:
         for note in _notes_on_resuming(store, old_sweep) if old_sweep else ():
@@ -153,19 +152,6 @@ def run_sweep(
         wall_time=time.monotonic() - began,
         cpu_time=time.process_time() - began_cpu_time + cpu_time,
         tests=summary.tests,
-    )
-
-
-def _goal_of(
-    sweep: Sweep, old_sweep: Sweep | None, out: PathLike, accuracy: float | str, report: Report
-) -> GoalRun:
-    """Goal of a run; `InputError` if its store could not be enlarged for it."""
-    goal = GoalRun(sweep, old_sweep, accuracy, report)
-    if goal.is_fixed or isinstance(location_of(out), Folder):
-        return goal
-    raise InputError(
-        f"{out} is an object store, whose plane is fixed, and an accuracy may need further surface "
-        "realizations; run it into a folder, or list the seeds: sweep.realizations = [1, 2, 3]"
     )
 
 

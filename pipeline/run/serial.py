@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from pipeline.progress import Progress, Report, silent
+from pipeline.store.points import copy_points
 from pipeline.store.store import Store
-from pipeline.store.transfer import copy_points
 from pipeline.sweep.plan import PointRecord, choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point
 from tribo import TriboError

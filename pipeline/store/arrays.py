@@ -1,4 +1,4 @@
-"""Zarr arrays of a store: their metadata, derived from the schema, and their chunks by key.
+"""Zarr arrays of a store: their metadata, derived from the schema, and their chunks.
 
 The metadata on the disk are for other programs; this program opens its arrays without them.
 """
@@ -6,23 +6,22 @@ The metadata on the disk are for other programs; this program opens its arrays w
 from __future__ import annotations
 
 import asyncio
-import errno
-import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
-from zarr.abc.store import Store
+from zarr.abc.store import ByteRequest, Store
 from zarr.codecs import ZstdCodec
-from zarr.core.buffer import Buffer, default_buffer_prototype
-from zarr.core.sync import sync
-from zarr.storage import StorePath
+from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
+from zarr.core.sync import sync as run
+from zarr.storage import LocalStore, MemoryStore, StorePath
 
-from pipeline.limits import MAX_BYTES_OF_ROOT, MAX_MARKS_OF_ROOT
-from pipeline.store.folder_store import FolderStore
-from pipeline.store.location import Location
+from pipeline.paths import read_file
+from pipeline.store.files import store_file, sync
+from pipeline.store.location import MEMORY
 from pipeline.store.schema import Variable, attributes_of, path_of
 
 if TYPE_CHECKING:
@@ -39,13 +38,49 @@ _MAX_TEXT_BYTES = 2**16  # bytes of a text; messages have up to 2000 characters
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
+class FolderStore(LocalStore):
+    """Zarr store of a folder, whose files are replaced as a whole and synced to the disk.
+
+    Only regular files are read. `max_bytes` has the largest size of a chunk by the path of its
+    array. `touched` has the folders with new files, whose names `write_arrays` syncs at its end.
+    """
+
+    def __init__(self, root: Path) -> None:
+        super().__init__(root)
+        self.max_bytes: dict[str, int] = {}
+        self.touched: set[Path] = set()
+
+    async def get(
+        self,
+        key: str,
+        prototype: BufferPrototype | None = None,
+        byte_range: ByteRequest | None = None,
+    ) -> Buffer | None:
+        """Content of the file `key`; None if there is none."""
+        make = (prototype or default_buffer_prototype()).buffer.from_bytes
+        max_bytes = self.max_bytes.get(key.rpartition("/")[0])
+        try:
+            return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
+        except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+            return None
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Create or replace the file `key`."""
+        self.touched.add(await asyncio.to_thread(store_file, self.root, key, value.to_bytes()))
+
+
+def zarr_store(location: Path) -> FolderStore | MemoryStore:
+    """Zarr store at a location."""
+    return MemoryStore() if location == MEMORY else FolderStore(location)
+
+
 def array_document(
     variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], growths: int = 0
 ) -> Document:
     """Zarr metadata of a variable, as Zarr writes them.
 
     `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each,
-    and `growths` is the number of times that its chunks were written anew, for other points.
+    and `growths` is the number of times that its store was replaced.
     """
     is_text, dims = variable.dtype == "str", variable.dims
     if is_text:
@@ -63,7 +98,7 @@ def array_document(
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": _FILLS.get(variable.dtype, 0),
-        # Each growth changes the number of checksums, so that a dataset opened before it cannot
+        # Each new store has another number of checksums, so that a dataset opened before it cannot
         # decode the new chunks, which have other points at the same keys.
         "codecs": [first, {"name": "zstd", "configuration": _ZSTD}, *checksums],
         "attributes": attributes_of(variable),
@@ -71,11 +106,6 @@ def array_document(
         "zarr_format": 3,
         "node_type": "array",
     }
-
-
-def growths_of(document: Document) -> int:
-    """Number of growths, modulo the largest number of checksums, in the metadata of an array."""
-    return [codec["name"] for codec in document["codecs"]].count("crc32c")
 
 
 class _BoundedZstd(ZstdCodec):
@@ -118,53 +148,11 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
-def write_arrays(location: Location, arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
-    """Write parts of arrays."""
-    sync(
-        _all(
-            arrays[name].async_array.setitem(selection, values) for name, selection, values in parts
-        )
-    )
-    location.sync()
-
-
-def write_documents(location: Location, documents: Mapping[str, Document]) -> None:
-    """Create or replace documents of a store, by key."""
-    to_buffer = default_buffer_prototype().buffer.from_bytes
-    contents = {
-        key: to_buffer(json.dumps(document).encode()) for key, document in documents.items()
-    }
-    sync(_all(location.zarr.set(key, content) for key, content in contents.items()))
-    location.sync()
-
-
-def read_document(location: Location, key: str) -> bytes | None:
-    """Content of the document `key`; None if there is none.
-
-    Raises a ValueError for a document that would take too much time and memory to parse.
-    """
-    try:
-        buffer = sync(location.zarr.get(key, default_buffer_prototype()))
-    except OSError as error:
-        if error.errno != errno.EFBIG:
-            raise
-        raise ValueError(error.strerror) from error
-    if buffer is None:
-        return None
-    content: bytes = buffer.to_bytes()
-    if problem := find_excess(content):
-        raise ValueError(problem)
-    return content
-
-
-def find_excess(content: bytes, proportion: float = 1.0) -> str:
-    """What a document has more of than a `proportion` of the limits; else empty."""
-    max_bytes, max_marks = proportion * MAX_BYTES_OF_ROOT, proportion * MAX_MARKS_OF_ROOT
-    if len(content) > max_bytes:
-        return f"it has {len(content) / 1e6:.4g} MB; at most {max_bytes / 1e6:.4g} MB are read"
-    if (marks := sum(map(content.count, (b"[", b"{", b",")))) > max_marks:
-        return f"it has {marks} brackets and commas; at most {max_marks:.0f} are read"
-    return ""
+def write_arrays(store: Store, arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
+    """Write parts of arrays; return once they are on the disk."""
+    run(_all(arrays[name].async_array.setitem(at, values) for name, at, values in parts))
+    while isinstance(store, FolderStore) and store.touched:
+        sync(store.touched.pop())
 
 
 async def _all(tasks: Iterable[Any]) -> None:

@@ -1,7 +1,7 @@
-"""Create a store, open it to add points, and enlarge it.
+"""Create a store, or open it to add points.
 
-A folder is written under another name and renamed when it is complete. The plane of a store is
-fixed: if a run needs further points, a larger store is written and replaces it::
+The points of a store are fixed. If a run needs further ones, or some are damaged, a new store is
+written next to the old one, with all its sound points, and takes its place::
 
     NAME.zarr.irg-lock  is the lock of all of these
     NAME.zarr.irg-new   is written, with the points of NAME.zarr
@@ -9,49 +9,48 @@ fixed: if a run needs further points, a larger store is written and replaces it:
     NAME.zarr.irg-new → NAME.zarr
     NAME.zarr.irg-old   is deleted
 
-If the process dies, up to three copies are left. The next run reads all of them, continues the one
-with most sound points, and deletes the others.
+If the process dies on the way, NAME.zarr or NAME.zarr.irg-old has all finished points.
 """
 
 from __future__ import annotations
 
 import functools
-import json
 import re
 import shlex
+import shutil
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib import metadata
-
-import numpy as np
+from pathlib import Path
 
 from pipeline.progress import Progress, Report, silent
-from pipeline.store.arrays import open_arrays, read_document, write_arrays, write_documents
-from pipeline.store.copies import keep_best_copy, remove_folder, root_or_restored
-from pipeline.store.damage import mend
-from pipeline.store.files import link_files, sync
+from pipeline.store.files import PARTIAL, sync
 from pipeline.store.location import (
+    MEMORY,
     NEW,
     OLD,
     ROOT,
-    Bucket,
-    DamagedError,
-    Folder,
-    Location,
     PathLike,
     StoreError,
     StoreMismatchError,
     io_errors,
     location_of,
+    sibling,
 )
 from pipeline.store.lock import Lock, locked
+from pipeline.store.points import find_damage, transfer
 from pipeline.store.resume import join, mismatches
-from pipeline.store.root import FACTS, GOAL_PREFIX, WRITER_PREFIX, Root, find_root, stale_documents
-from pipeline.store.schema import DONE, FAILED, FIELDS, PENDING, path_of
+from pipeline.store.root import (
+    FACTS,
+    GOAL_PREFIX,
+    WRITER_PREFIX,
+    Root,
+    find_root,
+    write_documents,
+)
+from pipeline.store.schema import DONE, FAILED
 from pipeline.store.store import Store
-from pipeline.store.transfer import transfer
-from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import NO_TEST, points
+from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Sweep
 
 _CHUNK = re.compile(r"c(\.\d+)*")
@@ -72,17 +71,13 @@ def writing(
     written.
     """
     location, notes = location_of(path), [f"{GOAL_PREFIX}{100 * accuracy:g}%"] if accuracy else []
-    if isinstance(location, Folder):
-        with suppress(DamagedError):  # it may be restored below
-            find_root(location)  # raises before a lock is created next to another program's files
-        with locked(location, progress) as lock:
-            keep_best_copy(location, sweep, progress)
-            yield _open(location, sweep, lock, progress, notes)
+    if location == MEMORY:
+        yield _open(location, sweep, None, progress)
         return
-    if not location.is_writable:
-        raise StoreError(f"{location} can only be read; write to a folder, or to s3://…")
-    progress(Progress(f"{location} cannot be locked: make sure that only one run writes to it"))
-    yield _open(location, sweep, None, progress, notes)
+    find_root(location)  # raises before a lock is created next to another program's files
+    with locked(location, progress) as lock:
+        _remove_leftovers(location)
+        yield _open(location, sweep, lock, progress, notes)
 
 
 def enlarged(store: Store, sweep: Sweep) -> Store:
@@ -90,40 +85,71 @@ def enlarged(store: Store, sweep: Sweep) -> Store:
     return _open(store.location, sweep, store.lock, silent)
 
 
+def find_sweep(path: PathLike) -> Sweep | None:
+    """Read the sweep that a run continues; None if there is none, `StoreError` for other content.
+
+    If a run was killed while it replaced its store, the sweep is that of the old one.
+    """
+    location = location_of(path)
+    root = find_root(location) or find_root(sibling(location, OLD))
+    return root.sweep if root else None
+
+
+def _remove_leftovers(location: Path) -> None:
+    """Delete what a killed run left; an old store that was not replaced yet is renamed back.
+
+    Raises a `StoreError` for a link in the place of a folder, through which files would be written.
+    """
+    new, old = sibling(location, NEW), sibling(location, OLD)
+    with io_errors(location, "written"):
+        if old.exists() and not location.exists():
+            old.rename(location)
+            sync(location.parent)
+        for folder in (new, old):
+            _remove_folder(folder)
+        for file in [*location.rglob("*")]:
+            if file.is_symlink() and file.is_dir():
+                raise StoreError(f"{file} is a link; replace it by the folder itself")
+            if file.name.endswith(PARTIAL):
+                file.unlink()
+
+
+def _remove_folder(folder: Path) -> None:
+    """Delete a folder, its root first: after a kill, what is left of it is no store."""
+    if folder.exists():
+        (folder / FACTS).unlink(missing_ok=True)
+        shutil.rmtree(folder)
+
+
 def _open(
-    location: Location,
+    location: Path,
     sweep: Sweep,
     lock: Lock | None,
     progress: Report,
     notes: Collection[str] = (),
 ) -> Store:
     """Create, enlarge or open the store of a sweep; `notes` are added to its history."""
-    before = root_or_restored(location, sweep, progress)
+    before = None if location == MEMORY else find_root(location)
     if before:
         _require_same_scene(location, before, sweep)
     joined = join(before.sweep if before else None, sweep)
     history = [*(before.history if before else ()), f"{WRITER_PREFIX}{versions()}", *notes]
-    root = Root.from_sweep(joined, history, before.growths if before else (0, 0))
-    root.require_small()
-    if before and before.layout == root.layout:
-        store = _update(location, root, lock, progress)
-    elif isinstance(location, Folder):
-        store = _replace(location, before, root, lock, progress)
-    elif before:
-        raise _not_extensible(location, "a plane on an object store cannot grow")
-    else:
+    root = Root.from_sweep(joined, history, before.plane.growths if before else 0)
+    if location == MEMORY:
+        store = _new_store(location, root, None)
+    elif before and before.layout == root.layout and _is_sound(location, before):
         with io_errors(location, "written"):
-            _write_without_points(location, root)
+            write_documents(location, root, location)
         store = Store(location, root, lock)
+    else:
+        store = _replace(location, before, root, lock, progress)
     store.ask(points(sweep))
     if store.tests:
-        rows = store.tests.sweep.case_table.by_name
-        test_points = points(store.tests.sweep)
-        store.tests.ask(point for point in test_points if rows[point.case][TEST] != NO_TEST)
+        store.tests.ask(points(store.tests.sweep))
     return store
 
 
-def _require_same_scene(location: Location, root: Root, sweep: Sweep) -> None:
+def _require_same_scene(location: Path, root: Root, sweep: Sweep) -> None:
     """Raise a `StoreMismatchError` if a sweep cannot continue a store."""
     if differences := [*mismatches(root.sweep, sweep)]:
         advice = "use the values of the store, or write to another store"
@@ -134,107 +160,60 @@ def _require_same_scene(location: Location, root: Root, sweep: Sweep) -> None:
         )
 
 
-def _update(location: Location, root: Root, lock: Lock | None, progress: Report) -> Store:
-    """Open a store that has all points of `root`, correct its documents, and mend its damage."""
-    with io_errors(location, "written"):
-        documents = stale_documents(location, root)
-        facts = {FACTS: documents.pop(FACTS)} if FACTS in documents else {}
-        write_documents(location, documents)
-        write_documents(location, facts)
-    if isinstance(location, Bucket):  # reading all data takes too long
-        return Store(location, root, lock)
-    store = Store(location, root, lock, may_be_damaged=True)
-    if count := sum(map(mend, store.groups)):
-        words = f"{location} had {count} damaged points or files, which are computed again"
-        progress(Progress(words))
+def _is_sound(location: Path, root: Root) -> bool:
+    store = Store(location, root, may_be_damaged=True)
+    return not any(find_damage(group) != ({}, []) for group in store.groups)
+
+
+def _new_store(location: Path, root: Root, lock: Lock | None) -> Store:
+    store = Store(location, root, lock, is_new=True)
+    for group in store.groups:
+        group.create()
     return store
 
 
-def _write_without_points(
-    location: Location,
-    root: Root,
-    before: Location | None = None,
-    stored: Collection[str] = (),
-) -> None:
-    """Write all of a store without points; the data of its sweep, which make it one, come last.
-
-    Attributes that users gave to the store `before` stay. The files of the variables `stored` are
-    in place.
-    """
-    documents = root.documents()
-    for key, document in documents.items():
-        with suppress(ValueError, KeyError, TypeError, RecursionError):  # a damaged document
-            old_document = json.loads(read_document(before, key) or b"{}") if before else {}
-            document["attributes"] = old_document["attributes"] | document["attributes"]
-    last = {key: documents.pop(key) for key in (FACTS, ROOT)}
-    write_documents(location, documents)
-    for group in root.groups:
-        arrays = open_arrays(location.zarr, group.arrays, group.prefix)
-        values = {"status": np.full(group.shape, PENDING, np.int8)} | group.coordinates
-        parts = [(name, ..., values[name]) for name in values.keys() - {*stored}]
-        write_arrays(location, arrays, parts)
-    write_documents(location, last)
-
-
-# Folders
-
-
 def _replace(
-    location: Folder, before: Root | None, root: Root, lock: Lock | None, progress: Report
+    location: Path, before: Root | None, root: Root, lock: Lock | None, progress: Report
 ) -> Store:
     """Write the store of `root` with the points of the old one, and replace that at `location`."""
-    new, old = location.sibling(NEW), location.sibling(OLD)
-    if foreign_key := next(_foreign_keys(location, before), None):
-        problem = f"{foreign_key}, which is not of this program, would be lost"
-        raise _not_extensible(location, problem)
-    stored = list[str]()
+    new, old = sibling(location, NEW), sibling(location, OLD)
     if before:
-        # The keys of chunks of fields stay the same if a growth adds only realizations.
-        keeps_fields = before.plane.fields.items() <= root.plane.fields.items()
-        stored = [*FIELDS] if keeps_fields and before.sweep.fields else []
-        growths, field_growths = before.growths
+        if foreign_key := next(_foreign_keys(location, before), None):
+            raise StoreError(
+                f"{location} cannot be extended or repaired: {foreign_key}, which is not of this "
+                "program, would be lost; write a new store and copy the points of this one: "
+                f"irg run SCENE -o NEW --from {shlex.quote(str(location))}"
+            )
         # Datasets that are open must not read values of other points.
-        next_growths = growths + 1, field_growths + (not keeps_fields)
-        root = Root.from_sweep(root.sweep, root.history, next_growths)
+        root = Root.from_sweep(root.sweep, root.history, before.plane.growths + 1)
     with io_errors(new, "written"):
-        _write_without_points(new, root, location if before else None, stored)
-        for path in map(path_of, stored):
-            link_files(location.path / path, new.path / path, _CHUNK)
+        write_documents(new, root, location)
+    store = _new_store(new, root, lock)
     if before:
-        targets = Store(new, root, lock).groups
-        sources = Store(location, before, may_be_damaged=True).groups
-        for target, source in zip(targets, sources, strict=False):
-            _, damaged, left_over = transfer(target, source, (DONE, FAILED), stored)
-            if left_over:
-                problem = f"{left_over} of its points, which are done, would be lost"
-                raise _not_extensible(location, problem)
-            if damaged:
-                words = f"{location} had {damaged} damaged points, which are computed again"
-                progress(Progress(words))
+        count, sources = 0, Store(location, before, may_be_damaged=True).groups
+        for target, source in zip(store.groups, sources, strict=False):
+            _, damaged_count = transfer(target, source, (DONE, FAILED))
+            count += damaged_count + len(source.unreadable)
+        if count:
+            words = f"{location} had {count} damaged points or files, which are computed again"
+            progress(Progress(words))
     with io_errors(location, "written"):
-        if location.path.exists():
-            location.path.rename(old.path)
-        new.path.rename(location.path)
-        sync(location.path.parent)
-        remove_folder(old)
+        if location.exists():
+            location.rename(old)
+        new.rename(location)
+        sync(location.parent)
+        _remove_folder(old)
     return Store(location, root, lock)
 
 
-def _foreign_keys(location: Folder, root: Root | None) -> Iterator[str]:
-    """Keys of the files and links below a folder that do not belong to its store."""
-    documents = root.documents() if root else {}
-    for key in sorted(location.keys()):
-        path, _, name = key.rpartition("/")
-        is_chunk = _CHUNK.fullmatch(name) and f"{path}/{ROOT}" in documents
-        if not (is_chunk or key in documents) or (location.path / key).is_symlink():
+def _foreign_keys(location: Path, root: Root) -> Iterator[str]:
+    """Paths of files and links below a folder that do not belong to its store."""
+    documents = root.documents()
+    for file in sorted(location.rglob("*")):
+        path, key = file.parent.relative_to(location), str(file.relative_to(location))
+        is_chunk = _CHUNK.fullmatch(file.name) and f"{path}/{ROOT}" in documents
+        if file.is_symlink() or not (is_chunk or key in documents or file.is_dir()):
             yield key
-
-
-def _not_extensible(location: Location, reason: str) -> StoreError:
-    return StoreError(
-        f"{location} cannot be extended: {reason}; write a new store and copy the points of this "
-        f"one into it: irg run SCENE -o NEW --from {shlex.quote(str(location))}"
-    )
 
 
 @functools.cache

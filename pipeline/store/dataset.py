@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,7 @@ from pipeline.store.schema import (
 )
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import NO_TEST, TEST_POINT
+from pipeline.sweep.plan import TEST_POINT
 from tribo import InputError
 
 
@@ -102,7 +101,7 @@ def _store_of(ds: xr.Dataset) -> Store | None:
 
 def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store without fields, as a dataset whose data are read when they are used."""
-    names = [k for k in store.group.variables if k != "checksum" and not is_in_fields(k)]
+    names = [name for name in store.group.variables if not is_in_fields(name)]
     variables = {name: _variable_of(store, name) for name in names}
     variables["status"].encoding["store"] = str(store.location)
     # Answers need the sweep, which stays in the attributes of datasets made from this one.
@@ -113,9 +112,9 @@ def _dataset_of(store: Store) -> xr.Dataset:
 
 def _fields_of(store: Store) -> xr.Dataset:
     """The group of fields of a store as a dataset whose data are read when they are used."""
-    group = store.group
     variables = {
-        name.removeprefix(f"{OF_FIELDS}/"): _variable_of(store, name) for name in group.fields
+        name.removeprefix(f"{OF_FIELDS}/"): _variable_of(store, name)
+        for name in filter(is_in_fields, store.group.variables)
     }
     return xr.Dataset(variables).set_coords(variables.keys() - FIELDS.keys())
 
@@ -141,7 +140,7 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
         return {}
     ds = _dataset_of(store.tests).drop_vars(TEST_STEP)
     order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
-    ds = ds.isel({TEST_POINT: order[ds[TEST].values[order] != NO_TEST]})
+    ds = ds.isel({TEST_POINT: order})
     names = [name for name in AT_TESTS if name in ds.variables]
     coordinates = {variable_of_tests(name): ds[name].variable for name in names}
     message = coordinates[variable_of_tests("message")]
@@ -175,11 +174,11 @@ class _MaskedVariable(BackendArray):
         inner = values.shape[sum(index.ndim for index in at) :]
         values = values.reshape(mask.shape + inner)
         if self._name in DATA:
-            self._require_written(values, mask, at, key[count:])
+            self._require_written(values, mask, key[count:])
         values[~mask] = self._array.fill_value
         return values.reshape([*(n for index in at for n in index.shape), *inner])
 
-    def _require_written(self, values: Any, done: Any, at: Sequence[Any], key: Any) -> None:
+    def _require_written(self, values: Any, done: Any, key: Any) -> None:
         """Raise a `DamagedError` if a value of a done point is missing.
 
         In a copy made while a run wrote, statuses may be newer than data.
@@ -192,14 +191,6 @@ class _MaskedVariable(BackendArray):
             if not last.size:  # the last step, which every point has, is not read
                 return
             values = values if np.ndim(steps) == 0 else np.take(values, last[0], done.ndim)
-        lost = np.isnan(values).reshape(*done.shape, -1).any(-1) & done
-        if lost.any():
-            is_lost, store = np.zeros_like(self._mask), self._store
-            is_lost[np.ix_(*map(np.atleast_1d, at))] = lost
-            is_lost_point = store.group.points_at_values(self._name, is_lost)
-            points = store.points_where(is_lost_point & (store.flags == DONE))
-            first, *more_points = map(store.group.to_text, points)
-            problem = f"is missing at {first}"
-            if more_points:
-                problem += f" and at {len(more_points)} more"
-            raise damaged(self._store.location, self._name, problem)
+        count = np.count_nonzero(np.isnan(values).reshape(*done.shape, -1).any(-1) & done)
+        if count:
+            raise damaged(self._store.location, self._name, f"is missing at {count} done points")

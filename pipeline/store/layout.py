@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.store.arrays import Document, array_document
 from pipeline.store.schema import (
@@ -32,7 +30,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import in_order
-from pipeline.sweep.plan import NO_TEST, choose_stored_steps
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Scene
@@ -42,7 +40,6 @@ Axes = dict[str, list[Any]]
 """Values along each dimension, and of coordinates along another dimension."""
 Slices = tuple[slice, ...]
 
-_OF_FAILED = ("message", "warning_flags")  # variables that failed points have, too
 _MAX_BYTES, _MAX_POINTS = 2**22, 1024  # limits of a chunk
 
 
@@ -57,8 +54,7 @@ class Group:
     sweep: Sweep
     inputs: Mapping[str, Array] = field(default_factory=dict)
     prefix: str = ""
-    growths: int = 0  # how often the store replaced a smaller one
-    field_growths: int = 0  # how often its fields did; more realizations leave them as they are
+    growths: int = 0  # how often the store was replaced
 
     @property
     def step(self) -> str:
@@ -140,16 +136,8 @@ class Group:
     def values_at(self, name: str, points: Mask) -> Mask:
         """True at the values of a variable that belong to any of some points."""
         points = points & self.with_fields if name in FIELDS else points
-        return np.asarray(points.any(axis=self._shared_axes(name)))
-
-    def points_at_values(self, name: str, values: Mask) -> Mask:
-        """True at the points that some values of a variable belong to."""
-        points = np.broadcast_to(np.expand_dims(values, self._shared_axes(name)), self.shape)
-        return points & self.with_fields if name in FIELDS else points
-
-    def _shared_axes(self, name: str) -> tuple[int, ...]:
-        """Axes of points along which a variable has a single value."""
-        return tuple(axis for axis, has_dim in enumerate(self.has_dims(name)) if not has_dim)
+        shared_axes = [axis for axis, has_dim in enumerate(self.has_dims(name)) if not has_dim]
+        return np.asarray(points.any(axis=tuple(shared_axes)))
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
@@ -160,24 +148,11 @@ class Group:
             chunk = {} if is_coordinate(name) or name == "status" else block
             if is_in_fields(name) and not is_axis:  # Dask demands the same chunks in a group
                 chunk = dict.fromkeys(block, 1)
-            growths = self.field_growths if is_in_fields(name) else self.growths
-            documents[name] = array_document(variable, self.sizes, chunk, growths)
+            documents[name] = array_document(variable, self.sizes, chunk, self.growths)
         return documents
 
-    @property
-    def fields(self) -> dict[str, Any]:
-        """Dimensions of the variables of the group of fields, with the values of coordinates.
-
-        If two stores have equal ones, the chunks of their fields have the same keys.
-        """
-        names = filter(is_in_fields, self.variables)
-        return {name: (self.variables[name].dims, self.coordinates.get(name)) for name in names}
-
     def _block(self) -> dict[str, int]:
-        """Number of points in a chunk along each dimension: all loads, velocities, then rows.
-
-        Chunks of fields are smaller.
-        """
+        """Number of points in a chunk along each dimension: all loads, velocities, then rows."""
         max_bytes = max(
             8 * math.prod(self.sizes[dim] for dim in variable.dims if not is_of_points(dim))
             for name, variable in self.variables.items()
@@ -227,8 +202,7 @@ class Group:
         """Text of a point, such as "400 N, 2 m/s, pin.radius 2 mm" or "…, test 1"."""
         if self.prefix:
             number = int(self.sweep.case_table.by_name[point.case][TEST])
-            test = "an earlier test" if number == NO_TEST else f"test {number + 1}"
-            return f"{point._replace(case=())}, {test}"
+            return f"{point._replace(case=())}, test {number + 1}"
         labels = self.sweep.case_table.to_text(point.case)
         return str(point._replace(case=tuple(labels.items())))
 
@@ -241,29 +215,3 @@ def sizes_of(arrays: Mapping[str, Array]) -> dict[str, int]:
 def block_at(chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
     """Slices of a chunk by its indices; `sizes` are the numbers of points in each chunk."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
-
-
-def checksums(
-    group: Group, indices: Indices, values: Mapping[str, Any], done: Mask
-) -> NDArray[np.uint32]:
-    """CRC-32 of each point: of its scene, load, velocity and stored values.
-
-    It detects files that were exchanged. Points that failed have no results.
-    """
-    sums = np.zeros(len(indices), np.uint32)
-    names = sorted(values.keys() - {"checksum", "wall_time"})
-    has_fields = done & group.with_fields[tuple(indices.T)]
-    for row, point in enumerate(group.points_at(tuple(indices.T))):
-        identity = f"{group.scene_hash(point)} {point.load!r} {point.velocity!r}"
-        crc = zlib.crc32(identity.encode())
-        for name in names:
-            has_values = has_fields if name in FIELDS else done
-            if not (has_values[row] or name in _OF_FAILED) or (stored := values[name][row]) is None:
-                continue
-            if name == "message":
-                stored = str(stored).encode()
-            elif group.is_stepped(name):
-                stored = stored[-int(values["steps"][row]) :]
-            crc = zlib.crc32(stored, crc)
-        sums[row] = crc
-    return sums

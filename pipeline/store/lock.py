@@ -1,8 +1,7 @@
 """The lock of a store: one process writes at a time, by whatever path it opened the store.
 
 The lock is a `flock` of a file next to the store, which the kernel releases when the process dies.
-The file names process and host, for machines that share a disk but not locks. An object store has
-no lock.
+The file names process and host, for machines that share a disk but not locks.
 """
 
 from __future__ import annotations
@@ -15,11 +14,12 @@ import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from pipeline.paths import open_regular
 from pipeline.progress import Progress, Report, silent
 from pipeline.store.files import make_folder
-from pipeline.store.location import LOCK, Folder, Location, StoreError, io_errors
+from pipeline.store.location import LOCK, StoreError, io_errors, sibling
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
@@ -29,8 +29,8 @@ _TRIES, _PAUSE = 10, 0.05  # retries and pause [s], since `holder_of` takes the 
 class Lock:
     """A lock that this process holds: the open lock file of a store."""
 
-    def __init__(self, folder: Folder) -> None:
-        self.path = folder.sibling(LOCK).path
+    def __init__(self, folder: Path) -> None:
+        self.path = sibling(folder, LOCK)
         make_folder(self.path.parent)
         self.descriptor = open_regular(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
 
@@ -43,7 +43,7 @@ class Lock:
 
 
 @contextmanager
-def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
+def locked(folder: Path, progress: Report = silent) -> Iterator[Lock]:
     """Context manager: hold the lock of a store in a folder; `StoreError` if another process does.
 
     If the disk has no locks, this is reported and the block runs without a lock.
@@ -74,7 +74,7 @@ def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
         os.close(lock.descriptor)
 
 
-def _flock(folder: Folder, descriptor: int) -> bool:
+def _flock(folder: Path, descriptor: int) -> bool:
     """Lock an open lock file; False if the disk has no locks, `StoreError` if others hold it."""
     for _ in range(_TRIES):
         try:
@@ -91,15 +91,10 @@ def _flock(folder: Folder, descriptor: int) -> bool:
     raise StoreError(f"{folder} is in use by {holder}; wait, or write to another store")
 
 
-def holder_of(location: Location) -> str | None:
-    """Process and host that write to a store, in words; None if there is none.
-
-    It is also None if it is not known, as on an object store.
-    """
-    if not isinstance(location, Folder):
-        return None
+def holder_of(location: Path) -> str | None:
+    """Process and host that write to a store, in words; None if there is none."""
     with suppress(OSError):
-        descriptor = os.open(location.sibling(LOCK).path, os.O_RDONLY | os.O_NONBLOCK)
+        descriptor = os.open(sibling(location, LOCK), os.O_RDONLY | os.O_NONBLOCK)
         try:
             name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):

@@ -9,10 +9,10 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.messages import quoted
-from pipeline.sweep.case import PATHS, SpecimenTest
+from pipeline.sweep.case import PATHS
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
-from pipeline.sweep.plan import choose_stored_steps, list_points_of_tests
+from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Sweep, case_words
 from pipeline.sweep.user_laws import UserObject
 from tribo import InputError
@@ -39,8 +39,6 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         sweep,
         stored_steps=before.stored_steps,
         fields=before.fields,
-        field_surface=_field_surface(before, sweep),
-        former_tests=_former_tests(before, sweep),
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
     )
@@ -50,19 +48,6 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     union = old.union(new)
     cases = tuple((sweep if name in new.by_name else before).case(name) for name in union.names)
     return replace(joined, case_table=union, cases=cases)
-
-
-def _field_surface(before: Sweep, sweep: Sweep) -> int | None:
-    """Surface realization with fields: that of the store, even if smaller seeds are added."""
-    dims = [column.name for column in sweep.case_table.columns if column.is_seed]
-    if not (before.fields and dims):
-        return None
-    if dims[0] in before.case_table.axes:
-        first: int = in_order(before.case_table.axes[dims[0]])[0]
-        return first if before.field_surface is None else before.field_surface
-    stored = {*before._scene_hashes.values()}  # of a single surface without a seed
-    hashes = sweep._scene_hashes.items()
-    return next((dict(name)[dims[0]] for name, scene_hash in hashes if scene_hash in stored), None)  # type: ignore[return-value]
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:
@@ -76,16 +61,6 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
                 f"rounding; give {in_store!r}"
             )
     return tuple(values)
-
-
-def _former_tests(before: Sweep, sweep: Sweep) -> tuple[SpecimenTest, ...]:
-    """Tests of a store with points that the tests of a scene lack: results are kept."""
-    known, former_tests = {point[:3] for point in list_points_of_tests(sweep)}, list[SpecimenTest]()
-    for test in (*before.tests, *before.former_tests):
-        test_points = {(sweep._hash_scene(test.case.scene), *point) for point in test.points}
-        former_tests += [test] if test_points - known else []
-        known |= test_points
-    return tuple(former_tests)
 
 
 def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:

@@ -1,7 +1,7 @@
-"""Documents of a store; the group ``about`` has the data of the sweep, with a digest.
+"""Documents of a store: the data of its sweep in the group ``about``, and metadata of Zarr.
 
-Zarr's copy of all metadata in the root has the same data. Either of the two is enough to read a
-store; a run corrects the other one. All other documents are for other programs.
+This program derives all arrays from the data of the sweep, which have a digest. All other documents
+are for other programs.
 """
 
 from __future__ import annotations
@@ -9,33 +9,26 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from pipeline.limits import MAX_INPUTS
-from pipeline.paths import path_hint, store_hint
-from pipeline.store.arrays import (
-    Document,
-    array_document,
-    find_excess,
-    growths_of,
-    open_arrays,
-    read_document,
-)
-from pipeline.store.files import PARTIAL
+from pipeline.paths import path_hint, read_file, store_hint
+from pipeline.store.arrays import Document, array_document, open_arrays, zarr_store
+from pipeline.store.files import store_file, sync
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.location import (
     NEW,
     OLD,
     ROOT,
-    Bucket,
     DamagedError,
-    Folder,
-    Location,
     StoreError,
     io_errors,
     read_errors,
+    sibling,
 )
 from pipeline.store.lock import holder_of
 from pipeline.store.schema import (
@@ -46,13 +39,11 @@ from pipeline.store.schema import (
     OF_FIELDS,
     OF_TESTS,
     inputs_variable,
-    is_coordinate,
-    path_of,
     split_arrays,
 )
 from pipeline.sweep.codec import ArrayError
 from pipeline.sweep.plan import choose_stored_steps, sweep_of_tests
-from pipeline.sweep.stored import plain_sweep, require_few, sweep_of_plain
+from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
 from tribo.types import Array
@@ -63,14 +54,10 @@ GOAL_PREFIX = "run with --accuracy "
 """Beginning of a line in the history of a store."""
 FACTS = f"{ABOUT}/{ROOT}"
 """Key of the document with the data of the sweep, which makes a folder a store."""
-_MAX_PROPORTION = 0.75  # of the limits of documents that are read, up to which they are written
 _CONSOLIDATED = "consolidated_metadata"
-_WRONG_KIND = AttributeError, LookupError, OverflowError, TypeError, ValueError
+_MAX_BYTES = 10**8  # of a document; 5000 rows with six entries take 2.5 MB
+_WRONG_KIND = AttributeError, LookupError, OverflowError, TypeError, ValueError, RecursionError
 """Errors of data of another kind than this version reads, such as text in place of a number."""
-_LOST = (
-    "irg run restores it with the scene of all its points; otherwise restore it from a backup, or "
-    "run the scene into another store"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,20 +71,17 @@ class Root:
 
     @classmethod
     def from_sweep(
-        cls,
-        sweep: Sweep,
-        history: Sequence[str],
-        growths: tuple[int, int] = (0, 0),
-        stored: Any = None,
+        cls, sweep: Sweep, history: Sequence[str], growths: int = 0, stored: Any = None
     ) -> Root:
-        """Root of the store of a sweep; `growths` are those of all points and of fields.
+        """Root of the store of a sweep that was replaced `growths` times.
 
         `stored` has the sweep's plain data and arrays if they were read from a store.
         """
-        tests, (plain, arrays) = None, stored or plain_sweep(sweep)
-        if sweep.tests or sweep.former_tests:
-            tests = Group(sweep_of_tests(sweep), prefix=f"{OF_TESTS}/", growths=growths[0])
-        plane = Group(sweep, arrays, "", *growths)
+        plain, arrays = stored or plain_sweep(sweep)
+        tests = None
+        if sweep.tests:
+            tests = Group(sweep_of_tests(sweep), prefix=f"{OF_TESTS}/", growths=growths)
+        plane = Group(sweep, arrays, growths=growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
 
     @property
@@ -112,13 +96,8 @@ class Root:
 
     @property
     def layout(self) -> list[Any]:
-        """Points, variables and steps; a store is updated in place if they stay the same."""
+        """Points, variables and steps; a store goes on as it is if they stay the same."""
         return [(group.axes, {*group.arrays}) for group in self.groups]
-
-    @property
-    def growths(self) -> tuple[int, int]:
-        """How often a larger store replaced a smaller one, and how often its fields changed."""
-        return self.plane.growths, self.plane.field_growths
 
     @functools.cached_property
     def sweep_digest(self) -> str:
@@ -139,24 +118,12 @@ class Root:
             "stored_steps": choose_stored_steps(self.sweep).steps,
         }
 
-    def require_small(self) -> None:
-        """Raise an `InputError` if the documents of the store would be too large to be read.
-
-        Some room is left for arrays that users add.
-        """
-        require_few(self.plain)
-        if problem := find_excess(json.dumps(self.documents()[ROOT]).encode(), _MAX_PROPORTION):
-            raise InputError(
-                f"the data of the sweep are too large for a store: {problem}; give fewer rows, "
-                "tests or columns, or shorter words"
-            )
-
     def documents(self) -> dict[str, Document]:
-        """Documents of all arrays and groups, by key; the last is that of the group ``about``."""
+        """Documents of all arrays and groups, by key."""
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
-            "growths": [*self.growths],
+            "growths": self.plane.growths,
             "inputs": sizes_of(self.plane.inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
@@ -185,133 +152,149 @@ def _group(attributes: Document) -> Document:
 
 def _digest(facts: Mapping[str, Any]) -> str:
     """SHA-256 of the facts without their digest."""
-    contents = [
-        facts[name] for name in ("format", "history", "inputs", "growths", "sweep", "scene")
-    ]
+    contents = {name: value for name, value in facts.items() if name != "digest"}
     return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
 
-# Reading
+# Documents on the disk
 
 
-def read_root(location: Location) -> Root:
+def write_documents(location: Path, root: Root, previous: Path) -> None:
+    """Write the documents of a root that are missing or differ; return once they are on the disk.
+
+    Attributes that users added to the store `previous` stay; if it is the same, their arrays, too.
+    """
+    documents = root.documents()
+    stored = {key: _read_document(previous, key) for key in documents}
+    for key, document in documents.items():
+        document["attributes"] = stored[key].get("attributes", {}) | document["attributes"]
+    if stored[ROOT] and location == previous:
+        # Zarr drops the copy of all metadata if an array is added.
+        members = (stored[ROOT].get(_CONSOLIDATED) or {}).get("metadata", {})
+        copies = documents[ROOT][_CONSOLIDATED]
+        copies["metadata"] = members | copies["metadata"]
+        documents[ROOT][_CONSOLIDATED] = copies if members else None
+    changed = {
+        key: json.dumps(document).encode()
+        for key, document in documents.items()
+        if location != previous or document != stored[key]
+    }
+    with ThreadPoolExecutor() as threads:
+        folders = threads.map(store_file, [location] * len(changed), changed, changed.values())
+        _ = [*threads.map(sync, {*folders})]
+
+
+def damaged_documents(location: Path, root: Root) -> list[str]:
+    """Keys of the documents that lack something, whatever users added to them."""
+    documents = root.documents().items()
+    return [key for key, right in documents if not _contains(_read_document(location, key), right)]
+
+
+def _contains(stored: Any, right: Any) -> bool:
+    if not (isinstance(stored, dict) and isinstance(right, dict)):
+        return bool(stored == right)
+    names = [name for name in right if name != _CONSOLIDATED or stored.get(name)]
+    return all(name in stored and _contains(stored[name], right[name]) for name in names)
+
+
+def _read_document(location: Path, key: str) -> Document:
+    """A document on the disk; empty if it is missing or damaged."""
+    try:
+        document: Document = json.loads(read_file(location / key, _MAX_BYTES))
+        return document if isinstance(document["attributes"], dict) else {}
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, *_WRONG_KIND):
+        return {}
+
+
+def read_root(location: Path) -> Root:
     """Read the root of a store; `StoreError` if it is missing, damaged or of another version."""
     if root := find_root(location):
         return root
     if holder := holder_of(location):
         raise StoreError(f"{location} is being created by {holder}; try again in a few seconds")
-    hint = ""
-    if isinstance(location, Folder) and not location.path.exists():
-        if any(location.sibling(ending).path.exists() for ending in (NEW, OLD)):
-            raise StoreError(f"a run ended while it created {location}; run its scene again")
-        hint = path_hint(location.path) or store_hint(location.path)
+    if any(sibling(location, ending).exists() for ending in (NEW, OLD)):
+        raise StoreError(f"a run ended while it created {location}; run its scene again")
+    hint = "" if location.exists() else path_hint(location) or store_hint(location)
     raise StoreError(
         f"no store at {location}{hint}; run a scene first, or give the path of a store"
     )
 
 
-def find_root(location: Location) -> Root | None:
+def find_root(location: Path) -> Root | None:
     """Read the root of a store; None if there is nothing, `StoreError` for other content.
 
-    Raises a `DamagedError` if both documents with the data of the sweep are lost or damaged.
+    Raises a `DamagedError` if the document with the data of the sweep is damaged.
     """
-    if isinstance(location, Folder) and location.path.exists() and not location.path.is_dir():
-        raise StoreError(f"{location} is not a store: {_describe_content(location, set())}")
-    fault: StoreError | None = None
-    for key in (FACTS, ROOT):
-        try:
-            with io_errors(location):
-                try:
-                    content = read_document(location, key)
-                except ValueError as error:
-                    raise _damaged(location, key, error) from error
-            if content is not None:
-                return _parse(location, key, content)
-        except StoreError as error:
-            # A damaged `ROOT` alone may be of another program.
-            if key == FACTS or not isinstance(error, DamagedError):
-                fault = fault or error
-    if fault:
-        raise fault
     with io_errors(location):
-        keys = location.keys()
-    is_of_program = f"{ABOUT}/checksum/{ROOT}" in keys
-    # On an object store, a creation that was cut short leaves documents without results.
-    is_begun = is_of_program and isinstance(location, Bucket) and not has_results(keys)
-    if is_begun or not keys:
-        return None
-    if is_of_program:
-        raise DamagedError(f"{location}: its {FACTS} is lost; {_LOST}")
-    raise StoreError(f"{location} is not a store: {_describe_content(location, keys)}")
+        if not location.exists() or (location.is_dir() and not any(location.iterdir())):
+            return None
+        if (location / FACTS).is_file():
+            return _parse(location, read_file(location / FACTS, _MAX_BYTES))
+    raise StoreError(f"{location} is not a store: {_describe_content(location)}")
 
 
-def has_results(keys: Iterable[str]) -> bool:
-    """True if the keys of a store have a chunk of a variable that only points have."""
-    arrays = {key.rpartition("/")[0] for key in keys if not key.endswith((ROOT, PARTIAL))}
-    names = {array.rpartition("/")[2] for array in arrays}
-    return not all(is_coordinate(name) or name == "status" for name in names)
-
-
-def restored_root(location: Location, sweep: Sweep) -> Root | None:
-    """Root of a store whose data of the sweep are lost, if it has the arrays of this sweep."""
-    try:
-        growths, field_growths = (
-            growths_of(json.loads(read_document(location, f"{path}/{ROOT}") or b"{}"))
-            for path in ("status", path_of("pressure") if sweep.fields else "status")
+def _describe_content(location: Path) -> str:
+    """Say what is at a path that is no store, and what to do."""
+    if location.suffix == ".toml":
+        return "it is a scene file; run it with irg run, then give the resulting store"
+    if inner := sorted(location.glob(f"*/{FACTS}")):
+        return f"it is a folder of stores; choose one, such as {inner[0].parents[1].name}"
+    for folder in location.parents:
+        if (folder / FACTS).is_file():
+            return f"it is a part of the store {folder}; give the path of the store"
+    if (location / ROOT).exists():
+        return (
+            f"it is of another program, or has lost its {FACTS}; run the scene into another store"
         )
-    except (ValueError, KeyError, TypeError, RecursionError):
-        return None
-    root = Root.from_sweep(sweep, (), (growths, field_growths))
-    return None if stale_documents(location, root).keys() - {ROOT, FACTS} else root
+    kind = "a folder with other files" if location.is_dir() else "not a folder"
+    return f"it is {kind}; give the folder written by irg run, or a new one"
 
 
-def _parse(location: Location, key: str, content: bytes) -> Root:
-    """Root from the document `key`, `FACTS` or `ROOT`.
+def _parse(location: Path, content: bytes) -> Root:
+    """Root from the document `FACTS`.
 
     Raises a `DamagedError` for a damaged document, a `StoreError` for one of another version.
     """
     try:
-        document = json.loads(content)
-        facts = (document if key == FACTS else document[_CONSOLIDATED]["metadata"][ABOUT])[
-            "attributes"
-        ]
+        facts = json.loads(content)["attributes"]
         version, history = facts["format"], facts["history"]
         writer = [f"{line}" for line in history if f"{line}".startswith(WRITER_PREFIX)][-1]
         is_intact = version == FORMAT and facts["digest"] == _digest(facts)
-    except (ValueError, KeyError, IndexError, TypeError, RecursionError) as error:
-        raise _damaged(location, key, f"{type(error).__name__} {error}") from error
+    except _WRONG_KIND as error:
+        raise _damaged(location, f"{type(error).__name__} {error}") from error
     if version != FORMAT:
         reason = f"its format is {version!r:.20}, this version reads {FORMAT}"
         raise _of_other_version(location, writer, reason)
     if not is_intact:
-        raise _damaged(location, key, "it is not what was written")
+        raise _damaged(location, "it is not what was written")
     try:
-        growths, field_growths = facts["growths"]
-        arrays = _read_inputs(location, facts["inputs"], growths)
+        arrays = _read_inputs(location, facts["inputs"], facts["growths"])
         sweep = replace(sweep_of_plain(facts["sweep"], arrays), text=facts["scene"])
         sweep.require_few_points()
-        stored = facts["sweep"], arrays
-        return Root.from_sweep(sweep, history, (growths, field_growths), stored)
+        return Root.from_sweep(sweep, history, facts["growths"], (facts["sweep"], arrays))
     except StoreError:
         raise
     except ArrayError as error:
-        raise _damaged(location, key, error) from error
+        raise _damaged(location, error) from error
     except (TriboError, *_WRONG_KIND) as error:  # the digest shows that the facts are as written
         raise _of_other_version(location, writer, error) from error
 
 
-def _damaged(location: Location, key: str, reason: object) -> DamagedError:
-    return DamagedError(f"{location}: its {key} is damaged ({f'{reason}'[:300]}); {_LOST}")
+def _damaged(location: Path, reason: object) -> DamagedError:
+    return DamagedError(
+        f"{location}: its {FACTS} is damaged ({f'{reason}'[:300]}); restore it from a backup, or "
+        "run the scene into another store"
+    )
 
 
-def _of_other_version(location: Location, writer: str, reason: object) -> StoreError:
+def _of_other_version(location: Path, writer: str, reason: object) -> StoreError:
     return StoreError(
         f"{location} was written by another version of this program ({writer:.200}): "
         f"{f'{reason}'[:300]}; read it with that version, or run the scene into another store"
     )
 
 
-def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dict[str, Array]:
+def _read_inputs(location: Path, sizes: dict[str, int], growths: int) -> dict[str, Array]:
     """Arrays from the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
@@ -319,57 +302,6 @@ def _read_inputs(location: Location, sizes: dict[str, int], growths: int) -> dic
         raise InputError(f"it contains {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
     document = array_document(variable, {INPUT_DIM: sum(sizes.values())}, {}, growths)
-    array = open_arrays(location.zarr, {INPUTS: document})[INPUTS]
+    array = open_arrays(zarr_store(location), {INPUTS: document})[INPUTS]
     with read_errors(location, INPUTS):
         return split_arrays(array[:], variable.attributes)
-
-
-def _describe_content(location: Location, keys: set[str]) -> str:
-    """Say what is at a path that is no store, and what to do."""
-    if not keys and str(location).endswith(".toml"):
-        return "it is a scene file; run it with irg run, then give the resulting store"
-    if inner := sorted(key for key in keys if key.endswith(f"/{FACTS}")):
-        return f"it is a folder of stores; choose one, such as {inner[0].split('/')[0]}"
-    for folder in location.path.parents if isinstance(location, Folder) else ():
-        if (folder / FACTS).is_file():
-            return f"it is a part of the store {folder}; give the path of the store"
-    if ROOT in keys:
-        return (
-            f"it is of another program, or has lost its {FACTS}; run the scene into another store"
-        )
-    kind = "a folder with other files" if keys else "not a folder"
-    return f"it is {kind}; give the folder written by irg run, or a new one"
-
-
-def stale_documents(location: Location, root: Root) -> dict[str, Document]:
-    """Corrected documents, by key, of those that differ from the root's.
-
-    Attributes and arrays that users added are kept. On an object store, only the documents of the
-    dataset and of ``about`` are compared, since each costs a request.
-    """
-    stale = dict[str, Document]()
-    for key, right in root.documents().items():
-        if isinstance(location, Bucket) and key not in (ROOT, FACTS):
-            continue
-        try:
-            complete = _with_additions(
-                stored := json.loads(read_document(location, key) or b"{}"), right
-            )
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            stored, complete = {}, right
-        if complete != stored:
-            stale[key] = complete
-    return stale
-
-
-def _with_additions(stored: Document, right: Document) -> Document:
-    """The document `right` with what users added to the `stored` one."""
-    complete = stored | right | {"attributes": stored.get("attributes", {}) | right["attributes"]}
-    # Zarr drops the copy of all metadata if an array is added.
-    if stored and _CONSOLIDATED in right:
-        complete[_CONSOLIDATED] = stored.get(_CONSOLIDATED)
-        if old := (stored.get(_CONSOLIDATED) or {}).get("metadata", {}):
-            members = right[_CONSOLIDATED]["metadata"].items()
-            merged = {path: _with_additions(old.get(path, {}), member) for path, member in members}
-            complete[_CONSOLIDATED] = right[_CONSOLIDATED] | {"metadata": old | merged}
-    return complete

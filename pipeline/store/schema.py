@@ -15,7 +15,7 @@ from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 43
+FORMAT = 44
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -127,7 +127,6 @@ RECORDS = {
     "message": Variable(PLANE, None, "reason for a failure", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _WARNING_ATTRIBUTES),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
-    "checksum": Variable(PLANE, None, "CRC-32 of case, load, velocity and values", "uint32"),
 }
 
 INPUTS = "inputs"
@@ -163,7 +162,7 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 def path_of(name: str) -> str:
     """Path of a variable in a store; what is for programs is in ``about``."""
-    group = ABOUT if name in ("message", "checksum") else OF_FIELDS if name in _IN_FIELDS else ""
+    group = ABOUT if name == "message" else OF_FIELDS if name in _IN_FIELDS else ""
     return f"{group}/{name}" if group else name
 
 

@@ -9,15 +9,13 @@ import numpy as np
 
 from pipeline.arguments import typed_arguments
 from pipeline.progress import Report, silent
-from pipeline.store.damage import find_damage
 from pipeline.store.location import PathLike, io_errors, location_of
 from pipeline.store.lock import holder_of
-from pipeline.store.root import read_root, stale_documents
+from pipeline.store.points import find_damage
+from pipeline.store.root import damaged_documents, read_root
 from pipeline.store.schema import DONE, FAILED, NOT_NEEDED, PENDING
 from pipeline.store.store import Index, Store, opened
-from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName
-from pipeline.sweep.plan import NO_TEST
 from pipeline.sweep.sweep import Point, Sweep
 
 
@@ -77,7 +75,7 @@ def summary(path: PathLike) -> Summary:
     Parameters
     ----------
     path : str or path
-        Folder or address of the store.
+        Path of the store.
 
     Raises
     ------
@@ -103,8 +101,6 @@ def summary_and_sweep(path: PathLike) -> tuple[Summary, Sweep]:
 def summary_of(store: Store) -> Summary:
     """Count the points of an open store by state, and the points with a warning."""
     flags = store.flags
-    if TEST in store.axes:  # points of earlier tests do not count
-        flags = np.where(np.equal(store.axes[TEST], NO_TEST), np.int8(NOT_NEEDED), flags)
     failed = [*zip(*np.nonzero(flags == FAILED), strict=True)]
     messages = store.read("message", ...) if failed else {}
     return Summary(
@@ -154,20 +150,18 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     """
     location = location_of(path)
     store = Store(location, read_root(location), may_be_damaged=True)
-    verification = verified(store, progress or silent)
+    verification = _verified(store, progress or silent)
     with io_errors(location):
-        return replace(
-            verification, shared=(*verification.shared, *stale_documents(location, store.root))
-        )
+        documents = damaged_documents(location, store.root)
+    return replace(verification, shared=(*verification.shared, *documents))
 
 
-def verified(store: Store, progress: Report = silent) -> Verification:
-    """Check an open store, which collects its damage."""
+def _verified(store: Store, progress: Report = silent) -> Verification:
     damage = find_damage(store, progress)
     damaged_count = sum(bool(store.flags[index] == DONE) for index in damage.points)
     return Verification(
         done=int(np.count_nonzero(store.flags == DONE)) - damaged_count,
         damaged=_failed_points(store, damage.points),
         shared=tuple(damage.files),
-        tests=verified(store.tests) if store.tests else None,
+        tests=_verified(store.tests) if store.tests else None,
     )

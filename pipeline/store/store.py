@@ -7,21 +7,20 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import Part, open_arrays, write_arrays
-from pipeline.store.layout import Group, Slices, block_at, checksums
+from pipeline.store.arrays import Part, open_arrays, write_arrays, zarr_store
+from pipeline.store.layout import Group, Slices, block_at
 from pipeline.store.location import (
-    Bucket,
+    MEMORY,
+    ROOT,
     DamagedError,
-    Location,
     PathLike,
     StoreError,
     damaged,
@@ -48,60 +47,58 @@ from pipeline.sweep.sweep import Point
 from tribo.types import Indices, Mask
 
 _MOST_CHARACTERS = 2000  # of a message, which stays readable
-_THREADS = 8  # concurrent requests to an object store
 
 Index = tuple[int, ...]
-
-
-@dataclass
-class Damage:
-    """Damaged points with the fault of each, and damaged files by key.
-
-    The entry of a file is a part for `write_arrays`, with values that replace it.
-    """
-
-    points: dict[Index, str] = field(default_factory=dict)
-    files: dict[str, Part] = field(default_factory=dict)
 
 
 class Store:
     """An open store, or its group of tests; this process may write it if it holds the lock.
 
-    `tests` is the group of tests, if there is one. `flags` has the status of each point. `damage`
-    has the damage that was found. If `may_be_damaged` is False, lost statuses raise a
-    `DamagedError`; otherwise all points are pending.
+    `tests` is the group of tests, if there is one. `flags` has the status of each point. Statuses
+    that cannot be read raise a `DamagedError`; if `may_be_damaged`, all points are pending instead.
+    A store that `is_new` has no files yet, and all points are pending. `unreadable` has the paths
+    of the chunks that could not be read.
     """
 
     def __init__(
         self,
-        location: Location,
+        location: Path,
         root: Root,
         lock: Lock | None = None,
         group: Group | None = None,
         may_be_damaged: bool = False,
+        is_new: bool = False,
     ) -> None:
-        self.location, self.root, self.lock, self.damage = location, root, lock, Damage()
+        self.location, self.root, self.lock = location, root, lock
         self.group = group or root.plane
         self.sweep, self.axes, self.dims = self.group.sweep, self.group.axes, self.group.dims
-        self.arrays = open_arrays(location.zarr, self.group.arrays, self.group.prefix)
+        self.unreadable = set[str]()
+        self._zarr = zarr_store(location)
+        self.arrays = open_arrays(self._zarr, self.group.arrays, self.group.prefix)
         self._numbers = [
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
-        self._stamp = location.stamp()
-        self.flags: NDArray[np.int8] = self._read_flags(may_be_damaged)
+        self._stamp = self._read_stamp()
+        self.flags: NDArray[np.int8] = np.full(self.group.shape, PENDING, np.int8)
+        if not is_new:
+            self._read_flags(may_be_damaged)
         self.tests: Store | None = None
         if root.tests and group is None:
-            self.tests = Store(location, root, lock, root.tests, may_be_damaged)
+            self.tests = Store(location, root, lock, root.tests, may_be_damaged, is_new)
 
-    def _read_flags(self, may_be_damaged: bool) -> Any:
+    def _read_flags(self, may_be_damaged: bool) -> None:
         flags = self.try_read("status", tuple(slice(0, n) for n in self.group.shape))
         if flags is not None and (flags >= 0).all():
-            return flags
-        if not may_be_damaged:
+            self.flags = flags
+        elif not may_be_damaged:
             raise damaged(self.location, "status")
-        flags = np.full(self.group.shape, PENDING, np.int8)
-        self.damage.files[self.key("status", [0] * flags.ndim)] = "status", ..., flags
-        return flags
+
+    def _read_stamp(self) -> tuple[int, int] | None:
+        """A value that changes if the store is replaced, but not if points are written."""
+        with suppress(FileNotFoundError, NotADirectoryError):
+            status = (self.location / "status" / ROOT).stat()
+            return status.st_ino, status.st_mtime_ns
+        return None
 
     @property
     def groups(self) -> list[Store]:
@@ -133,16 +130,6 @@ class Store:
         dims = self.group.variables[name].dims
         return tuple(self.arrays[name].chunks[: sum(map(is_of_points, dims))])
 
-    def key(self, name: str, chunk: Sequence[int]) -> str:
-        """Key of a chunk of a variable, such as ``time/c.0.2.0``.
-
-        `chunk` has the chunk's indices along the dimensions of points; other dimensions are not
-        split.
-        """
-        within = [0] * (self.arrays[name].ndim - len(chunk))
-        path = f"{self.group.prefix}{path_of(name)}"
-        return f"{path}/{'.'.join(map(str, ('c', *chunk, *within)))}"
-
     # Reading
 
     def read(self, name: str, key: Any) -> Any:
@@ -151,23 +138,23 @@ class Store:
             with read_errors(self.location, name):
                 return self.arrays[name].oindex[key]
         finally:
-            if self.location.stamp() != self._stamp:
+            if self._read_stamp() != self._stamp:
                 raise StoreError(
                     f"{self.location} was enlarged or repaired since it was opened; open it again"
                 )
 
     def try_read(self, name: str, block: Slices) -> Any:
-        """Read a variable at `block`, the slices of a chunk; None if the chunk is damaged.
-
-        A damaged chunk is added to `damage`, with values that replace it.
-        """
-        try:
-            return self.read(name, block)
-        except DamagedError:
-            sizes, fill = self.block_of(name), self.arrays[name].fill_value
-            chunk = [part.start // n for part, n in zip(block, sizes, strict=False)]
-            self.damage.files[self.key(name, chunk)] = name, block, fill
-            return None
+        """Read a variable at `block`, the slices of a written chunk; None if it is damaged."""
+        chunk = [part.start // n for part, n in zip(block, self.block_of(name), strict=False)]
+        inner = [0] * (self.arrays[name].ndim - len(chunk))  # other dimensions are not split
+        key = ".".join(map(str, ("c", *chunk, *inner)))
+        file = f"{self.group.prefix}{path_of(name)}/{key}"
+        with suppress(DamagedError):
+            values = self.read(name, block)
+            if self.location == MEMORY or (self.location / file).is_file():
+                return values
+        self.unreadable.add(file)
+        return None
 
     # Writing: every method raises a `StoreError` if it fails or the lock is lost
 
@@ -201,26 +188,22 @@ class Store:
         encoded = [message.encode(errors="backslashreplace") for message in messages]
         return typed | {"message": [message.decode() for message in encoded]}
 
-    def write(
-        self,
-        indices: Indices,
-        values: Mapping[str, Any],
-        states: NDArray[np.int8],
-        stored: Collection[str] = (),
-    ) -> None:
+    def create(self) -> None:
+        """Write coordinates and statuses of a new store."""
+        values = {"status": self.flags} | self.group.coordinates
+        self.put((name, ..., values[name]) for name in values)
+
+    def write(self, indices: Indices, values: Mapping[str, Any], states: NDArray[np.int8]) -> None:
         """Write the values of points by variable, then their statuses once the values are on disk.
 
         `indices` has the index of each point, shape (n, n_dim). Values at steps are those of the
-        last ones. A result is None at points without it. The files of the variables `stored` have
-        these values already.
+        last ones. A result is None at points without it.
         """
         is_done = states == DONE
-        values = {**values, "checksum": checksums(self.group, indices, values, is_done)}
-        has_fields, chunks = self.group.with_fields[tuple(indices.T)], list[tuple[Any, ...]]()
-        for name in values.keys() - {*stored}:
+        has_fields, parts = self.group.with_fields[tuple(indices.T)], list[Part]()
+        for name, column in values.items():
             rows_by_chunk = defaultdict[Index, list[int]](list)
             variable_indices = self.group.point_indices(name, indices)
-            column = values[name]
             for row, chunk in enumerate((variable_indices // self.block_of(name)).tolist()):
                 # A point that failed must not replace times that it shares with others.
                 has_value = name not in DATA or is_done[row]
@@ -228,12 +211,13 @@ class Store:
                     has_value &= has_fields[row] and column[row] is not None
                 if has_value:
                     rows_by_chunk[tuple(chunk)].append(row)
-            chunks += [
-                (name, chunk, variable_indices[rows], [column[row] for row in rows])
+            parts += [
+                self._part_of_chunk(
+                    name, chunk, variable_indices[rows], [column[row] for row in rows]
+                )
                 for chunk, rows in rows_by_chunk.items()
             ]
-        with ThreadPoolExecutor(_THREADS) as threads:
-            self.put([*threads.map(lambda chunk: self._part_of_chunk(*chunk), chunks)])
+        self.put(parts)
         flags = self.flags.copy()
         flags[tuple(indices.T)] = states
         self.set_flags(flags)
@@ -246,7 +230,7 @@ class Store:
         was_written = self.group.values_at(name, np.isin(self.flags, (DONE, FAILED)))[block]
         if name not in FIELDS and was_written.any():
             values = self.read(name, block)
-        else:  # the chunk has no results yet, and may be damaged
+        else:  # the chunk has no results yet
             shape = was_written.shape + array.shape[len(block) :]
             values = np.full(shape, array.fill_value, array.dtype)
         for index, value in zip(indices - [part.start for part in block], new_values, strict=True):
@@ -297,7 +281,7 @@ class Store:
         """Write parts of arrays; raise a `StoreError` if the lock is lost before or after."""
         self._require_lock()
         with io_errors(self.location, "written"):
-            write_arrays(self.location, self.arrays, parts)
+            write_arrays(self._zarr, self.arrays, parts)
         self._require_lock()
 
     def _require_lock(self) -> None:
@@ -314,20 +298,16 @@ def opened(path: PathLike) -> Store:
     return Store(location := location_of(path), read_root(location))
 
 
-_PAUSE, _PAUSE_OF_BUCKET = 1.0, 10.0  # [s] between commits; a kill loses the results of this time
-_SHARE = 10.0  # pause over duration of a commit: commits take a tenth of the time
-_LONGEST_PAUSE = 10.0  # [s] between commits, even if the disk is slow
-_MOST_AT_ONCE = 2**26  # bytes of waiting results, which bound the memory
+_PAUSE = 1.0  # least time between commits [s]; a kill loses the results of this time
+_SHARE = 10.0  # least pause over the duration of a commit: commits take a tenth of the time
 
 
 class Writer:
-    """Collects records and writes them about once a second; to an object store, every 10 s."""
+    """Collects records and writes them about once a second."""
 
     def __init__(self, store: Store) -> None:
         self.store = store
-        self._min_pause = _PAUSE_OF_BUCKET if isinstance(store.location, Bucket) else _PAUSE
         self._waiting: list[PointRecord] = []
-        self._bytes = 0  # of the waiting results
         self._next = 0.0  # time of the next commit
 
     def __enter__(self) -> Writer:
@@ -339,20 +319,17 @@ class Writer:
 
     def add(self, records: Iterable[PointRecord]) -> None:
         """Add records to the waiting ones."""
-        for record in records:
-            self._waiting.append(record)
-            self._bytes += sum(np.asarray(values).nbytes for values in (record.data or {}).values())
+        self._waiting += records
 
     def written(self) -> list[PointRecord]:
-        """Write and return the waiting records if a commit is due or they are large."""
-        is_due = time.monotonic() >= self._next or self._bytes >= _MOST_AT_ONCE
-        return self.flush() if is_due else []
+        """Write and return the waiting records if a commit is due."""
+        return self.flush() if time.monotonic() >= self._next else []
 
     def flush(self) -> list[PointRecord]:
         """Write and return the waiting records."""
-        records, self._waiting, self._bytes, began = self._waiting, [], 0, time.monotonic()
+        records, self._waiting, began = self._waiting, [], time.monotonic()
         if records:
             self.store.commit(records)
-            pause = _SHARE * (time.monotonic() - began)
-            self._next = time.monotonic() + min(max(self._min_pause, pause), _LONGEST_PAUSE)
+            now = time.monotonic()
+            self._next = now + max(_PAUSE, _SHARE * (now - began))
         return records

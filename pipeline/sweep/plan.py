@@ -49,8 +49,6 @@ _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES, "rise_realization_freedom
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 TEST_POINT = "test_point"
 """Dimension of the points of tests."""
-NO_TEST = -1
-"""Number of the test of a point that only an earlier version of the scene has."""
 SCENE_HASH = "scene_hash"
 """Column with the hash of the scene that each point is of."""
 
@@ -325,27 +323,21 @@ class PointOfTest(NamedTuple):
     scene_hash: str
     load: float  # [N]
     velocity: float  # [m/s]
-    test: int  # number of the test in the scene, from 0, or `NO_TEST`
+    test: int  # number of the test in the scene, from 0
 
 
 def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
     """The points of a scene's tests, in their order."""
-    return [point for point in list_all_points_of_tests(sweep) if point.test != NO_TEST]
-
-
-def list_all_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
-    """The points of a scene's tests, in their order, then those of its former tests."""
-    numbers = [*range(len(sweep.tests)), *[NO_TEST] * len(sweep.former_tests)]
     return [
         PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
-        for number, test in zip(numbers, (*sweep.tests, *sweep.former_tests), strict=True)
+        for number, test in enumerate(sweep.tests)
         for point in test.points
     ]
 
 
 def sweep_of_tests(sweep: Sweep) -> Sweep:
-    """The sweep of the points of tests, a row for each of `list_all_points_of_tests`."""
-    points = list_all_points_of_tests(sweep)
+    """The sweep of the points of tests, a row for each of `list_points_of_tests`."""
+    points = list_points_of_tests(sweep)
     columns = (
         Column(TEST_POINT, meaning="number of the point of a test"),
         Column(TEST, "1", TEST_POINT, meaning="number of the test"),
@@ -356,7 +348,7 @@ def sweep_of_tests(sweep: Sweep) -> Sweep:
         ),
     )
     rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
-    cases = [test.case for test in (*sweep.tests, *sweep.former_tests) for _ in test.points]
+    cases = [test.case for test in sweep.tests for _ in test.points]
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -365,7 +357,6 @@ def sweep_of_tests(sweep: Sweep) -> Sweep:
         velocities=tuple(sorted({point.velocity for point in points})),
         fields=False,
         tests=(),
-        former_tests=(),
         stored_steps=StoredSteps("end", _judges_holds(cases)),
     )
 

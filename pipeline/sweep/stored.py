@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import tribo
-from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.sweep.case import Case, Conditions, SpecimenTest
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, apply_difference, decode, encode, encode_difference
@@ -54,11 +53,6 @@ _CLASSES: dict[str, type] = {
     )
 }  # fmt: skip
 """Classes whose objects a store may contain; no others are built from its data."""
-_MOST = {
-    "loads": MAX_ON_AXIS, "velocities": MAX_ON_AXIS, "cases": MAX_CASES,
-    "tests": 2 * MAX_CASES, "former_tests": 2 * MAX_CASES,
-}  # fmt: skip
-"""Most items in the lists of a sweep; a specimen that passes load stages has two tests."""
 
 
 def require_stored_classes(sweep: Sweep) -> None:
@@ -72,25 +66,15 @@ def require_stored_classes(sweep: Sweep) -> None:
             )
 
 
-def require_few(plain: Mapping[str, Any]) -> None:
-    """Raise an `InputError` if plain data of a sweep have more of something than is read."""
-    for name, max_count in _MOST.items():
-        if (count := len(plain.get(name, ()))) > max_count:
-            raise InputError(
-                f"the sweep of the store has {count} {name}; at most {max_count} can be kept"
-            )
-
-
 def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     """Plain data of a sweep, and its measured arrays by SHA-256."""
     arrays: dict[str, Array] = {}
     plain: dict[str, Any] = encode(replace(sweep, warnings=sweep.all_warnings), arrays)
     base = plain["base"]
     plain["cases"] = [encode_difference(base, case) for case in plain["cases"]]
-    for name in {"tests", "former_tests"} & plain.keys():
-        plain[name] = [
-            test | {"case": encode_difference(base, test["case"])} for test in plain[name]
-        ]
+    plain["tests"] = [
+        test | {"case": encode_difference(base, test["case"])} for test in plain["tests"]
+    ]
     return plain, arrays
 
 
@@ -102,13 +86,9 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
     """
     try:
         base = plain["base"]
-        require_few(plain)
         cases = [apply_difference(base, case) for case in plain["cases"]]
-        tests = {
-            name: [test | {"case": apply_difference(base, test["case"])} for test in plain[name]]
-            for name in {"tests", "former_tests"} & plain.keys()
-        }
-        sweep: Sweep = decode({**plain, "cases": cases, **tests}, _CLASSES, arrays)
+        tests = [test | {"case": apply_difference(base, test["case"])} for test in plain["tests"]]
+        sweep: Sweep = decode({**plain, "cases": cases, "tests": tests}, _CLASSES, arrays)
     except KeyError as error:
         raise CodecError(f"this version needs {error}, which is missing there") from error
     return sweep

@@ -100,8 +100,6 @@ class Sweep:
     warnings: tuple[SceneWarning, ...] = ()  # found on reading; from a store, all warnings
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
-    field_surface: int | None = None  # realization with fields in an existing store; or the first
-    former_tests: tuple[SpecimenTest, ...] = ()  # of earlier scenes, whose points a store keeps
     # Arguments of `with_scene`, by name.
     user_parts: Mapping[str, Any] = field(default_factory=dict, metadata=NOT_STORED)
     # Conditions replaced by `judge`, by name.
@@ -202,17 +200,12 @@ class Sweep:
     def surface_with_fields(self) -> CaseName:
         """The one surface realization of each case whose fields are stored: dimension and label.
 
-        It is the first, or that of an existing store; empty if cases have no realizations.
+        It is the first; empty if cases have no realizations.
         """
-        first_labels = {
-            column.name: in_order(self.case_table.axes[column.name])[0]
+        return tuple(
+            (column.name, in_order(self.case_table.axes[column.name])[0])
             for column in self.case_table.columns
             if column.is_seed
-        }
-        stored_label = self.field_surface
-        return tuple(
-            (dim, label if stored_label is None else stored_label)
-            for dim, label in first_labels.items()
         )
 
     def _single_case(self, name: CaseName = ()) -> Self:

@@ -37,7 +37,7 @@ velocities = {velocities}
 _LOADS = 4
 _JOBS = 4
 _PATIENCE = 900.0  # [s] that a driver may take
-_NAMES = (*COLUMNS, "message", "checksum", "status")
+_NAMES = (*COLUMNS, "message", "status")
 DRIVERS = ExitStack()
 """Those that are killed in the end, if they go on."""
 

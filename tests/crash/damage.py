@@ -19,8 +19,9 @@ from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
-from pipeline.store import damage, status
-from pipeline.store.location import ROOT
+from pipeline.store import create, status
+from pipeline.store.points import Damage
+from pipeline.store.root import FACTS
 from tests.crash.driver import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, indexed_points, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
@@ -101,7 +102,7 @@ class _Original:
         self.files: dict[str, list[Path]] = {}
         for file in sorted(file for file in self.path.rglob("*") if file.is_file()):
             within = file.relative_to(self.path)
-            is_chunk, is_root = file.name.startswith("c."), within == Path(ROOT)
+            is_chunk, is_root = file.name.startswith("c."), within == Path(FACTS)
             kind = str(within.parent) if is_chunk else "root" if is_root else within.name
             self.files.setdefault(kind, []).append(within)
         self.boundary = _answer("boundary", self.path, "--json")[1]
@@ -149,7 +150,7 @@ def _faults_of(path, original, file, kind):
         yield f"verify names nothing, and the boundary is not as before: {code} {out}"
     before = contents(path)
     code = original.resume(path)
-    if code == GIVEN_UP and file == Path(ROOT):
+    if code == GIVEN_UP and file == Path(FACTS):
         if contents(path) != before:
             yield "a run refuses the root, and has changed the store"
         return
@@ -166,10 +167,8 @@ def campaign(run):
     kinds = (_cut, _deleted) if run.mistake else _KINDS
     # With the mistake, no damage is found.
     unfound = ExitStack()
-    for module in (damage, status) if run.mistake else ():
-        unfound.enter_context(
-            mock.patch.object(module, "find_damage", lambda store, *_: store.damage)
-        )
+    for module in (create, status) if run.mistake else ():
+        unfound.enter_context(mock.patch.object(module, "find_damage", return_value=Damage({}, [])))
     with unfound:
         for number in range(run.count):
             original = original_store(bool(run.mistake) or number % 2 == 0)

@@ -16,9 +16,9 @@ from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
 from pipeline.run import run_sweep as running
 from pipeline.run.drive import Tally
-from pipeline.store import copies, files
+from pipeline.store import create, files
 from pipeline.store import store as write
-from pipeline.store.status import Verification
+from pipeline.store.location import NEW, OLD, sibling
 from pipeline.store.store import Store, Writer
 from tests.crash.sweeps import record_of
 
@@ -100,13 +100,17 @@ def _unsynced():
     return mock.patch.object(files.os, "fsync")
 
 
-def _unread():
-    return mock.patch.object(copies, "verified", return_value=Verification(0, (), ()))
+def _deleted():
+    def careless(location):
+        for ending in (NEW, OLD):
+            create._remove_folder(sibling(location, ending))
+
+    return mock.patch.object(create, "_remove_leftovers", careless)
 
 
 MISTAKES = {
     None: nullcontext,
-    "copies unread": _unread,
+    "old store deleted": _deleted,
     "status first": _status_first,
     "unsynced": _unsynced,
 }

@@ -21,7 +21,7 @@ import numpy as np
 
 import pipeline
 from pipeline import verify_store
-from pipeline.store.copies import find_sweep
+from pipeline.store.create import find_sweep
 from pipeline.store.dataset import open_store
 from pipeline.store.files import PARTIAL
 from pipeline.store.schema import COLUMNS, DONE, FAILED, FIELDS

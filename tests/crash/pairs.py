@@ -1,9 +1,9 @@
 """Two faults, of which the second comes before the first is repaired.
 
 A driver is killed at a random step on the disk while it creates, continues, mends or enlarges a
-store. Then a file is cut, a folder is removed, the disk of the next run is full, or two drivers run
-at the same time. A run without a fault completes the store, and computes no point again that any
-copy on the disk still had undamaged, as plain Zarr reads it.
+store. Then the disk of the next run is full, or two drivers run at the same time. A run without a
+fault completes the store, and computes no point again that it still had undamaged, as plain Zarr
+reads it.
 """
 
 import errno
@@ -20,7 +20,7 @@ import zarr
 
 from pipeline import verify_store
 from pipeline.store.files import PARTIAL
-from pipeline.store.location import NEW, OLD
+from pipeline.store.location import OLD
 from pipeline.store.schema import DONE, FIELDS, PROGRESS, path_of
 from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
@@ -32,15 +32,13 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed
 
 TRIALS = 200
-MISTAKE = "copies unread"
+MISTAKE = "old store deleted"
 _FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0), case_table=surface_table((3,)))
 _SWEEPS = {
     "same": _FIRST,
     "loads": changed(_FIRST, loads=(150.0, 400.0, 600.0)),
     "velocities": changed(_FIRST, velocities=(0.5, 0.7, 1.0)),
-    "realizations": changed(
-        _FIRST, case_table=surface_table((3, 4))
-    ),  # it links the files of fields
+    "realizations": changed(_FIRST, case_table=surface_table((3, 4))),
 }
 _ALL = changed(
     _FIRST,
@@ -49,7 +47,7 @@ _ALL = changed(
     case_table=surface_table((3, 4)),
 )
 # Functions of the disk, and at most how many calls of them precede a kill.
-_STEPS = {"replace": 120, "rename": 3, "link": 12, "mkdir": 30, "unlink": 60, "rmdir": 20}
+_STEPS = {"replace": 120, "rename": 3, "mkdir": 30, "unlink": 60, "rmdir": 20}
 _EXPECTED = Expected(_ALL)
 
 
@@ -94,11 +92,6 @@ class _Pair:
         records = _EXPECTED.records(sweep)
         return Forked(sweep, self.path, log, records, self.run.mistake, fault=fault)
 
-    def copies(self):
-        """Folders of the store and its copies that are on the disk."""
-        paths = (self.path.with_name(f"{self.path.name}{ending}") for ending in ("", NEW, OLD))
-        return [path for path in paths if path.exists()]
-
 
 def sound_points(folder):
     """Points of a store that plain Zarr reads as they are computed; none if it cannot read one."""
@@ -108,11 +101,7 @@ def sound_points(folder):
         expected = _EXPECTED(Point(150.0, 0.5, (("realization", 3),)))
         names = expected.record(with_fields=False).data.keys() - PROGRESS.keys()
         arrays = {name: _read(folder, name) for name in (*names, "warning_flags", "steps")}
-        _ = (
-            _read(folder, "message"),
-            _read(folder, "checksum"),
-            [_read(folder, k) for k in PROGRESS],
-        )
+        _ = _read(folder, "message"), [_read(folder, k) for k in PROGRESS]
     except Exception:  # whatever Zarr raises for damaged data
         return set()
     sound = set()
@@ -143,22 +132,6 @@ def _has_fields(folder, index, data):
         return False
 
 
-def _cut(pair, chance):
-    files = sorted(file for copy in pair.copies() for file in copy.rglob("*") if file.is_file())
-    if files:
-        file = chance.choice(files)
-        content = file.read_bytes()
-        file.write_bytes(content[: chance.randrange(len(content))] if content else b"")
-
-
-def _remove(pair, chance):
-    folders = sorted(
-        folder for copy in pair.copies() for folder in (copy, *copy.rglob("*")) if folder.is_dir()
-    )
-    if folders:
-        shutil.rmtree(chance.choice(folders))
-
-
 def _fill_disk(pair, chance):
     driver = pair.start(pair.sweep, pair.log, full(chance.randrange(150)))
     if code_of(driver) not in (0, GIVEN_UP):
@@ -171,7 +144,7 @@ def _run_twice(pair, chance):
         yield "two drivers at once do not end as they should"
 
 
-_SECOND = {"cut": _cut, "folder": _remove, "full disk": _fill_disk, "second driver": _run_twice}
+_SECOND = {"full disk": _fill_disk, "second driver": _run_twice}
 
 
 def _faults_of(pair, base, second, chance):
@@ -185,11 +158,9 @@ def _faults_of(pair, base, second, chance):
     code_of(driver)
     word = "killed" if driver.returncode < 0 else "not killed"
     pair.run.report.counts[f"{word}, then {second}"] += 1
-    is_damage = second in ("cut", "folder")
-    if is_damage:
-        _SECOND[second](pair, chance)
-    sound = max(map(sound_points, pair.copies()), key=len, default=set())
-    if not is_damage:
+    old = pair.path.with_name(f"{pair.path.name}{OLD}")
+    sound = sound_points(pair.path if pair.path.exists() else old)
+    if not pair.run.mistake:
         yield from _SECOND[second](pair, chance)
     driver = pair.start(pair.sweep, pair.log)
     if code_of(driver) != 0:
@@ -217,7 +188,7 @@ def campaign(run):
     chunk = bases["damaged"] / "mean_rise" / "c.0.0.0.0"
     chunk.write_bytes(chunk.read_bytes()[:20])
     for number in range(run.count):
-        second = "folder" if run.mistake else [*_SECOND][number % len(_SECOND)]
+        second = [*_SECOND][number % len(_SECOND)]
         base = "complete" if run.mistake else run.chance.choice(sorted(bases))
         folder = run.folder / str(number)
         pair = _Pair(run, folder, bases[base])

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.run.serial import run_serial
-from pipeline.store import files, location, root
+from pipeline.store import files, root
 from pipeline.store.create import writing
 from pipeline.store.location import LOCK
 from pipeline.store.schema import DONE
@@ -138,18 +138,15 @@ def killed_after(monkeypatch, count):
 
 
 def forge(store, change):
-    """Change the facts of a store in both of its documents, and give them the right digest.
+    """Change the facts of a store, and give them the right digest.
 
     `change` is called with the sweep and the facts.
     """
-    first, copy = store / root.FACTS, store / location.ROOT
-    document, with_copy = (json.loads(file.read_bytes()) for file in (first, copy))
+    document = json.loads((store / root.FACTS).read_bytes())
     facts = document["attributes"]
     change(facts["sweep"], facts)
     facts["digest"] = root._digest(facts)
-    with_copy["consolidated_metadata"]["metadata"]["about"] = document
-    first.write_text(json.dumps(document))
-    copy.write_text(json.dumps(with_copy))
+    (store / root.FACTS).write_text(json.dumps(document))
 
 
 def contents(path):

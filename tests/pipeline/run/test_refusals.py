@@ -49,8 +49,6 @@ VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.in
 
 REFUSALS = {
     "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0; give the relative error"),
-    "address": (lambda: pipeline.run_sweep(SWEEP, "memory://a.zarr", accuracy=0.02),
-                "is an object store, whose plane is fixed"),
     "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine errs by up to"),
     "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),

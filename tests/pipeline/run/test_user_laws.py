@@ -10,8 +10,7 @@ import pytest
 
 import pipeline
 from pipeline import StoreMismatchError, run_sweep
-from pipeline.store.copies import find_sweep
-from pipeline.store.create import writing
+from pipeline.store.create import find_sweep, writing
 from pipeline.sweep.plan import points
 from tests.helpers import laws, tiny
 

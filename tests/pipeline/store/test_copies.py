@@ -1,4 +1,4 @@
-"""Runs that find a store damaged next to the copies of a killed growth, or without its root."""
+"""Runs that find what a killed growth left, or a store with damaged documents."""
 
 import dataclasses
 import shutil
@@ -7,18 +7,15 @@ from pathlib import Path
 import pytest
 
 import pipeline
-import tribo
 from pipeline import StoreError, summary, verify_store
 from pipeline.store import arrays, create
-from pipeline.store.copies import find_sweep
+from pipeline.store.create import find_sweep
 from pipeline.store.location import NEW, OLD, ROOT
 from pipeline.store.root import FACTS
 from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
-from tests.helpers.entries import changed
-from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     Killed,
     assert_is_as_computed,
@@ -69,41 +66,17 @@ def cut(*keys):
     return harm
 
 
-KILLS = {
-    "only the old one": (1, NEW, shutil.rmtree),
-    "only the new one": (1, OLD, shutil.rmtree),
-    "both between the renames": (1, NEW, lambda _: None),
-    "the new one without its root": (1, NEW, cut(FACTS, ROOT)),
-    "the new one with half of its root": (1, NEW, cut(FACTS)),
-    "the old one without its root": (1, OLD, cut(FACTS, ROOT)),
-    "the new one with a damaged chunk": (1, NEW, cut(CHUNK)),
-    "the old one with a damaged chunk": (1, OLD, cut(CHUNK)),
-    "the store without its root before the renames": (0, "", cut(FACTS, ROOT)),
-    "the store with a damaged chunk before the renames": (0, "", cut(CHUNK)),
-    "the store removed before the renames": (0, "", shutil.rmtree),
-    "the store without its root after the renames": (2, "", cut(FACTS, ROOT)),
-}
-
-
-@pytest.fixture(scope="module")
-def killed_growths(tmp_path_factory):
-    """Folders with a store whose growth was killed after 0, 1 and 2 renames."""
-    folders = [tmp_path_factory.mktemp(f"{renames}-renames") for renames in range(3)]
-    for renames, folder in enumerate(folders):
-        commit(folder / "tiny.zarr", TWO_POINTS)
-        grow_until(renames, folder / "tiny.zarr")
-    return folders
-
-
 @pytest.mark.parametrize("sweep", [TWO_POINTS, THREE_POINTS], ids=["same scene", "larger scene"])
-@pytest.mark.parametrize("kill", KILLS)
-def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on(
-    kill, sweep, path, killed_growths
-):
-    renames, ending, harm = KILLS[kill]
-    shutil.copytree(killed_growths[renames], path.parent, dirs_exist_ok=True)
-    assert beside(path, NEW).exists() or renames == 2
-    harm(beside(path, ending))
+@pytest.mark.parametrize("renames", [0, 1, 2])
+def test_a_growth_that_is_killed_between_its_renames_loses_no_point(renames, sweep, path):
+    commit(path, TWO_POINTS)
+    grow_until(renames, path)
+    assert path.exists() == (renames != 1)
+    assert beside(path, NEW).exists() == (renames < 2)
+    assert beside(path, OLD).exists() == (renames > 0)
+    if renames == 1:
+        with pytest.raises(StoreError, match=r"a run ended while it created .*; run its scene ag"):
+            summary(path)
     assert find_sweep(path).velocities == TWO_POINTS.velocities
     commit(path, sweep, ())
     assert_is_as_computed(path, points(TWO_POINTS))
@@ -111,24 +84,23 @@ def test_of_the_copies_of_a_killed_growth_the_one_with_most_sound_points_goes_on
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
-def test_a_copy_that_cannot_be_read_is_not_deleted_for_a_damaged_one(path, killed_growths):
-    shutil.copytree(killed_growths[1], path.parent, dirs_exist_ok=True)
-    with pytest.raises(StoreError, match=r"a run ended while it created .*; run its scene again"):
-        summary(path)
-    cut(FACTS, ROOT)(beside(path, NEW))
-    cut(CHUNK)(beside(path, OLD))
+@pytest.mark.parametrize("harm", [Path.unlink, lambda file: cut("")(file)])
+def test_a_store_whose_data_of_the_sweep_are_lost_is_refused_and_nothing_is_deleted(path, harm):
+    commit(path, TWO_POINTS)
+    grow_until(2, path)
+    harm(path / FACTS)
     before = contents(path.parent)
-    with pytest.raises(StoreError, match=r"irg-new: its about/zarr\.json is damaged"):
-        commit(path, TWO_POINTS, ())
-    after = {key: content for key, content in contents(path.parent).items() if "lock" not in key}
-    assert after == before
+    for sweep in (TWO_POINTS, THREE_POINTS):
+        with pytest.raises(StoreError, match="run the scene into another store"):
+            commit(path, sweep, ())
+    assert contents(path.parent) == before
 
 
-@pytest.mark.parametrize("key", [FACTS, ROOT])
 @pytest.mark.parametrize(
     "harm", [Path.unlink, lambda file: cut("")(file), lambda f: f.write_text("{}")]
 )
-def test_either_document_with_the_data_of_the_sweep_mends_the_other(copy, harm, key):
+@pytest.mark.parametrize("key", [ROOT, f"status/{ROOT}"])
+def test_a_damaged_document_of_other_programs_is_mended_by_the_first_run(copy, harm, key):
     before = contents(copy)
     harm(copy / key)
     assert pipeline.boundary(copy).equals(pipeline.boundary(copy))
@@ -136,32 +108,6 @@ def test_either_document_with_the_data_of_the_sweep_mends_the_other(copy, harm, 
     assert (verification.done, verification.damaged, verification.shared) == (9, (), (key,))
     assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
     assert contents(copy) == before
-
-
-SEVERAL = tiny.sweep(
-    loads=(150.0,), velocities=(0.5,), case_table=surface_table((1, 2)), fields=True
-)
-
-
-@pytest.mark.parametrize("sweep", [TWO_POINTS, SEVERAL, tiny.sweep(loads=(150.0,))])
-def test_a_store_that_has_lost_both_is_restored_by_the_scene_of_its_points(path, sweep):
-    commit_all(path, sweep)
-    commit(path, sweep, ())
-    before = contents(path)
-    for key in (FACTS, ROOT):
-        (path / key).unlink()
-    lost = contents(path)
-    for other in (
-        tiny.full(increments=7),
-        tiny.full(velocities=(0.5, 1.0)),
-        changed(sweep, loads=(151.0, *sweep.loads[1:])),
-        changed(sweep, pin=tribo.Cylinder(9e-3, 3.375e-3, STEEL)),
-    ):
-        with pytest.raises(StoreError, match=r"its about/zarr\.json is lost; irg run restores it"):
-            commit(path, other, ())
-        assert contents(path) == lost
-    assert pipeline.run_sweep(sweep, path, workers=1).computed == 0
-    assert contents(path) == before
 
 
 @pytest.mark.parametrize("name", ["x", "pressure", "field_realization"])
@@ -172,15 +118,6 @@ def test_a_store_without_the_folder_of_an_array_of_fields_is_extended_by_realiza
     commit_all(path, tiny.full(**axes, case_table=surface_table((3, 4))))
     assert verify_store(path).is_clean
     assert summary(path).done == 2
-
-
-@pytest.mark.parametrize("harm", [Path.unlink, lambda file: file.write_text("{}")])
-def test_the_metadata_of_statuses_are_mended_by_the_first_run(copy, harm):
-    before = contents(copy)
-    harm(copy / "status" / ROOT)
-    assert verify_store(copy).shared == (f"status/{ROOT}",)
-    assert pipeline.run_sweep(SWEEP, copy, workers=1).done == 9
-    assert contents(copy) == before
 
 
 def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
@@ -196,16 +133,14 @@ def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
         assert verify_store(path).is_clean
 
 
-@pytest.mark.parametrize("key", [FACTS, ROOT])
-def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path, key):
+def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path):
     sweep = dataclasses.replace(TWO_POINTS, text='radius = "2 mm"\n')
     commit(path, sweep)
-    commit(path, sweep, ())
     before = contents(path)
-    content = bytearray(before[key])
+    content = bytearray(before[ROOT])
     content[content.rindex(b"2 mm")] ^= 1
-    (path / key).write_bytes(content)
+    (path / ROOT).write_bytes(content)
     assert "2 mm" in pipeline.open_sweep(path).attrs["scene"]
-    assert verify_store(path).shared == (key,)
+    assert verify_store(path).shared == (ROOT,)
     commit(path, sweep, ())
     assert contents(path) == before

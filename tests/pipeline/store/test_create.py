@@ -1,13 +1,9 @@
 """Creation and growth of stores, interrupted or not, and refusals."""
 
 import errno
-import functools
-import http.server
 import os
 import stat
-import threading
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,8 +17,7 @@ from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.location import location_of
 from pipeline.store.lock import locked
-from pipeline.store.schema import FIELDS, path_of
-from pipeline.store.transfer import copy_points
+from pipeline.store.points import copy_points
 from pipeline.sweep.case_table import surface_table
 from pipeline.sweep.plan import points
 from pipeline.sweep.sweep import Point
@@ -33,7 +28,6 @@ from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
-    commit_all,
     contents,
     killed_after,
     opened,
@@ -174,7 +168,7 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
             run_point(sweep, point).record(with_fields=has_fields) for point, has_fields in fields
         )
     before = open_sweep(path).load()
-    more = tiny.full(**axes, case_table=surface_table((0, 1, 7)))
+    more = tiny.full(**axes, case_table=surface_table((1, 7, 8)))
     with killed_after(monkeypatch, 8), writing(path, more):
         pass
     assert open_sweep(path).load().drop_attrs().equals(before.drop_attrs())
@@ -200,43 +194,6 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
     pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
     with pytest.raises(tribo.InputError, match="a store keeps those of one surface realization"):
         pipeline.plot(ds.sel(realization=7), "fields", load="150 N", velocity="0.5 m/s")
-
-
-@pytest.mark.parametrize("seeds", [(3,), None])
-def test_growth_by_realizations_leaves_the_files_of_fields(path, monkeypatch, seeds):
-    axes = {"loads": (150.0, 600.0), "velocities": (0.5,)}
-
-    def inodes():
-        return {
-            (file.name, file.stat().st_ino, file.stat().st_mtime_ns)
-            for name in FIELDS
-            for file in (path / path_of(name)).glob("c*")
-        }
-
-    sweep = tiny.full(**axes, **{"case_table": surface_table(seeds)} if seeds else {})
-    commit_all(path, sweep)
-    before, old = inodes(), xr.open_zarr(path, group="fields", chunks=None)
-    number = 3 if seeds else sweep.scene.roughness.seed
-    more = tiny.full(**axes, case_table=surface_table((number, number + 1, number + 2)))
-    with writing(path, more):
-        assert inodes() == before
-    now = xr.open_zarr(path, group="fields")
-    xr.testing.assert_equal(
-        old.load().drop_vars("field_realization", errors="ignore"),
-        now.drop_vars("field_realization"),
-    )
-    assert now["field_realization"].item() == number
-    assert verify_store(path).is_clean
-
-    def refused(*_):
-        raise OSError(errno.EPERM, "no hard links")
-
-    monkeypatch.setattr(Path, "hardlink_to", refused)
-    lower = tiny.full(**axes, case_table=surface_table((number - 1,)))
-    with writing(path, lower):
-        assert verify_store(path).is_clean
-    assert len(inodes()) == len(before)
-    assert xr.open_zarr(path, group="fields")["field_realization"].item() == number
 
 
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
@@ -330,23 +287,3 @@ def test_nothing_is_written_over(path, make, complaint):
         with pytest.raises(StoreError, match=complaint):
             commit(path, sweep, ())
     assert contents(path.parent) == before
-
-
-class Unlisted(http.server.SimpleHTTPRequestHandler):
-    """Handler that serves files without logging, and lists no directories."""
-
-    def log_message(self, *_):
-        pass
-
-    def list_directory(self, _):
-        self.send_error(404)
-
-
-def test_a_web_address_is_read_as_the_store_is_though_it_lists_no_files(copy):
-    handler = functools.partial(Unlisted, directory=copy.parent)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        url = f"http://127.0.0.1:{server.server_port}/{copy.name}"
-        xr.testing.assert_identical(pipeline.boundary(url), pipeline.boundary(copy))
-        assert verify_store(url) == verify_store(copy)
-        server.shutdown()

@@ -38,6 +38,16 @@ def add_own(path):
 
 
 @pytest.mark.filterwarnings("ignore:Consolidated metadata")
+def test_an_attribute_that_users_add_to_an_array_stays_through_runs_and_growths(copy):
+    zarr.open_group(copy, mode="r+")["max_rise"].attrs["note"] = "mine"
+    for sweep in (changed(SWEEP, title="Another title"), tiny.full(loads=(700.0,))):
+        commit(copy, sweep, ())
+        for group in (xr.open_zarr(copy, chunks=None), zarr.open_group(copy, mode="r")):
+            assert group["max_rise"].attrs["note"] == "mine"
+        assert pipeline.verify_store(copy).is_clean
+
+
+@pytest.mark.filterwarnings("ignore:Consolidated metadata")
 def test_what_users_add_stays_through_reads_and_runs(copy, irg):
     with xr.open_zarr(copy, chunks=None) as ds:
         before, boundary = ds.load(), pipeline.boundary(copy)

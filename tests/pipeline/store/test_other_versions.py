@@ -5,7 +5,7 @@ from dataclasses import field, fields, make_dataclass, replace
 import pytest
 
 import pipeline
-from pipeline.store.copies import find_sweep
+from pipeline.store.create import find_sweep
 from pipeline.sweep import stored
 from tests.helpers import tiny
 from tests.helpers.stores import commit, forge
