@@ -61,7 +61,6 @@ CONFIGURATION = {
 _PRELOAD = ["distributed", "scipy.fft", "scipy.linalg", "scipy.special", "pipeline.run.work"]
 _STATIC_ROUTES = ["distributed.http.statics"]  # files of the dashboard; they take no commands
 _START_TIMEOUT = 120.0  # time that workers may take to start [s]
-_START_ERRORS = (OSError, RuntimeError, AssertionError)
 _CLOSE_TIMEOUT = 60.0  # time after which the processes of an ending cluster are killed [s]
 
 
@@ -100,17 +99,22 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
         start_forkserver()
         with _no_interrupts():
             try:
-                cluster = _start_cluster(workers, dashboard)
-            except _START_ERRORS:  # also if a single worker was killed
-                try:
-                    cluster = _start_cluster(workers, dashboard)
-                except _START_ERRORS as error:
-                    raise ExecutionError(
-                        f"the worker processes did not start: {str(error) or 'none connected'}; "
-                        "memory, threads or processes may be limited (ulimit -a): use fewer "
-                        'workers. In a script, call run_sweep under if __name__ == "__main__":, '
-                        "because workers import it"
-                    ) from None
+                cluster = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    security=Security.temporary(),
+                    death_timeout=_START_TIMEOUT,
+                    dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
+                    scheduler_kwargs={"dashboard": dashboard},
+                    silence_logs=logging.CRITICAL,
+                )
+            except (OSError, RuntimeError, AssertionError) as error:
+                raise ExecutionError(
+                    f"the worker processes did not start: {str(error) or 'none connected'}; "
+                    "memory, threads or processes may be limited (ulimit -a): use fewer workers. "
+                    'In a script, call run_sweep under if __name__ == "__main__":, because '
+                    "workers import it"
+                ) from None
             cluster.adapt(minimum=workers, maximum=workers)  # for workers that are lost for good
         try:
             yield cluster
@@ -121,19 +125,6 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                 except (OSError, AssertionError):  # not in time, or a worker was just starting
                     for process in multiprocessing.active_children():
                         process.kill()  # or Python would wait for them when it ends
-
-
-def _start_cluster(workers: int, dashboard: bool) -> LocalCluster:
-    """Start a cluster; raise one of `_START_ERRORS` if any of its workers does not start."""
-    return LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        security=Security.temporary(),
-        death_timeout=_START_TIMEOUT,
-        dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
-        scheduler_kwargs={"dashboard": dashboard},
-        silence_logs=logging.CRITICAL,
-    )
 
 
 def start_forkserver() -> None:

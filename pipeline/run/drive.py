@@ -40,8 +40,8 @@ _MIN_AHEAD, _MAX_AHEAD = 2, 16
 _SPARE_TASKS = 16  # tasks without a worker, for which an adaptive cluster starts workers
 _MAX_LOSSES = 3  # a point has failed once it was lost so often with its worker
 _LOST_MESSAGE = (
-    "{} workers died; the last one was computing only this point: {}; use fewer workers, or reduce "
-    "window.pixels"
+    f"{_MAX_LOSSES} workers died with this point, the last one with no other; if the memory of a "
+    "worker was too small, use fewer workers, or reduce window.pixels"
 )
 
 
@@ -52,7 +52,6 @@ class _Job:
     task: Task
     worker: str
     process: str | None  # of the worker
-    is_movable: bool  # False if Dask must not give it to another worker
     is_lost: bool = False  # with its worker
 
 
@@ -115,12 +114,10 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
             ]
             if suspect_tasks and not (assigned or submitted):
                 assigned = [(workers[0] if workers else ANYWHERE, suspect_tasks.popleft())]
-            jobs = [
-                _Job(task, worker, processes.get(worker), is_movable=task.point not in losses)
-                for worker, task in assigned
-            ]
             with watch.reached():
-                submitted.add(jobs)
+                submitted.add(
+                    [_Job(task, worker, processes.get(worker)) for worker, task in assigned]
+                )
                 for job, result in submitted.ended(processes):
                     point = job.task.point
                     if result is not None:
@@ -137,9 +134,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
                     elif losses[point] < _MAX_LOSSES:
                         suspect_tasks.append(job.task)
                     else:
-                        cause = watch.cause_of_death(job.worker)
-                        message = _LOST_MESSAGE.format(_MAX_LOSSES, cause)
-                        writer.add([PointRecord(point, None, message)])
+                        writer.add([PointRecord(point, None, _LOST_MESSAGE)])
             if written := writer.written():
                 tally.count(written, len(workers))
         tally.count(writer.flush(), len(workers))
@@ -184,10 +179,10 @@ class _SubmittedTasks:
 
     def add(self, jobs: Iterable[_Job]) -> None:
         """Submit tasks to Dask, grouped by worker, which takes half the time."""
-        groups = defaultdict[tuple[str, bool], list[_Job]](list)
+        jobs_by_worker = defaultdict[str, list[_Job]](list)
         for job in jobs:
-            groups[job.worker, job.is_movable].append(job)
-        for (worker, is_movable), group in groups.items():
+            jobs_by_worker[job.worker].append(job)
+        for worker, group in jobs_by_worker.items():
             points = [job.task.point for job in group]
             futures = self._client.map(
                 simulate_point,
@@ -199,7 +194,7 @@ class _SubmittedTasks:
                 ],
                 pure=False,
                 workers=worker or None,
-                allow_other_workers=bool(worker) and is_movable,
+                allow_other_workers=bool(worker),
             )
             self._jobs.update(zip(futures, group, strict=True))
             self._ended.update(futures)

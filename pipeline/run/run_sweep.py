@@ -6,9 +6,9 @@ import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from dask.system import cpu_count
@@ -28,7 +28,7 @@ from pipeline.store.resume import changes_in_words
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
-from pipeline.sweep.plan import Task, tasks
+from pipeline.sweep.plan import tasks
 from pipeline.sweep.stored import require_stored_classes
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError
@@ -140,14 +140,24 @@ def run_sweep(
         if source_store:
             copied_count = copy_points(store, source_store)
             report(Progress(f"{copied_count} points are copied from {source}"))
-        cluster = _Cluster(client, workers, patience, dashboard, report)
+        count = min(workers or cpu_count(), _task_count(store, goal))
+        if goal:
+            store.leave_out_pending()
         tally = Tally(store, notebook_progress(progress))
-        store, computed, cpu_time = _compute_pending(store, goal, cluster, tally)
+        with _Workers(client, count, patience, dashboard, report) as cluster:
+            if store.tests:  # first, as the critical temperature may follow from them
+                cluster.compute(store.tests, tally)
+            computed_tests = tally.computed
+            store = _ask_for_goal(store, goal, tally) if goal else store
+            while store.pending():
+                cluster.compute(store, tally)
+                store = _ask_for_goal(store, goal, tally) if goal else store
+            cpu_time = cluster.cpu_time()
         summary = summary_of(store)
     return Outcome(
         summary.total,
         summary.done,
-        computed,
+        computed=tally.computed - computed_tests,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
         cpu_time=time.process_time() - began_cpu_time + cpu_time,
@@ -155,55 +165,42 @@ def run_sweep(
     )
 
 
-class _Cluster(NamedTuple):
-    """The cluster of a run: that of a client, or workers to start on this machine."""
-
-    client: Client | None
-    workers: int | None
-    patience: float
-    dashboard: bool
-    report: Report
+def _task_count(store: Store, goal: GoalRun | None) -> int:
+    """Number of tasks that can run at a time; a goal has too many to count."""
+    return cpu_count() if goal else sum(len(group.pending()) for group in store.groups)
 
 
-def _compute_pending(
-    store: Store, goal: GoalRun | None, cluster: _Cluster, tally: Tally
-) -> tuple[Store, int, float]:
-    """Compute the pending points of the tests, then those of the plane or of a goal.
+class _Workers(ExitStack):
+    """The workers of a run: those of a client, or processes that the first point starts here.
 
-    Returns the store, which a goal enlarges, the number of points of the plane that were computed,
-    and the processor time of the workers [s].
+    `count` is the number of processes. The context ends them.
     """
-    if goal:
-        store.leave_out_pending()
-    test_queue = TaskQueue(_tasks(store.tests) if store.tests else ())
-    # A critical temperature from tests is known only when their points are done.
-    needs_tests = any(case.critical_from_tests for case in store.sweep.cases)
-    has_tests_first = needs_tests and bool(test_queue)
-    if goal and not has_tests_first:
-        store = _ask_for_goal(store, goal, tally)
-    queue = TaskQueue(_tasks(store))
-    if not (queue or test_queue):
-        return store, 0, 0.0
-    most_tasks = cpu_count() if goal else len(queue) + len(test_queue)
-    workers = min(cluster.workers or cpu_count(), most_tasks)
-    with connected(cluster.client, workers, cluster.report, cluster.dashboard) as client:
-        watch = Watch(client, cluster.patience, cluster.report, is_own=cluster.client is None)
-        initial_cpu_time = watch.cpu_time() if cluster.client else 0.0
-        if store.tests and test_queue:
-            compute(client, watch, store.tests, test_queue, tally)
-        computed_tests = tally.computed
-        if goal and has_tests_first:
-            store = _ask_for_goal(store, goal, tally)
-            queue = TaskQueue(_tasks(store))
-        while queue:
-            compute(client, watch, store, queue, tally)
-            store = _ask_for_goal(store, goal, tally) if goal else store
-            queue = TaskQueue(_tasks(store))  # empty without a goal
-        return store, tally.computed - computed_tests, watch.cpu_time() - initial_cpu_time
 
+    def __init__(
+        self, client: Client | None, count: int, patience: float, dashboard: bool, report: Report
+    ) -> None:
+        super().__init__()
+        self._client, self._count, self._patience = client, count, patience
+        self._dashboard, self._report = dashboard, report
+        self._watch: Watch | None = None
+        self._initial_cpu_time = 0.0
 
-def _tasks(store: Store) -> Iterable[Task]:
-    return tasks(store.pending(), store.sweep)
+    def compute(self, store: Store, tally: Tally) -> None:
+        """Compute the pending points of a store."""
+        if not (queue := TaskQueue(tasks(store.pending(), store.sweep))):
+            return
+        if self._watch is None:
+            client = self.enter_context(
+                connected(self._client, self._count, self._report, self._dashboard)
+            )
+            is_own, self._client = self._client is None, client
+            self._watch = Watch(client, self._patience, self._report, is_own)
+            self._initial_cpu_time = 0.0 if is_own else self._watch.cpu_time()
+        compute(self._client, self._watch, store, queue, tally)
+
+    def cpu_time(self) -> float:
+        """Processor time that workers have spent on this run [s]."""
+        return self._watch.cpu_time() - self._initial_cpu_time if self._watch else 0.0
 
 
 def _ask_for_goal(store: Store, goal: GoalRun, tally: Tally) -> Store:

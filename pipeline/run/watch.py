@@ -6,7 +6,6 @@ import time
 from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any
 
 from distributed import Client
@@ -23,7 +22,7 @@ CANNOT = "a Dask worker cannot run this program"
 _INSTALL = f"install the same version on both sides and restart the workers; {SAFE}"
 _LOST = f"the connection to the Dask scheduler is lost; {SAFE}"
 _ANSWER_TIMEOUT = 5.0  # time for a worker to send the identity of its program [s]
-_NOTE_AFTER = 10.0  # time after which a note reports that workers hang, or that none are left [s]
+_NOTE_AFTER = 10.0  # time after which a note reports that there is no worker [s]
 # Errors that Dask raises without a scheduler, the last three by a client that was closed.
 _LOST_ERRORS = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
 
@@ -42,11 +41,8 @@ class Watch:
         self._next_look, self._last_running = 0.0, time.monotonic()
         self._workers: list[str] = []
         self._folders: dict[str, str] = {}
-        # By worker, on the clock of the scheduler and on that of this process.
-        self._heartbeats: dict[str, tuple[float, float]] = {}
         self._checked: set[str] = set()
         self._is_own = is_own  # then workers run this program, on this machine
-        self._initial_kills = _count_memory_kills()
 
     def __call__(self) -> list[str]:
         """Addresses of the workers that take tasks.
@@ -60,35 +56,20 @@ class Watch:
             ask = self._client.scheduler.identity
             # `Client.scheduler_info` would wait without end for a scheduler that does not answer.
             infos = self._client.sync(ask, n_workers=-1, callback_timeout=self._patience)["workers"]
-        self._heartbeats = {
-            worker: beat for worker, beat in self._heartbeats.items() if worker in infos
-        }
         self._folders = {worker: info["local_directory"] for worker, info in infos.items()}
         self._workers = [worker for worker, info in infos.items() if info["status"] == "running"]
-        for worker, info in infos.items():
-            if self._heartbeats.get(worker, (0.0, 0.0))[0] != info["last_seen"]:
-                self._heartbeats[worker] = info["last_seen"], now
-        unresponsive = {
-            worker
-            for worker in infos
-            if worker not in self._workers or now - self._heartbeats[worker][1] > _NOTE_AFTER
-        }
-        if unresponsive.issuperset(self._workers):
-            self._wait_for_worker(unresponsive, now - self._last_running)
-        else:
+        if self._workers:
             self._last_running = now
-            for worker in unresponsive:
-                state = infos[worker]["status"]
-                state = f"silent for {_NOTE_AFTER:g} s" if state == "running" else state
-                self.report_once(f"{worker} is {state}; the other workers continue")
+        else:
+            self._wait_for_worker(infos, now - self._last_running)
         if not self._is_own:
-            self._check(sorted({*self._workers} - self._checked - unresponsive))
+            self._check(sorted({*self._workers} - self._checked))
         self._next_look = time.monotonic() + POLL
         return self._workers
 
-    def _wait_for_worker(self, unresponsive: Collection[str], waited: float) -> None:
+    def _wait_for_worker(self, workers: Collection[str], waited: float) -> None:
         """Report that no worker takes tasks; `ExecutionError` if it `waited` too long [s]."""
-        reason = f"{', '.join(sorted(unresponsive)) or 'there is none'}"
+        reason = f"{', '.join(sorted(workers)) or 'there is none'}"
         if waited > self._patience:
             limit = duration(self._patience)
             raise ExecutionError(f"no Dask worker accepts tasks within {limit} ({reason}); {SAFE}")
@@ -164,17 +145,6 @@ class Watch:
         """Make the next call ask the scheduler, whenever the last one did."""
         self._next_look = 0.0
 
-    def cause_of_death(self, worker: str) -> str:
-        """Why a worker has died, as far as the scheduler and the kernel have noted it."""
-        ask = self._client.scheduler.events
-        limit = self._patience
-        events = self._client.sync(ask, topic="worker-restart-memory", callback_timeout=limit)
-        if any(event["worker"] == worker for _, event in events or ()):
-            return "its worker reached its memory limit"
-        if self._is_own and _count_memory_kills() > self._initial_kills:
-            return "the kernel killed a process for lack of memory"
-        return "it crashed, or was killed from outside"
-
     def report_once(self, words: str) -> None:
         """Report a message to the user once."""
         if words not in self._reported:
@@ -194,11 +164,3 @@ class Watch:
             yield
         except _LOST_ERRORS as error:
             raise ExecutionError(_LOST) from error
-
-
-def _count_memory_kills() -> int:
-    """Number of processes that the kernel has killed for lack of memory; 0 if it does not count."""
-    with suppress(OSError, ValueError, KeyError):
-        lines = Path("/proc/vmstat").read_text().splitlines()
-        return int(dict(line.split() for line in lines)["oom_kill"])
-    return 0

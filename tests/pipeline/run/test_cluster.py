@@ -8,11 +8,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -249,32 +248,6 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, tiny_store
     assert sum(map(len, dependencies_by_point.values())) == 0
 
 
-def test_a_run_whose_worker_is_killed_while_the_cluster_starts_goes_on(path):
-    killed = []
-
-    def kill_first():
-        end = time.monotonic() + 60.0
-        while not killed and time.monotonic() < end:
-            for process in psutil.Process().children(recursive=True):
-                with suppress(psutil.NoSuchProcess):
-                    # A worker is forked by the fork server, which is a child of this process.
-                    if (
-                        "forkserver" in " ".join(process.cmdline())
-                        and process.ppid() != os.getpid()
-                    ):
-                        process.kill()
-                        killed.append(process.pid)
-                        return
-            time.sleep(0.001)
-
-    thread = threading.Thread(target=kill_first)
-    thread.start()
-    outcome = run_sweep(SHORT, path, workers=2)
-    thread.join()
-    assert killed
-    assert (outcome.done, outcome.failed) == (3, ())
-
-
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
     pytest.importorskip("bokeh")
     answers, before = [], multiprocessing.active_children()
@@ -363,15 +336,14 @@ def test_a_point_that_takes_all_memory_fails_alone(path, monkeypatch):
         outcome = run_sweep(HUNGRY, path, client=client)
     (failed,) = outcome.failed
     assert (failed.load, outcome.done) == (250.0, 2)
-    assert "its worker reached its memory limit" in failed.message
+    assert "if the memory of a worker was too small, use fewer workers" in failed.message
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
     deadly = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0)
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
     (failed,) = outcome.failed
-    words = "3 workers died; the last one was computing only this point: it crashed, or was killed"
-    assert failed.message.startswith(words)
+    assert failed.message.startswith("3 workers died with this point, the last one with no other")
     assert (failed.load, outcome.done) == (250.0, 2)
     assert verify_store(path).is_clean
     with xr.open_zarr(path, chunks=None) as ds:
