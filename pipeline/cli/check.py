@@ -183,7 +183,7 @@ def _span_text(span: Span, unit: str = "") -> str:
 
 
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
-    """Yield rows on the cost of a sweep: points, steps, time and disk."""
+    """Yield rows on the cost of a sweep: points, tests and time."""
     velocities = sweep.case_table.column("velocity") or sweep.velocities
     loads = pluralized(len(sweep.loads), "load", "loads")
     counts = [loads, pluralized(len(velocities), "velocity", "velocities")]
@@ -200,10 +200,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         if wider := _wider_window(sweep.scene.pixels.shape, widest_scene):
             yield "", f"tests with load stages need wider windows, up to {wider}"
     time, workers = duration(cost.seconds), pluralized(cost.workers, "worker", "workers")
-    disk = "less than 1 MB"
-    if cost.disk_bytes >= 1e6:
-        disk = f"about {display(cost.disk_bytes, 'MB', '.0f')}"
-    yield "time", f"about {time} on {workers} of an idle machine; {disk} of disk space"
+    yield "time", f"about {time} on {workers} of an idle machine"
     if has_unknown_preset_error(sweep):
         yield (
             "error",

@@ -1,4 +1,4 @@
-"""Rough cost of a sweep before it runs: time, memory and disk, from a few timed steps."""
+"""Rough cost of a sweep before it runs: time, from a few timed steps, and memory."""
 
 from __future__ import annotations
 
@@ -19,22 +19,18 @@ from pipeline.sweep.plan import (
     Task,
     choose_stored_steps,
     list_points_of_tests,
-    step_values,
     sweep_of_tests,
     tasks,
 )
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.sweep import Sweep
-from tribo import Scene, State
+from tribo import Scene
 from tribo.simulation import RampCache, contacts, fit_elements, heat
 from tribo.simulation.ramp_cache import MOST_BYTES
 
 _SECONDS_TO_START = 1.0  # to start a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # to schedule and write a point
 _WORKER_BYTES = 115e6  # interpreter and libraries
-_COMPRESSION = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try
-_STORE_BYTES = 0.36e6  # an empty store: some 30 arrays, each with a folder and two files
-_HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays cached for each increment of a ramp
 _MAX_PIXELS = 2e7  # largest surface that is generated for an estimate
@@ -43,14 +39,13 @@ _TIMING_LIMIT = 1.0  # [s] of processor time after which no further step is time
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Expected cost of a sweep: numbers of points and tasks, time [s], disk space [B]."""
+    """Expected cost of a sweep: numbers of points and tasks, and time."""
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
     tasks: int  #: Parallel tasks, also the largest useful number of workers.
     workers: int  #: Processes that compute.
     seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
-    disk_bytes: float  #: Size of the store on disk [B].
 
 
 @typed_arguments
@@ -87,7 +82,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     workers = workers or available
     cases = sweep.case_table.without_surfaces.names
     scene = sweep._select_case(cases[len(cases) // 2])
-    *times, state = time_steps(scene)
+    times = _time_steps(scene)
     seconds = _SECONDS_TO_START
     sweep_tasks = [*tasks(points_of(sweep), sweep)]
     test_points = list_points_of_tests(sweep)
@@ -104,7 +99,6 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         tasks=len(sweep_tasks),
         workers=workers,
         seconds=seconds,
-        disk_bytes=_STORE_BYTES + (len(sweep_tasks) + len(test_tasks)) * _point_bytes(scene, state),
     )
 
 
@@ -138,7 +132,7 @@ def machine_memory() -> int:
 
 def worker_bytes(sweep: Sweep) -> float:
     """Memory that a worker needs [B], including the results of steps kept for reuse."""
-    scene = fitted_scene_of(sweep)
+    scene = _fitted_scene(sweep)
     coarse, *finer = scene.levels()
     cached_levels = (
         [coarse, *finer[-1:]] if choose_stored_steps(sweep).steps == "course" else [coarse]
@@ -149,7 +143,7 @@ def worker_bytes(sweep: Sweep) -> float:
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + cache_bytes
 
 
-def fitted_scene_of(sweep: Sweep) -> Scene:
+def _fitted_scene(sweep: Sweep) -> Scene:
     """Scene with the elements that a simulation would choose at the sweep's lowest load.
 
     If there are very many pixels, elements are single pixels instead.
@@ -161,12 +155,8 @@ def fitted_scene_of(sweep: Sweep) -> Scene:
     return replace(scene, fidelity=finest)
 
 
-def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Measure the CPU time of some steps of a sweep's simulations.
-
-    Returns the mean time of a contact solution [s], that of a heat solution [s], and the last state
-    that was computed.
-    """
+def _time_steps(sweep: Sweep) -> tuple[float, float]:
+    """Mean CPU times [s] of a contact and of a heat solution, from some steps of a sweep."""
     moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     contact_times, heat_times, ramp_cache = list[float](), list[float](), RampCache()
@@ -183,14 +173,4 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
         if state.is_requested and sum(contact_times) + sum(heat_times) > _TIMING_LIMIT:
             break
         began = time.process_time()
-    return float(np.mean(contact_times)), float(np.mean(heat_times or 0.0)), state
-
-
-def _point_bytes(sweep: Sweep, state: State) -> float:
-    """Compressed size of a point in the store [B]."""
-    stored_steps = choose_stored_steps(sweep)
-    numbers = sum(np.size(value) for value in step_values(sweep.scene, state).values())
-    field = 4.0 * _COMPRESSION * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    steps = max(len(stored_steps.select(sweep.scene, n)) for n in sweep.loads)
-    fields = {False: 0, True: 3, "steps": 3 * steps}[sweep.fields]
-    return 8.0 * numbers * steps + fields * field
+    return float(np.mean(contact_times)), float(np.mean(heat_times or 0.0))

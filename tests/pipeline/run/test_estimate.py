@@ -9,7 +9,6 @@ import pytest
 import tribo
 from pipeline import Conditions, estimate
 from pipeline.sweep.plan import points, tasks
-from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
 from tests.helpers.scenes import STEEL
@@ -65,8 +64,3 @@ def test_the_time_of_a_sweep_is_estimated_within_a_factor_of_three(changes, cloc
     seconds = clock() - began
     assert (cost.points, cost.tasks) == (6, 6)
     assert 1 / 3 < (cost.seconds - 1.0) / seconds < 3  # one second starts the workers
-
-
-def test_a_store_takes_the_room_that_was_estimated_within_a_factor_of_two(tiny_store):
-    blocks = sum(512 * file.stat().st_blocks for file in tiny_store.rglob("*"))
-    assert 0.5 < estimate(tiny.full()).disk_bytes / blocks < 2.0
