@@ -35,8 +35,6 @@ def draw_trade(trade: Trade) -> Figure:
         axes.plot(times, errors, marker=marker, color=colour, lw=style.THIN, label=label, gid=label)
         for cost in costs:
             name, offset = str(cost.preset), (8, 4)
-            if cost.has_steps:  # the plane without them has nearly the same time and error
-                name, offset = f"{cost.preset}, all steps", (8, 18)
             if cost.accuracy is not None:
                 name, offset = f"{100 * cost.accuracy:g} %: {cost.points} points", (12, -12)
             axes.annotate(

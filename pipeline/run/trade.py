@@ -30,7 +30,6 @@ from pipeline.store.location import PathLike
 from pipeline.sweep.plan import choose_stored_steps, run_point
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError
-from tribo.simulation import RampCache
 
 ACCURACIES = 0.05, 0.03, 0.02
 """Errors that `irg trade` asks for, one after another."""
@@ -45,7 +44,6 @@ class MeasuredCost:
     points: int  #: In the store after the run, or of the plane.
     seconds: float  #: Processor time of all processes, earlier runs included [s].
     error: float  #: Relative error at the load where it is largest, a bound at 95 %.
-    has_steps: bool = False  #: True if all steps of each point are computed, not its end alone.
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +64,6 @@ class Trade:
             name = f"plane by {measured.preset}"
             if measured.accuracy is not None:
                 name = f"accuracy {100 * measured.accuracy:g}%"
-            elif measured.has_steps:
-                name = f"plane by {measured.preset}, all steps"
             numbers = float(f"{measured.seconds:.3g}"), float(f"{measured.error:.3g}")
             rows.append((name, measured.preset, measured.points, *numbers))
         heads = "run", "preset", "points", "CPU time [s]", "numerical error [%]"
@@ -161,33 +157,18 @@ def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCos
         preset_error = preset_error_of(preset_sweep) or math.nan
         preset_errors = preset_error * RISE_EXPONENT / np.minimum(exponent, RISE_EXPONENT)
         errors = total(np.stack([interpolation, surface, preset_errors]))
-        error, median_velocity = float(errors.max(initial=0.0)), float(np.median(critical))
-        seconds = points * seconds_of_point(preset_sweep, median_velocity)
-        yield MeasuredCost(None, name, points, seconds, error)
-        if name == "standard" and choose_stored_steps(sweep).steps == "course":
-            ends, course = (
-                seconds_of_loads(replace(preset_sweep, steps=steps), median_velocity)
-                for steps in ("end", "course")
-            )
-            yield MeasuredCost(None, name, points, seconds * course / ends, error, has_steps=True)
+        seconds = points * _seconds_of_point(preset_sweep, float(np.median(critical)))
+        yield MeasuredCost(None, name, points, seconds, float(errors.max(initial=0.0)))
 
 
-def seconds_of_point(sweep: Sweep, velocity: float) -> float:
-    """Processor time [s] of a point's end at the middle load, and nearest to `velocity` [m/s].
+def _seconds_of_point(sweep: Sweep, target: float) -> float:
+    """Processor time [s] of a point's end at the middle load, and nearest to `target` [m/s].
 
     Points of a plane share their ramps, and so may take less.
     """
-    middle = sweep.loads[len(sweep.loads) // 2]
-    return seconds_of_loads(replace(sweep, steps="end", loads=(middle,)), velocity)
-
-
-def seconds_of_loads(sweep: Sweep, target: float) -> float:
-    """Processor time [s] of a ramp over all loads at the velocity nearest to `target` [m/s]."""
-    case, ramp_cache = sweep._on_first_surface[0], RampCache()
+    case, load = sweep._on_first_surface[0], sweep.loads[len(sweep.loads) // 2]
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - target))
+    stored_steps = choose_stored_steps(replace(sweep, steps="end", loads=(load,)))
     began = time.process_time()
-    for load in sweep.loads:
-        run_point(
-            case.scene, choose_stored_steps(sweep), Point(load, velocity, case.name), ramp_cache
-        )
+    run_point(case.scene, stored_steps, Point(load, velocity, case.name))
     return time.process_time() - began
