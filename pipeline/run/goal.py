@@ -133,12 +133,11 @@ class GoalRun:
                 f"preset {chosen.preset} (error at most {error}) replaces [fidelity] of the scene"
             )
         report(Progress(choice))
-        self.is_fixed, self._report = bool(reason_surface_is_fixed(chosen)), report
+        self.is_fixed = bool(reason_surface_is_fixed(chosen))
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
         if not self.is_fixed:
             self.sweep = chosen._with_realizations(max(*realizations, _LEAST_REALIZATIONS))
-        self.is_on_first_realization = True
 
     @property
     def _seeds(self) -> tuple[int, ...]:
@@ -151,7 +150,7 @@ class GoalRun:
         needs these first.
         """
         cases = cases_of(ascending(store_dataset(store)))
-        points, further_count, count, new_velocities = list[tuple[Point, int]](), 0, 0, set[float]()
+        points, count, new_velocities = list[tuple[Point, int]](), 0, set[float]()
         has_seeds, sweep_seeds = "realization" in self.sweep.case_table.axes, self._seeds
         seeds = (
             sweep_seeds
@@ -162,7 +161,6 @@ class GoalRun:
             indices = search.next_points()
             new_velocities |= {*search.next_velocities()}
             count = max([count, *(index.realization + 1 for index in indices)])
-            further_count += search.further_count()
             for realization, load, velocity in indices:
                 coordinates = float(search.loads[load]), float(search.velocities[velocity])
                 seed = (("realization", seeds[realization]),) if has_seeds else ()
@@ -174,11 +172,6 @@ class GoalRun:
             velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
             self.sweep = replace(self.sweep, velocities=velocities)
         first_points = [point for point, realization in points if not realization]
-        if points and not first_points and self.is_on_first_realization:
-            self._report(
-                Progress(f"first realization done; remaining points: about {further_count}")
-            )
-        self.is_on_first_realization = bool(first_points)
         return first_points or [point for point, _ in points]
 
 

@@ -274,10 +274,6 @@ class Search:
                 points.append(point)
         return sorted(points)
 
-    def further_count(self) -> int:
-        """Estimated number of points of further realizations."""
-        return len(self._plan(np.flatnonzero(self._has_realization[0]).tolist()))
-
     @cached_property
     def _squared_budgets(self) -> Array:
         """Squares of the errors that surface sampling may have at each load (n_load,)."""
