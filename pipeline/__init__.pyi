@@ -1,7 +1,7 @@
-from .answers.boundary import boundary as boundary
+from .answers.answers import boundary as boundary
+from .answers.answers import margin as margin
 from .answers.comparison import compare_tests as compare_tests
 from .answers.comparison import infer as infer
-from .answers.margin import margin as margin
 from .answers.results import end_of_point as end_of_point
 from .answers.results import open_sweep as open_sweep
 from .answers.simulated_points import points as points

@@ -17,12 +17,11 @@ import xarray as xr
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.error import PARTS, preset_error_text
-from pipeline.answers.evidence import Evidence, waiting_text
+from pipeline.answers.evidence import Evidence
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import (
     added_rise_words,
-    model_words,
     verdict_conditions,
     warning_lines,
 )
@@ -32,7 +31,7 @@ from pipeline.constants import SHARP_ENDS
 from pipeline.messages import join_notes
 from pipeline.store.schema import PLANE
 from pipeline.sweep.sweep import cold_tracks, has_sharp_ends
-from tribo import Corrections, Fidelity, Scene, Track
+from tribo import Corrections, Track
 from tribo.simulation.corrections import NEEDED
 
 _VARIABLES = {
@@ -73,12 +72,9 @@ _VARIABLES = {
     },
     "outcome_along_velocity": ("", "outcome along the line of rising velocity"),
     "outcome_along_load": ("", "outcome along the line of rising load"),
-    "film_parameter_at_load": ("1", "film parameter on the boundary"),
-    "film_parameter_at_velocity": ("1", "film parameter on the boundary"),
     "origin": ("", "origin of the result"),
     "warning_flags": ("", "what limits this answer"),
     "reason": ("", "why the verdict is withheld or unknown"),
-    "nearby_tests": ("", "tests within 10 % in load and velocity"),
     "outcome": ("", "outcome of the test"),
     "loo_probability": ("1", "probability of this outcome, predicted from the other tests"),
     "friction": ("1", "coefficient of friction"),
@@ -105,34 +101,8 @@ ATTRIBUTES = (
     "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
-SHARP_PERCENTS = tuple(round(100 * share) for share in SHARP_ENDS)
-_SHARP_ENDS = "sharp pin ends (severe wear at {} to {} % lower velocity)"
-_OTHER_MODEL = (
-    "warning: the critical temperature is from tests on another kind of surface, wear pattern or "
-    "preset than {}; tests of two rigs gave 5 to 7 K more on a random surface than on a measured "
-    "one, and 18 to 30 K more with wear pattern swept than with local"
-)
-_REVOLUTIONS = {
-    "pin_track": {
-        "known": "heat from earlier revolutions of the pin",
-        "severe": "heat from earlier revolutions of the pin (severe {})",
-        "unknown": (
-            "heat from earlier revolutions of the pin (unknown; set motion.pin_track_length)"
-        ),
-    },
-    "track": {
-        "known": "heat from earlier revolutions of the disk",
-        "severe": "heat from earlier revolutions of the disk (severe {})",
-        "unknown": (
-            "heat from earlier revolutions of the disk (unknown; set motion.disk_track_length)"
-        ),
-    },
-    "both": {
-        "known": "heat from earlier revolutions of the pin and the disk",
-        "severe": "heat from earlier revolutions of the pin and the disk (severe {})",
-    },
-}
-"""Texts on heat of earlier revolutions, by the track that is left out, or both."""
+_BODIES = {"pin_track": "pin", "track": "disk"}
+"""Bodies by the names of their tracks."""
 _MODEL_ERRORS = (
     "{} to {} % of the temperature rise (90 % range, from the prior)",
     "{} to {} % of the temperature rise (90 % range, from 1 test and the prior)",
@@ -142,16 +112,23 @@ _MODEL_ERRORS = (
 
 
 def answer_dataset(
-    model: VerdictModel, variables: dict[str, Any], coordinates: Mapping[Any, Any]
+    models: Sequence[VerdictModel], variables: Mapping[str, Any], varied: Mapping[str, xr.DataArray]
 ) -> xr.Dataset:
     """Dataset of an answer with units, long names, conditions and attributes.
 
-    `coordinates` replace conditions of the model.
+    There is a model for each oil; `varied` has the conditions that vary along dimensions or from
+    point to point.
     """
-    axes = {name: getattr(model.conditions, name) for name in CONDITION_NAMES} | {**coordinates}
+    axes = {name: getattr(models[0].conditions, name) for name in CONDITION_NAMES} | {**varied}
     axes |= {name: variables[name] for name in PLANE}
     data = {name: variable for name, variable in variables.items() if name not in axes}
-    return with_attributes(xr.Dataset(data, axes)).assign_attrs(answer_attributes(model))
+    is_varied = any(len({*array.values.ravel().tolist()}) > 1 for array in varied.values())
+    attributes, *further = (answer_attributes(model, is_varied) for model in models)
+    for name, text in attributes.items():
+        if isinstance(text, str):
+            texts = text, *(str(other[name]) for other in further)
+            attributes[name] = join_notes(filter(None, texts))
+    return with_attributes(xr.Dataset(data, axes)).assign_attrs(attributes)
 
 
 def with_attributes(ds: xr.Dataset) -> xr.Dataset:
@@ -174,28 +151,17 @@ def with_attributes(ds: xr.Dataset) -> xr.Dataset:
 def join_cases(
     ds: xr.Dataset, cases: Sequence[CaseResults], answers: Sequence[xr.Dataset]
 ) -> xr.Dataset:
-    """Join the answers for all cases of a sweep along the dimensions of its varied entries."""
-    dims = case_dims(ds)
-    joined = concatenate(answers, [ds[dim] for dim in dims])
-    labels = [
-        column.name
-        for column in sweep_of(ds).case_table.columns
-        if column.along in dims and not column.entry and column.name not in joined.coords
-    ]
-    joined = joined.assign_coords({name: ds[name].variable for name in labels})
-    return joined.assign_attrs(missing_points=sum(case.missing for case in cases))
+    """Join the answers for all cases of a sweep along the dimensions of its varied entries.
 
-
-def concatenate(answers: Sequence[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.Dataset:
-    """Join answers along `axes`; attributes that differ become coordinates."""
-    common = {
-        k: v for k, v in answers[0].attrs.items() if all(v == answer.attrs[k] for answer in answers)
-    }
+    Attributes in which the cases differ become coordinates.
+    """
+    dims, first = case_dims(ds), answers[0].attrs
+    common = {k: v for k, v in first.items() if all(v == answer.attrs[k] for answer in answers)}
     parts = [
         answer.assign_coords({k: v for k, v in answer.attrs.items() if k not in common})
         for answer in answers
     ]
-    for axis in reversed(axes):
+    for axis in (ds[dim] for dim in reversed(dims)):
         parts = [part.drop_vars(str(axis.name), errors="ignore") for part in parts]
         parts = [
             xr.concat(
@@ -204,24 +170,30 @@ def concatenate(answers: Sequence[xr.Dataset], axes: Sequence[xr.DataArray]) -> 
             )
             for start in range(0, len(parts), axis.size)
         ]  # fmt: skip
-    joined = parts[0]
-    joined.attrs = common
+    (joined,) = parts
+    labels = [
+        column.name
+        for column in sweep_of(ds).case_table.columns
+        if column.along in dims and not column.entry and column.name not in joined.coords
+    ]
+    joined = joined.assign_coords({name: ds[name].variable for name in labels})
+    joined.attrs = common | {"missing_points": sum(case.missing for case in cases)}
     return joined
 
 
-def answer_attributes(model: VerdictModel) -> dict[str, str | int]:
-    """Attributes of an answer, as text: its conditions, errors, tests and notes."""
-    evidence, tests = model.evidence, model.case.sweep.tests
-    from_tests = evidence.critical is not None
+def answer_attributes(model: VerdictModel, is_varied: bool = False) -> dict[str, str | int]:
+    """Attributes of an answer, as text: its conditions (unless varied), errors, tests and notes."""
+    evidence = model.evidence
+    conditions = verdict_conditions(model.conditions, evidence.critical is not None)
     return {
-        "conditions": verdict_conditions(model.conditions, tests, from_tests),
+        "conditions": "given for each point" if is_varied else conditions,
         "model_error": model_error(evidence),
         "realizations": len(model.specimen.differences),
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers),
-        "tests_without_result": waiting_text(evidence),
-        "verdicts_withheld": join_notes(filter(None, model.rulings.withheld.values())),
-        "not_included": ", ".join(_effects_left_out(model)),
+        "tests_without_result": evidence.waiting_text,
+        "verdicts_withheld": join_notes(filter(None, evidence.withheld.values())),
+        "not_included": ", ".join(_effects_left_out(model, is_varied)),
         "notes": join_notes(_notes(model)),
     }
 
@@ -234,11 +206,22 @@ def model_error(evidence: Evidence) -> str:
     return _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
 
 
-def _effects_left_out(model: VerdictModel) -> Iterator[str]:
+def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
     """Yield the effects that are not included and may be unsafe."""
     if has_sharp_ends(model.case.sweep):
-        yield _SHARP_ENDS.format(*SHARP_PERCENTS)
-    yield from _earlier_revolutions(model)
+        low, high = (100 * share for share in SHARP_ENDS)
+        yield f"sharp pin ends (severe wear at {low:.0f} to {high:.0f} % lower velocity)"
+    tracks = cold_tracks(model.case.sweep)
+    known = {name: track for name, track in tracks.items() if track}
+    if known:
+        bodies = " and the ".join(_BODIES[name] for name in known)
+        severe = "" if is_varied else _severe_with_earlier_revolutions(model, known)
+        yield f"heat from earlier revolutions of the {bodies}{severe}"
+    for name in sorted(tracks.keys() - known.keys()):
+        body = _BODIES[name]
+        yield (
+            f"heat from earlier revolutions of the {body} (unknown; set motion.{body}_track_length)"
+        )
     if model.lacks_film:
         yield "an oil film that carries load (unknown here)"
     yield "uncertain inputs"
@@ -247,20 +230,8 @@ def _effects_left_out(model: VerdictModel) -> Iterator[str]:
         yield f"a model bias beyond the assumed {bias:.3g} %, as no test confirms it"
 
 
-def _earlier_revolutions(model: VerdictModel) -> Iterator[str]:
-    """Heat from earlier revolutions, as text: of bodies with a known track, and of the others."""
-    tracks = cold_tracks(model.case.sweep)
-    known = {name: track for name, track in tracks.items() if track}
-    if known:
-        texts = _REVOLUTIONS["both" if len(known) == 2 else min(known)]
-        velocities = _severe_with_earlier_revolutions(model, known)
-        yield texts["severe"].format(velocities) if velocities else texts["known"]
-    for name in tracks.keys() - known.keys():
-        yield _REVOLUTIONS[name]["unknown"]
-
-
 def _severe_with_earlier_revolutions(model: VerdictModel, tracks: Mapping[str, Track]) -> str:
-    """Velocities at which wear is severe with heat of earlier revolutions; empty if unknown.
+    """Where wear is severe with heat of earlier revolutions, in parentheses; empty if nowhere.
 
     Keys of `tracks` are those of `Corrections`.
     """
@@ -269,36 +240,21 @@ def _severe_with_earlier_revolutions(model: VerdictModel, tracks: Mapping[str, T
         return ""
     corrections = model.conditions.corrections or Corrections()
     corrections = replace(corrections, motion=case.sweep.scene.motion, **dict[str, Any](tracks))
-    conditions = replace(model.conditions, corrections=corrections)
-    field = specimen_of(case, conditions).field
+    field = specimen_of(case, replace(model.conditions, corrections=corrections)).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))
     if case.status.size == 1:  # a row with its own load and velocity
-        return "with it" if lines.is_severe[0] else ""
-    texts = []
-    for k in (0, -1):
-        if lines.is_severe[k]:
-            texts.append(f"at all simulated velocities at {field.loads[k]:g} N")
-        elif math.isfinite(lines.critical[k]):
-            texts.append(f"from {lines.critical[k]:.2g} m/s at {field.loads[k]:g} N")
-    return ", ".join(texts)
+        return " (severe with it)" if lines.is_severe[0] else ""
+    load = field.loads[-1]
+    if lines.is_severe[-1]:
+        return f" (severe at all simulated velocities at {load:g} N)"
+    if math.isfinite(lines.critical[-1]):
+        return f" (severe from {lines.critical[-1]:.2g} m/s at {load:g} N)"
+    return ""
 
 
 def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits of all answers of a case, in addition to the effects that are not included."""
     sweep = model.case.sweep
     unknown = preset_error_text(sweep) if model.preset_error is None else ""
-    if model.evidence.critical is not None and _has_tests_of_other_models(model):
-        yield _OTHER_MODEL.format(model_words(sweep))
     lines = sweep.note, *warning_lines(sweep, answered=True), added_rise_words(model.conditions)
     yield from filter(None, (*lines, unknown))
-
-
-def _has_tests_of_other_models(model: VerdictModel) -> bool:
-    """True if a test has another kind of surface, wear pattern or settings than the case."""
-
-    def kind(scene: Scene) -> tuple[type, str, Fidelity]:
-        pattern = scene.wear.pattern if scene.wear else ""
-        return type(scene.roughness), pattern, scene.fidelity
-
-    sweep = model.case.sweep
-    return any(kind(test.case.scene) != kind(sweep.scene) for test in sweep.tests)

@@ -9,8 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.condition_values import CONDITION_NAMES
-from pipeline.answers.readable import (
+from pipeline.answers.answer_text import (
     code_text,
     error_of,
     flag_names,
@@ -18,7 +17,8 @@ from pipeline.answers.readable import (
     format_value,
     probability_text,
 )
-from pipeline.answers.scene_wording import usual_unit
+from pipeline.answers.condition_values import CONDITION_NAMES
+from pipeline.answers.scene_wording import usual_unit, value_words
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
@@ -31,18 +31,35 @@ _MARGIN_VARIABLES = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
-_WITH_ERROR_DIGITS = re.compile(
-    "critical_.*|governing_temperature|temperature_margin|film_.*|.*_factor"
-)
+_WITH_ERROR_DIGITS = re.compile("critical_.*|governing_temperature|temperature_margin|.*_factor")
 """Variables whose digits depend on the numerical error."""
+_NUMBER_STARTS = tuple("0123456789+-−.")
 _HEADINGS = {
     "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
     "critical_velocity_p95": "95 %", "velocity_error": "numerical error",
     "velocity_error_surface": "surface sampling error", "outcome_along_velocity": "outcome",
-    "outcome_along_load": "outcome", "film_parameter_at_load": "film parameter Λ",
-    "film_parameter_at_velocity": "film parameter Λ",
-    "loo_probability": "leave-one-out probability",
+    "outcome_along_load": "outcome", "loo_probability": "leave-one-out probability",
 }  # fmt: skip
+
+
+def row_labels(answer: xr.Dataset, row: str) -> list[str]:
+    """Label of each row of an answer: the user's first column, else load and velocity.
+
+    `row` is the dimension of the rows.
+    """
+    hidden = {*PLANE, *ATTRIBUTES, *CONDITION_NAMES}
+    user_columns = [
+        name for name, array in answer.coords.items() if array.dims == (row,) and name not in hidden
+    ]
+    if not user_columns:
+        points = zip(*(answer[name].values.tolist() for name in PLANE), strict=True)
+        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in points]
+    axis = answer[min(user_columns, key=lambda name: name == row)]
+    texts = [value_words(axis, value) for value in axis.values.tolist()]
+    name = str(axis.name).replace("_", " ").partition(" [")
+    named_texts = (f"{name[0]} {text} {name[2][:-1]}".rstrip() for text in texts)
+    pairs = zip(texts, named_texts, strict=True)
+    return [named_text if text[:1] in _NUMBER_STARTS else text for text, named_text in pairs]
 
 
 def answer_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:

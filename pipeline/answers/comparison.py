@@ -15,7 +15,7 @@ from pipeline.answers.critical_temperature import evidence_with_critical_tempera
 from pipeline.answers.results import cases_of
 from pipeline.answers.scene_wording import model_words
 from pipeline.answers.specimen import specimen_of
-from pipeline.answers.verdict_model import JudgedCase
+from pipeline.answers.verdict_model import verdict_model
 from pipeline.arguments import typed_arguments
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.store.location import PathLike
@@ -38,7 +38,7 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     ([750.0, 600.0, 400.0, 200.0], [0.03, -0.02, -0.1, -0.03])
     """
     case = cases_of(ds)[0]
-    model = JudgedCase(case).under(override_conditions(case.conditions, conditions))
+    model = verdict_model(case, override_conditions(case.conditions, conditions))
     evidence = model.evidence
     pairs = zip(evidence.specimens, evidence.posterior.loo_probabilities, strict=True)
     loo_probabilities = {id(row): probability for rows, probability in pairs for row in rows}

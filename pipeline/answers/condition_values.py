@@ -97,6 +97,8 @@ def argument_array(name: str, value: Any, read: Callable[[Any], Any], dim: str) 
     converted = np.empty(values.shape, object)
     for index, item in np.ndenumerate(values):
         converted[index] = read(item)
+    if None not in converted.ravel().tolist():
+        converted = converted.astype(float)
     if isinstance(value, xr.DataArray):
         return value.copy(data=converted).drop_attrs()
     return xr.DataArray(converted, dims=[dim] * converted.ndim)

@@ -8,8 +8,9 @@ contains the model's bias; on another rig the bias is added.
 
 from __future__ import annotations
 
+import functools
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import logsumexp
@@ -18,13 +19,9 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.posterior import (
     LEAST_BIAS,
-    MAX_CHANGE,
-    NEGLIGIBLE_PAIR,
-    CriticalTemperature,
     Outcome,
     Posterior,
     Prior,
-    change_of_y,
     log_prior_scatter,
     update,
 )
@@ -41,6 +38,82 @@ _BOUND = 0.05  # likelihood over its maximum, at the bound by tests of a single 
 _GRID_BIASES, _GRID_SCATTERS = 241, 50  # nodes
 _GRID_SCALE = 6.0  # scale of the biases over a width; they are 0.3 widths apart in the middle
 _MIN_WIDTH = 0.01  # smallest width of these nodes
+_MAX_CHANGE = 40.0  # of y by the critical temperature, also if it is not above a bulk temperature
+_BIN_WIDTH = 0.25  # difference of biases over the scatter, within which they are merged
+_NEGLIGIBLE_PAIR = 1e-11  # largest weight of an omitted pair of node and bias
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalTemperature:
+    """Critical temperature inferred from tests; `temperature` is its median on this rig [K]."""
+
+    temperature: float
+    spread: float  # standard deviation on this rig [K]
+    at_least: float  # bounds by tests of a single outcome [K]; NaN if there are both outcomes
+    at_most: float
+    bulk: float  # bulk temperature of the scene [K]
+    nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
+    logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
+    weights: Array  # of each node and bias; their sum is 1
+    _at_bulk: dict[float, Posterior] = field(default_factory=dict, repr=False)
+
+    def at_bulk(self, bulk: float) -> Posterior:
+        """Bias and scatter of points at a bulk temperature [K], with y at `temperature`.
+
+        A change of Tc changes y by another amount than at the scene's bulk temperature. Biases
+        that differ by less than `_BIN_WIDTH` scatters are merged, and their variance is added to
+        that of the scatter.
+        """
+        if bulk == self.bulk:
+            return self.nodes
+        if bulk not in self._at_bulk:
+            self._at_bulk[bulk] = self._posterior_at(bulk)
+        return self._at_bulk[bulk]
+
+    def _posterior_at(self, bulk: float) -> Posterior:
+        biases = _change_of_y(self.temperature, self._temperatures, bulk) + self._biases
+        is_significant = self.weights > _NEGLIGIBLE_PAIR
+        biases = np.clip(biases[is_significant], -_MAX_CHANGE, _MAX_CHANGE)
+        weights = self.weights[is_significant]
+        scatter, inverse = np.unique(self.nodes.scatter, return_inverse=True)
+        scatter_index = np.broadcast_to(inverse[:, None], is_significant.shape)[is_significant]
+        bins = np.floor(biases / (_BIN_WIDTH * scatter[scatter_index])).astype(int)
+        first_bin, bin_count = bins.min(), np.ptp(bins) + 1
+        keys = scatter_index * bin_count + bins - first_bin
+        groups, inverse = np.unique(keys, return_inverse=True)
+        weights, first_moments, second_moments = (
+            np.bincount(inverse, weights * biases**power).astype(float) for power in range(3)
+        )
+        is_kept = weights > _NEGLIGIBLE_PAIR
+        weights, means = weights[is_kept], first_moments[is_kept] / weights[is_kept]
+        variances = np.maximum(second_moments[is_kept] / weights - means**2, 0.0)
+        group_scatter = scatter[groups[is_kept] // bin_count]
+        return replace(
+            self.nodes, bias=means, scatter=np.hypot(group_scatter, np.sqrt(variances)),
+            weights=weights / weights.sum(),
+        )  # fmt: skip
+
+    @functools.cached_property
+    def spread_with_bias(self) -> float:
+        """Standard deviation of the critical temperature on another rig [K]."""
+        mean = (self.weights * self.logs).sum()
+        variance = (self.weights * np.square(self.logs - mean)).sum()
+        return float((self.temperature - self.bulk) * math.sqrt(variance))
+
+    @property
+    def _biases(self) -> Array:
+        """Bias of each node and bias."""
+        return self.nodes.bias[:, None] + self.logs
+
+    @property
+    def _temperatures(self) -> Array:
+        return self.bulk + (self.temperature - self.bulk) * np.exp(self.logs)
+
+
+def _change_of_y(start: float, temperatures: Array, bulk: float) -> Array:
+    """Change of y at a bulk temperature for critical temperatures other than `start` [K]."""
+    above = np.maximum(temperatures - bulk, 1e-300)
+    return np.asarray(np.minimum(math.log(start - bulk) - np.log(above), _MAX_CHANGE))
 
 
 def evidence_with_critical_temperature(
@@ -93,7 +166,7 @@ def _log_likelihood(evidence: Evidence, start: float, temperatures: Array, biase
     weights = log_prior_scatter(v, evidence.prior)
     logs = np.zeros((len(temperatures), len(biases), len(v)))
     for outcome, bulk in _outcomes_and_bulks(evidence):
-        change = change_of_y(start, temperatures, bulk)
+        change = _change_of_y(start, temperatures, bulk)
         logs += outcome.log_likelihood((change[:, None] + biases)[..., None], np.exp(v))
     return np.asarray(logsumexp(logs + weights - logsumexp(weights), axis=2))
 
@@ -138,8 +211,8 @@ def _biases(prior: Prior) -> tuple[Array, Array]:
 def _reweighted_nodes(nodes: Posterior, evidence: Evidence, bulk: float, width: float) -> Posterior:
     """Nodes weighted by tests at the scene's bulk temperature, dense within a `width`."""
     prior = evidence.prior
-    v = np.linspace(math.log(0.1 * prior.scatter), math.log(MAX_CHANGE), _GRID_SCATTERS)
-    reach = math.asinh(MAX_CHANGE / (_GRID_SCALE * width))
+    v = np.linspace(math.log(0.1 * prior.scatter), math.log(_MAX_CHANGE), _GRID_SCATTERS)
+    reach = math.asinh(_MAX_CHANGE / (_GRID_SCALE * width))
     u = np.linspace(-reach, reach, _GRID_BIASES)[:, None]
     bias, scatter = _GRID_SCALE * width * np.sinh(u), np.exp(v)
     logs = np.log(np.cosh(u)) - (PRIOR_WEIGHT + 1) / 2 * np.log1p(bias**2 / PRIOR_WEIGHT)
@@ -148,7 +221,7 @@ def _reweighted_nodes(nodes: Posterior, evidence: Evidence, bulk: float, width: 
         if test_bulk == bulk:
             logs += outcome.log_likelihood(bias, scatter)
     weights = np.exp(logs - logs.max())
-    is_kept = weights > NEGLIGIBLE_PAIR * weights.sum()
+    is_kept = weights > _NEGLIGIBLE_PAIR * weights.sum()
     bias, scatter = (np.broadcast_to(array, is_kept.shape)[is_kept] for array in (bias, scatter))
     return replace(nodes, bias=bias, scatter=scatter, weights=weights[is_kept])
 
@@ -172,7 +245,7 @@ def _joint(
     temperatures = bulk + (temperature - bulk) * np.exp(logs)
     for outcome, test_bulk in _outcomes_and_bulks(evidence):
         if test_bulk != bulk:
-            total_bias = change_of_y(temperature, temperatures, test_bulk) + biases
+            total_bias = _change_of_y(temperature, temperatures, test_bulk) + biases
             joint += outcome.log_likelihood(total_bias, nodes.scatter[:, None])
     joint += np.log(nodes.weights)[:, None]
     weights = np.exp(joint - joint.max())

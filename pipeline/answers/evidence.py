@@ -13,24 +13,25 @@ import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.answers.condition_values import QueryPoints
-from pipeline.answers.posterior import CriticalTemperature, Outcome, Posterior, Prior, update
+from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import OUTLIER_PROBABILITY
-from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, SpecimenTest, allowable_rise, with_test_conditions
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
 
+if TYPE_CHECKING:
+    from pipeline.answers.critical_temperature import CriticalTemperature
+
 _EQUAL_WITHIN = 1e-9  # relative rounding difference of equal conditions
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
-_MAX_DISTANCE = 0.1  # relative distance in load and velocity of a nearby test
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +48,45 @@ class EvaluatedTest:
     mild: float = math.nan
     temperature: float = math.nan  # governing temperature at the test's point [K]
     is_outside: bool = False  #: True if an oil film carries too much load: y is not used.
+    is_same_scene: bool = True  #: False if the test changes what the sweep simulates.
     reason: str = ""  #: Reason for a missing y; else empty.
 
     def __str__(self) -> str:
         test = self.test
         point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
         return f"test {test.number} ({test.outcome}, {point})"
+
+    def rules_out(self, verdict: str, points: QueryPoints) -> Mask:
+        """True at points (k,) at which the test rules out a `verdict`, "mild" or "severe"."""
+        signs = self._signs(verdict, points)
+        is_no_easier = (signs >= 0).all(axis=0)
+        # A transition without a step allows both verdicts at its own point.
+        is_strict = self.test.outcome == "transition" and len(self.test.points) == 1
+        return np.asarray(is_no_easier & ((signs > 0).any(axis=0) | (not is_strict)))
+
+    def velocity_limits(self, verdict: str, points: QueryPoints) -> Array:
+        """Velocity (k,) from which mild, or up to which severe wear is ruled out at the loads.
+
+        It is infinite (0) where mild (severe) wear is not ruled out.
+        """
+        velocity = self.test.points[-1 if verdict == "mild" else 0][1]
+        signs = self._signs(verdict, points._replace(velocity=0 * points.load + velocity))
+        return np.where((signs >= 0).all(axis=0), velocity, math.inf if verdict == "mild" else 0.0)
+
+    def _signs(self, verdict: str, points: QueryPoints) -> Array:
+        """Signs (4, k) of points minus test, reversed for severe wear; −1 if it is mute."""
+        conditions = self.conditions
+        if (
+            conditions is None
+            or not self.is_same_scene
+            or self.test.outcome == verdict
+            or (verdict == "severe" and self.is_outside)
+        ):
+            return np.full((4, len(points.load)), -1.0)
+        load, velocity = self.test.points[-1 if verdict == "mild" else 0]
+        own = load, velocity, conditions.friction, conditions.bulk_temperature
+        signs = np.array([_sign(a, b) for a, b in zip(points, own, strict=True)])
+        return signs if verdict == "mild" else -signs
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,27 +161,54 @@ class Evidence:
                 names = " and ".join(map(str, rows))
                 yield f"outlier: {names}, predicted from the other tests with less than 1 %"
 
-    def nearby(self, load: float, velocity: float) -> Iterator[str]:
-        """Yield each test within 10 % of a load [N] and a velocity [m/s], with its conditions."""
+    @property
+    def waiting_text(self) -> str:
+        """First test without a result, with the reason, and the number of others; else empty."""
+        rows = self.without_result
+        if len(rows) > 1:
+            return f"{rows[0]} {rows[0].reason}; {len(rows) - 1} more without a result"
+        return f"{rows[0]} {rows[0].reason}" if rows else ""
+
+    @functools.cached_property
+    def withheld(self) -> dict[str, str]:
+        """Reason to withhold a verdict at all points, by verdict; empty if there is none."""
+        reasons = dict[str, str]()
+        for verdict, opposite in (("mild", "severe"), ("severe", "mild")):
+            is_open = any(row.test.outcome != verdict for row in self.without_result)
+            reasons[verdict] = self.waiting_text if is_open else ""
+            if self.critical and not (reasons[verdict] or self.has_outcome(opposite)):
+                reasons[verdict] = (
+                    f"the critical temperature is from tests, and none of them was {opposite}"
+                )
+        return reasons
+
+    def objections(self, verdict: str, points: QueryPoints) -> list[str]:
+        """Reason why each point (k,) cannot be `verdict`, "mild" or "severe"; empty if it can."""
+        if self.withheld[verdict]:
+            return [self.withheld[verdict]] * len(points.load)
+        names: list[list[str]] = [[] for _ in points.load]
         for row in self.rows:
-            test, conditions = row.test, row.conditions
-            pairs = (test.normal_load, load), (test.velocity, velocity)
-            if conditions is None or any(
-                abs(test_value - value) > _MAX_DISTANCE * value for test_value, value in pairs
-            ):
-                continue
-            point = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-            friction = f"friction {conditions.friction:.3g}"
-            bulk = display(conditions.bulk_temperature, "°C", 3)
-            yield f"{test.outcome} at {point}, {friction}, bulk temperature {bulk}"
+            for k in np.flatnonzero(row.rules_out(verdict, points)).tolist():
+                names[k].append(str(row))
+        return [f"{', '.join(dict.fromkeys(n))} rules it out" if n else "" for n in names]
 
+    def velocity_limits(self, verdict: str, points: QueryPoints) -> tuple[Array, Any]:
+        """Velocities (k,) from which mild, or up to which severe wear is ruled out; and by what.
 
-def waiting_text(evidence: Evidence) -> str:
-    """First test without a result, with the reason, and the number of others; else empty."""
-    rows = evidence.without_result
-    if len(rows) > 1:
-        return f"{rows[0]} {rows[0].reason}; {len(rows) - 1} more without a result"
-    return f"{rows[0]} {rows[0].reason}" if rows else ""
+        It is 0 (infinite) if mild (severe) wear is withheld at all velocities, and infinite (0) if
+        no test rules it out.
+        """
+        is_mild = verdict == "mild"
+        start = math.inf if is_mild != bool(self.withheld[verdict]) else 0.0
+        velocities, names = (
+            np.full(points.load.shape, start),
+            np.full(points.load.shape, "", object),
+        )
+        for row in self.rows if not self.withheld[verdict] else ():
+            limits = row.velocity_limits(verdict, points)
+            is_closer = limits < velocities if is_mild else limits > velocities
+            velocities[is_closer], names[is_closer] = limits[is_closer], str(row)
+        return velocities, names
 
 
 def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
@@ -171,10 +232,11 @@ def _evaluate(
     case: CaseResults, specimen: Specimen, oil: Conditions, test: SpecimenTest,
     points: tuple[TestPoint, ...],
 ) -> EvaluatedTest:  # fmt: skip
+    is_same_scene = test.case.scene == case.sweep.scene
     try:
         conditions = with_test_conditions(oil, test.case.conditions)
         if reason := next((point.missing_reason for point in points if point.missing_reason), ""):
-            return EvaluatedTest(test, conditions, reason=reason)
+            return EvaluatedTest(test, conditions, is_same_scene=is_same_scene, reason=reason)
         rises = np.array([point.rise(conditions) for point in points])
     except InputError as error:
         return EvaluatedTest(test, None, reason=f"cannot be compared with the model: {error}")
@@ -188,6 +250,7 @@ def _evaluate(
         mild=y[0] if test.outcome != "severe" else math.nan,
         temperature=float(conditions.contact_temperature(rises[-1])),
         is_outside=any(_is_outside(case, test, point, conditions) for point in points),
+        is_same_scene=is_same_scene,
     )  # fmt: skip
 
 
@@ -201,106 +264,6 @@ def _is_outside(
     inlet, pressure = float(columns["film_inlet"]), float(columns["film_pressure"])
     operating_point, bulk = (point.load, point.velocity), conditions.bulk_temperature
     return film_excess(test.case.scene, oil, *operating_point, bulk, inlet, pressure) > 0
-
-
-class RulingTest(NamedTuple):
-    """A test that rules out the verdict `excluded`, from or up to its own point and conditions."""
-
-    excluded: str  # "mild" or "severe"
-    point: QueryPoints  # its single operating point
-    is_strict: bool  # True if the verdict is possible at the point itself
-    name: str
-
-    def signs(self, points: QueryPoints) -> Array:
-        """Signs (4, k) of points minus test; reversed if the test excludes severe wear."""
-        signs = np.array([_sign(a, b.item()) for a, b in zip(points, self.point, strict=True)])
-        return signs if self.excluded == "mild" else -signs
-
-    def excludes(self, points: QueryPoints) -> Mask:
-        """True at points (k,) at which the verdict is ruled out."""
-        signs = self.signs(points)
-        return np.asarray((signs >= 0).all(axis=0) & ((signs > 0).any(axis=0) | ~self.is_strict))
-
-    def limits(self, points: QueryPoints) -> Array:
-        """Velocity (k,) from which, or up to which, the verdict is ruled out at the loads."""
-        velocity = self.point.velocity.item()
-        is_excluded = (self.signs(points._replace(velocity=0 * points.load + velocity)) >= 0).all(0)
-        return np.where(is_excluded, velocity, math.inf if self.excluded == "mild" else 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Rulings:
-    """The verdicts that the tests of a case rule out."""
-
-    case: CaseResults
-    evidence: Evidence
-
-    @functools.cached_property
-    def tests(self) -> list[RulingTest]:
-        """Tests that rule a verdict out at some points."""
-        return [*self._tests()]
-
-    def _tests(self) -> Iterator[RulingTest]:
-        for row in self.evidence.rows:
-            test, conditions = row.test, row.conditions
-            if conditions is None or test.case.scene != self.case.sweep.scene:
-                continue
-            is_strict = test.outcome == "transition" and len(test.points) == 1
-            points = [
-                QueryPoints.under(conditions, *map(np.atleast_1d, point)) for point in test.points
-            ]
-            if test.outcome in ("severe", "transition"):
-                yield RulingTest("mild", points[-1], is_strict, str(row))
-            if test.outcome in ("mild", "transition") and not row.is_outside:
-                yield RulingTest("severe", points[0], is_strict, str(row))
-
-    @functools.cached_property
-    def withheld(self) -> dict[str, str]:
-        """Reason to withhold a verdict at all points, by verdict; empty if there is none."""
-        evidence, reason = self.evidence, waiting_text(self.evidence)
-        outcomes = {row.test.outcome for row in evidence.without_result}
-        reasons = {
-            "mild": reason if outcomes & {"severe", "transition"} else "",
-            "severe": reason if outcomes & {"mild", "transition"} else "",
-        }
-        for excluded, needed in (("mild", "severe"), ("severe", "mild")):
-            if evidence.critical and not (reasons[excluded] or evidence.has_outcome(needed)):
-                reasons[excluded] = (
-                    f"the critical temperature is from tests, and none of them was {needed}"
-                )
-        return reasons
-
-    def reasons(self, excluded: str, points: QueryPoints) -> list[str]:
-        """Reason why each point (k,) cannot be `excluded`, "mild" or "severe"; empty if it can."""
-        if self.withheld[excluded]:
-            return [self.withheld[excluded]] * len(points.load)
-        names: list[dict[str, None]] = [{} for _ in points.load]
-        for test in self.tests:
-            if test.excluded == excluded:
-                for k in np.flatnonzero(test.excludes(points)).tolist():
-                    names[k][test.name] = None
-        return [f"{', '.join(tests)} rules it out" if tests else "" for tests in names]
-
-    def velocity_limits(self, excluded: str, points: QueryPoints) -> tuple[Array, list[str]]:
-        """Velocity (k,) from which mild, or up to which severe wear is ruled out at the loads.
-
-        It is 0 (infinite) if mild (severe) wear is withheld at all velocities, and infinite (0) if
-        no test rules it out. The names are those of the tests.
-        """
-        is_mild = excluded == "mild"
-        is_possible = is_mild != bool(self.withheld[excluded])
-        velocities = np.full(len(points.load), math.inf if is_possible else 0.0)
-        names = [""] * len(points.load)
-        if self.withheld[excluded]:
-            return velocities, names
-        for test in self.tests:
-            if test.excluded != excluded:
-                continue
-            limits = test.limits(points)
-            is_closer = limits < velocities if is_mild else limits > velocities
-            for k in np.flatnonzero(is_closer).tolist():
-                velocities[k], names[k] = limits[k], test.name
-        return velocities, names
 
 
 def _sign(a: Array, b: float) -> Array:

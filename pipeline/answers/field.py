@@ -27,11 +27,6 @@ from pipeline.constants import MAX_SLANT, MIN_SLOPE, PARTS_OF_INTERVAL, RISE_EXP
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Indices, Mask
 
-MERGE_DISTANCE = 1e-4
-"""Distance in ln(load or velocity) up to which points are merged into one.
-
-PCHIP would take the slope between nearer points, which is that of rounding, for the curve's.
-"""
 _NO_FILM = -50.0  # smallest ln(pressure over that of a fifth of the load)
 _BEYOND_PARTS = 64  # nodes of a line beyond the computed velocities, on either side
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
@@ -35,11 +35,6 @@ _MAX_HALVINGS = 40
 LEAST_BIAS = 1e-5
 """Smallest scale of the bias."""
 _NEGLIGIBLE = 3e-6  # largest sum of weights of omitted nodes
-MAX_CHANGE = 40.0
-"""Largest change of y by the critical temperature, also if it is not above a bulk temperature."""
-_BIN_WIDTH = 0.25  # difference of biases over the scatter, within which they are merged
-NEGLIGIBLE_PAIR = 1e-11
-"""Largest weight of an omitted pair of node and bias."""
 _TABLE = np.sinh(np.linspace(-7.8, 7.8, 301)) * 0.05  # y at which P is computed, to ±61
 
 
@@ -211,76 +206,3 @@ def _loo_probability(result: Outcome, log_weights: Array, bias: Array, scatter: 
     if math.isinf(result.mild):
         return severe
     return mild if math.isinf(result.severe) else min(1.0, 2 * min(severe, mild))
-
-
-@dataclass(frozen=True, eq=False)
-class CriticalTemperature:
-    """Critical temperature inferred from tests; `temperature` is its median on this rig [K]."""
-
-    temperature: float
-    spread: float  # standard deviation on this rig [K]
-    at_least: float  # bounds by tests of a single outcome [K]; NaN if there are both outcomes
-    at_most: float
-    bulk: float  # bulk temperature of the scene [K]
-    nodes: Posterior  # of bias − ln((Tc − bulk)/(temperature − bulk)) and scatter
-    logs: Array  # ln((Tc − bulk)/(temperature − bulk)) by node and bias
-    weights: Array  # of each node and bias; their sum is 1
-    _at_bulk: dict[float, Posterior] = field(default_factory=dict, repr=False)
-
-    def at_bulk(self, bulk: float) -> Posterior:
-        """Bias and scatter of points at a bulk temperature [K], with y at `temperature`.
-
-        A change of Tc changes y by another amount than at the scene's bulk temperature. Biases
-        that differ by less than `_BIN_WIDTH` scatters are merged, and their variance is added to
-        that of the scatter.
-        """
-        if bulk == self.bulk:
-            return self.nodes
-        if bulk not in self._at_bulk:
-            self._at_bulk[bulk] = self._posterior_at(bulk)
-        return self._at_bulk[bulk]
-
-    def _posterior_at(self, bulk: float) -> Posterior:
-        biases = change_of_y(self.temperature, self._temperatures, bulk) + self._biases
-        is_significant = self.weights > NEGLIGIBLE_PAIR
-        biases = np.clip(biases[is_significant], -MAX_CHANGE, MAX_CHANGE)
-        weights = self.weights[is_significant]
-        scatter, inverse = np.unique(self.nodes.scatter, return_inverse=True)
-        scatter_index = np.broadcast_to(inverse[:, None], is_significant.shape)[is_significant]
-        bins = np.floor(biases / (_BIN_WIDTH * scatter[scatter_index])).astype(int)
-        first_bin, bin_count = bins.min(), np.ptp(bins) + 1
-        keys = scatter_index * bin_count + bins - first_bin
-        groups, inverse = np.unique(keys, return_inverse=True)
-        weights, first_moments, second_moments = (
-            np.bincount(inverse, weights * biases**power).astype(float) for power in range(3)
-        )
-        is_kept = weights > NEGLIGIBLE_PAIR
-        weights, means = weights[is_kept], first_moments[is_kept] / weights[is_kept]
-        variances = np.maximum(second_moments[is_kept] / weights - means**2, 0.0)
-        group_scatter = scatter[groups[is_kept] // bin_count]
-        return replace(
-            self.nodes, bias=means, scatter=np.hypot(group_scatter, np.sqrt(variances)),
-            weights=weights / weights.sum(),
-        )  # fmt: skip
-
-    @functools.cached_property
-    def spread_with_bias(self) -> float:
-        """Standard deviation of the critical temperature on another rig [K]."""
-        mean = (self.weights * self.logs).sum()
-        variance = (self.weights * np.square(self.logs - mean)).sum()
-        return float((self.temperature - self.bulk) * math.sqrt(variance))
-
-    @property
-    def _biases(self) -> Array:
-        """Bias of each node and bias."""
-        return self.nodes.bias[:, None] + self.logs
-
-    @property
-    def _temperatures(self) -> Array:
-        return self.bulk + (self.temperature - self.bulk) * np.exp(self.logs)
-
-
-def change_of_y(start: float, temperatures: Array, bulk: float) -> Array:
-    """Change of y at a bulk temperature for critical temperatures other than `start` [K]."""
-    above = np.maximum(temperatures - bulk, 1e-300)
-    return np.asarray(np.minimum(math.log(start - bulk) - np.log(above), MAX_CHANGE))

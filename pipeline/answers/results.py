@@ -5,7 +5,6 @@ A case is one combination of varied entries. Its random surfaces are realization
 
 from __future__ import annotations
 
-import functools
 import json
 from collections import defaultdict, deque
 from collections.abc import Iterator
@@ -47,8 +46,12 @@ from pipeline.sweep.plan import SCENE_HASH, TEST_POINT, list_points_of_tests
 from pipeline.sweep.stored import sweep_of_plain
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
-from pipeline.units import to_si
 from tribo import InputError
+
+_MAX_SWEEPS = 64  # kept in memory
+_decoded_sweeps = dict[tuple[str, str], Sweep]()
+"""Sweeps by their text and the digests of their arrays."""
+_LEAST_DISTANCE = 1e-4  # relative; a slope between nearer points would be that of rounding
 
 
 @typed_arguments
@@ -118,25 +121,16 @@ def sweep_of(ds: xr.Dataset) -> Sweep:
             "the dataset has no attribute sweep, which describes its scene; use one from "
             "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
         )
-    return _decode_sweep(str(ds.attrs["sweep"]), _InputArrays(ds.variables.get(INPUTS)))
+    text, data = str(ds.attrs["sweep"]), ds.variables.get(INPUTS)
+    key = text, "" if data is None else str(data.attrs["digests"])
+    if key not in _decoded_sweeps:
+        if len(_decoded_sweeps) > _MAX_SWEEPS:
+            _decoded_sweeps.clear()
+        _decoded_sweeps[key] = _decode_sweep(text, data)
+    return _decoded_sweeps[key]
 
 
-class _InputArrays:
-    """Input arrays of a scene, equal if their digests are."""
-
-    def __init__(self, data: xr.Variable | None) -> None:
-        self.data, self.digests = data, "" if data is None else str(data.attrs["digests"])
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _InputArrays) and self.digests == other.digests
-
-    def __hash__(self) -> int:
-        return hash(self.digests)
-
-
-@functools.lru_cache(maxsize=64)
-def _decode_sweep(text: str, arrays: _InputArrays) -> Sweep:
-    data = arrays.data
+def _decode_sweep(text: str, data: xr.Variable | None) -> Sweep:
     try:
         plain = json.loads(text)
     except ValueError as error:
@@ -240,34 +234,32 @@ def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:
 
 
 def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
-    """Raise an `InputError` for a dataset whose axes are not those of its sweep."""
+    """Raise an `InputError` for a dataset that is not a selection of the points of its sweep."""
     if "status" not in ds:
         raise InputError("the dataset has no status; use it as pipeline.open_sweep returns it")
+    if ds["status"].dtype.kind not in "iu":  # as after where, shift, interp, reindex, coarsen
+        raise InputError(NOT_SIMULATED.format("its status is not an integer"))
     if joined := [name for name, index in ds.indexes.items() if index.nlevels > 1]:
         raise InputError(f"{joined[0]} joins dimensions of the dataset; call ds.unstack() first")
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
     if "step" not in ds.dims and any(name in ds for name in COLUMNS):
         raise InputError("step is a single value; select a list instead: ds.sel(step=[0])")
-    for name in PLANE:
+    for name, swept in (("load", sweep.loads), ("velocity", sweep.velocities)):
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
             raise InputError(f"the dataset has no finite {name}; keep its coordinates")
-        unit, stated = COORDINATES[name].units, ds[name].attrs.get("units")
-        if stated and stated != unit and to_si(f"1 {stated}", like=f"1 {unit}") != 1:
-            raise InputError(f"{name} of the dataset is in {stated}; it must be in {unit}")
-        if name in ds.dims and (np.diff(values) <= 0).any():
+        if name not in ds.dims:
+            continue
+        if (np.diff(values) <= _LEAST_DISTANCE * values[1:]).any():
             raise InputError(
-                f"{name} of the dataset does not ascend; sort it, and keep each value once"
+                f"{name} of the dataset does not ascend by 0.01 % or more; sort it, and keep one "
+                "of values that are nearly equal"
             )
-        stored = np.array({"load": sweep.loads, "velocity": sweep.velocities}[name])
-        if name in ds.dims:
-            distances = np.abs(values[:, None] - stored).min(axis=1)
-            if (is_other := distances > ROUNDING * np.abs(values)).any():
-                reason = f"{name} {values[is_other][0]:g} {unit} is not in its sweep"
-                raise InputError(NOT_SIMULATED.format(reason))
-    if ds["status"].dtype == np.float64:  # selections and masks keep 8 bits, or make 32
-        raise InputError(NOT_SIMULATED.format("its status is not an integer"))
+        distances = np.abs(values[:, None] - np.array(swept)).min(axis=1)
+        if (is_other := distances > ROUNDING * np.abs(values)).any():
+            reason = f"{name} {values[is_other][0]:g} is not in its sweep"
+            raise InputError(NOT_SIMULATED.format(reason))
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from pipeline.constants import SHARP_ENDS
 from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
-from pipeline.sweep.case import Conditions, SpecimenTest, known_critical_temperature
+from pipeline.sweep.case import Conditions, known_critical_temperature
 from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual
@@ -20,52 +18,30 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
-_EQUAL_WITHIN = 1e-6  # relative rounding difference of equal frictions
 _IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers state elsewhere
-_FRESH_SPECIMEN = (
-    "test {}: one specimen at several points, but each is simulated as a fresh specimen and thus "
-    "too hot: give its load stages"
-)
-_FRESH_SPECIMENS = (
-    "tests {}: one specimen at several points, but each is simulated as a fresh specimen and thus "
-    "too hot: give its load stages"
-)
 _DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
 
-def heating_words(conditions: Conditions, tests: Iterable[SpecimenTest] = ()) -> str:
+def heating_words(conditions: Conditions) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk temperature 25 °C".
 
-    The frictions of `tests` follow if they differ from it, and an added rise, such as "rise +6 %".
+    An added rise follows, such as "rise +6 %".
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
-    friction = f"friction {conditions.friction:.4g}{_test_frictions(conditions, tests)}"
     if not conditions.added_rise_fraction:
-        return f"{friction}, {bulk}"
-    return f"{friction}, {bulk}, rise {signed_percent(conditions.added_rise_fraction)}"
+        return f"friction {conditions.friction:.4g}, {bulk}"
+    added = signed_percent(conditions.added_rise_fraction)
+    return f"friction {conditions.friction:.4g}, {bulk}, rise {added}"
 
 
-def _test_frictions(conditions: Conditions, tests: Iterable[SpecimenTest]) -> str:
-    """Range of the frictions of tests, such as " (tests 0.09 to 0.103)"; empty if all are equal."""
-    frictions = [test.case.conditions.friction for test in tests]
-    if all(
-        math.isclose(friction, conditions.friction, rel_tol=_EQUAL_WITHIN) for friction in frictions
-    ):
-        return ""
-    ends = dict.fromkeys(f"{friction:.3g}" for friction in (min(frictions), max(frictions)))
-    return f" (tests {' to '.join(ends)})"
-
-
-def verdict_conditions(
-    conditions: Conditions, tests: Iterable[SpecimenTest] = (), from_tests: bool = False
-) -> str:
+def verdict_conditions(conditions: Conditions, from_tests: bool = False) -> str:
     """Friction, bulk and critical temperature of a verdict, as text.
 
     The critical area fraction follows if it is not 10 %, and corrections if there are any.
     """
     critical = display(known_critical_temperature(conditions), "°C", 4 if from_tests else 5)
-    parts = [heating_words(conditions, tests), f"critical temperature {critical}"]
+    parts = [heating_words(conditions), f"critical temperature {critical}"]
     if from_tests:
         parts[-1] = f"critical temperature {critical} (median, from tests)"
     if conditions.critical_area_fraction != _DEFAULT_FRACTION:
@@ -151,9 +127,12 @@ def _describe_warning(warning: SceneWarning) -> str:
             return f"the test at {point} lies far outside the sweep: check its units"
         case "fresh_specimens":
             names, more = values
-            if more:
-                return _FRESH_SPECIMENS.format(f"{names} and {more:g} more")
-            return (_FRESH_SPECIMENS if ", " in names else _FRESH_SPECIMEN).format(names)
+            further = f" and {more:g} more" if more else ""
+            noun = "tests" if more or ", " in names else "test"
+            return (
+                f"{noun} {names}{further}: one specimen at several points, but each is simulated "
+                "as a fresh specimen and thus too hot: give its load stages"
+            )
         case "cold_tracks":
             lengths = dict(zip(values[::2], values[1::2], strict=True))
             tracks = " and ".join(
@@ -182,12 +161,8 @@ def model_words(sweep: Sweep) -> str:
     kinds = {type(None): "a smooth surface", SelfAffineRoughness: "a random surface"}
     kind = kinds.get(type(surface), "a measured surface")
     pattern = f"wear pattern {wear.pattern}" if wear else "no wear"
-    return f"{kind}, {pattern}, {settings_words(sweep)}"
-
-
-def settings_words(sweep: Sweep) -> str:
-    """The preset of a sweep, or that it has none."""
-    return f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
+    settings = f"preset {sweep.preset}" if sweep.preset else "custom numerical settings"
+    return f"{kind}, {pattern}, {settings}"
 
 
 def value_words(axis: xr.DataArray, value: float | str) -> str:

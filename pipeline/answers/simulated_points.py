@@ -14,7 +14,7 @@ from pipeline.answers.answer_dataset import answer_attributes, with_attributes
 from pipeline.answers.condition_values import ConditionValues, override_conditions
 from pipeline.answers.results import cases_of, dataset_of, sweeps_of
 from pipeline.answers.scene_wording import named_value
-from pipeline.answers.verdict_model import JudgedCase, conditions_of
+from pipeline.answers.verdict_model import conditions_of, verdict_model
 from pipeline.arguments import typed_arguments
 from pipeline.store.location import PathLike
 from pipeline.store.schema import FAILED, PENDING, PLANE
@@ -47,7 +47,7 @@ def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> 
     case = cases_of(ds)[0]
     case_conditions = override_conditions(case.conditions, conditions)
     y = case.log_rises(case_conditions)
-    model = JudgedCase(case).under(case_conditions)
+    model = verdict_model(case, case_conditions)
     failed, pending = (case.status == code for code in (FAILED, PENDING))
     masks = case.done & (y > model.limit), case.done, failed, pending
     state = np.select(masks, ("severe", "mild", "failed", "pending"), "")

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.field import MERGE_DISTANCE, Field
+from pipeline.answers.field import Field
 from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.case import Conditions
 from tribo.thermal.quantiles import GROUPS
@@ -91,18 +91,10 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     freedom = case.sampling_freedom[usable].min(axis=(0, 2), initial=_MAX_FREEDOM)
     kinds = np.bitwise_or.reduce(case.warning_flags[usable], 0)
     durations = case.durations[usable].max(axis=0)
-    axes = [case.loads, case.velocities]
-    for axis, x in enumerate(axes):
-        starts = np.flatnonzero(np.append(True, np.diff(np.log(x)) >= MERGE_DISTANCE))
-        if len(starts) < len(x):
-            axes[axis] = _group_means(x, starts)
-            y, sampling = _group_means(y, starts, axis + 1), _group_means(sampling, starts, axis)
-            kinds = np.bitwise_or.reduceat(kinds, starts, axis)
-            durations = np.maximum.reduceat(durations, starts, axis)
-            freedom = np.minimum.reduceat(freedom, starts) if axis == 0 else freedom
-    loads, velocities = axes
     is_highest = conditions.critical_area_fraction == 0
-    return merge_realizations(loads, velocities, y, sampling, kinds, durations, is_highest, freedom)
+    return merge_realizations(
+        case.loads, case.velocities, y, sampling, kinds, durations, is_highest, freedom
+    )
 
 
 def merge_realizations(
@@ -173,14 +165,6 @@ def _is_single_between_several(has_point: Mask) -> Mask:
     several = np.flatnonzero(counts > 1)
     first, last = several[[0, -1]] if several.size else (0, 0)
     return np.asarray((counts == 1) & (first < rows) & (rows < last))
-
-
-def _group_means(values: Array, starts: Indices, axis: int = 0) -> Array:
-    """Means of the known values of each group along an axis."""
-    is_known = np.isfinite(values)
-    total = np.add.reduceat(np.where(is_known, values, 0.0), starts, axis)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(total / np.add.reduceat(is_known.astype(int), starts, axis))
 
 
 def mean_of_realizations(

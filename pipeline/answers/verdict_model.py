@@ -27,11 +27,10 @@ from pipeline.answers.error import (
     total,
     velocity_errors,
 )
-from pipeline.answers.evidence import Evidence, Rulings, evidence_of
+from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, Outcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
-from pipeline.messages import join_notes
 from pipeline.quantities import UNITS
 from pipeline.sweep.case import Conditions, known_critical_temperature
 from tribo import Stages, WarningKind
@@ -53,75 +52,43 @@ class Flag(IntFlag):
     CONTACT_AT_EDGE = 1  # the contact reaches the edge of the window at neighbouring points
     FILM_UNKNOWN = 2
     RULED_OUT = 4  # a test rules the verdict out, or one without a result may
-    SHARP_ENDS = 8  # mild, but near the velocity that is critical for the pin's sharp ends
 
 
-class JudgedCase:
-    """Specimens, films and evidence of one case, cached by the conditions that they depend on."""
+def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
+    """Verdict model of a case; points may replace friction and bulk temperature of `conditions`.
 
-    def __init__(self, case: CaseResults) -> None:
-        self.case = case
-        self._cache = dict[Any, Any]()
-
-    def _cached(self, key: Any, compute: Any) -> Any:
-        if key not in self._cache:
-            self._cache[key] = compute()
-        return self._cache[key]
-
-    def under(self, conditions: Conditions) -> VerdictModel:
-        """Verdict model under `conditions`; points may replace friction and bulk temperature."""
-        is_from_tests = conditions.critical_temperature is None
-        if is_from_tests and not self.case.sweep.base.critical_from_tests:
-            known_critical_temperature(conditions)  # raises
-        rise_key = conditions.critical_area_fraction, conditions.corrections
-        oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
-        specimen = self._cached(rise_key, lambda: specimen_of(self.case, conditions))
-        infer = evidence_with_critical_temperature if is_from_tests else evidence_of
-        evidence = self._cached(oil_key, lambda: infer(self.case, specimen, conditions))
-        if is_from_tests:
-            inferred = evidence.critical.temperature
-            conditions = replace(conditions, critical_temperature=inferred)
-        return VerdictModel(self, conditions, specimen, evidence)
-
-    def film_excess(self, points: QueryPoints) -> Array | None:
-        """Ln of the film pressure over that which carries a fifth of the load (k,); NaN if unknown.
-
-        None if the case has no film.
-        """
-        if self._film(self.case.conditions.bulk_temperature) is None:
-            return None
-        excess = np.full(points.load.shape, np.nan)
-        for bulk in np.unique(points.bulk_temperature).tolist():
-            is_member = points.bulk_temperature == bulk
-            excess[is_member] = self._film(bulk)(points.load[is_member], points.velocity[is_member])
-        return excess
-
-    def _film(self, bulk: float) -> Any:
-        return self._cached(bulk, lambda: film_field(self.case, bulk))
+    A critical temperature that is missing in `conditions` is inferred from the tests, if the scene
+    says so.
+    """
+    is_from_tests = conditions.critical_temperature is None
+    if is_from_tests and not case.sweep.base.critical_from_tests:
+        known_critical_temperature(conditions)  # raises
+    rise_key = conditions.critical_area_fraction, conditions.corrections
+    oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
+    specimen = case.cached(("specimen", rise_key), lambda: specimen_of(case, conditions))
+    infer = evidence_with_critical_temperature if is_from_tests else evidence_of
+    evidence = case.cached(("evidence", oil_key), lambda: infer(case, specimen, conditions))
+    if is_from_tests:
+        conditions = replace(conditions, critical_temperature=evidence.critical.temperature)
+    return VerdictModel(case, conditions, specimen, evidence)
 
 
 def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
     """Conditions of a case, some replaced, with a number for a critical temperature from tests."""
     conditions = override_conditions(case.conditions, overrides)
-    is_critical_unknown = (
-        conditions.critical_temperature is None and case.sweep.base.critical_from_tests
-    )
-    return JudgedCase(case).under(conditions).conditions if is_critical_unknown else conditions
+    if conditions.critical_temperature is None and case.sweep.base.critical_from_tests:
+        return verdict_model(case, conditions).conditions
+    return conditions
 
 
 @dataclass(frozen=True, eq=False)
 class VerdictModel:
-    """Answers on operating points of one case, under its conditions."""
+    """Answers on operating points of a case, under the conditions of one oil."""
 
-    judged_case: JudgedCase
+    case: CaseResults
     conditions: Conditions
     specimen: Specimen
     evidence: Evidence
-
-    @property
-    def case(self) -> CaseResults:
-        """The results."""
-        return self.judged_case.case
 
     @functools.cached_property
     def preset_error(self) -> float | None:
@@ -132,11 +99,6 @@ class VerdictModel:
     def field(self) -> Field:
         """ln(rise)."""
         return self.specimen.field
-
-    @functools.cached_property
-    def rulings(self) -> Rulings:
-        """Verdicts that tests rule out."""
-        return Rulings(self.case, self.evidence)
 
     @functools.cached_property
     def limit(self) -> float:
@@ -172,9 +134,12 @@ class VerdictModel:
 
     def films(self, points: QueryPoints) -> tuple[Mask, Mask]:
         """Masks (k,): the film carries more load than the model allows; the film is unknown."""
-        excess = self.judged_case.film_excess(points)
-        if excess is None:
-            return np.zeros(points.load.shape, bool), np.zeros(points.load.shape, bool)
+        excess = np.full(points.load.shape, -1.0)  # ln(pressure over that of a fifth of the load)
+        for bulk in np.unique(points.bulk_temperature).tolist():
+            is_member = points.bulk_temperature == bulk
+            film = self.case.cached(("film", bulk), functools.partial(film_field, self.case, bulk))
+            if film is not None:
+                excess[is_member] = film(points.load[is_member], points.velocity[is_member])
         return np.nan_to_num(excess, nan=-1.0) > 0, np.isnan(excess)
 
     def points(self, points: QueryPoints) -> dict[str, Any]:
@@ -202,7 +167,10 @@ class VerdictModel:
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
             UNDECIDED,
         )
-        is_ruled_out = self._withhold(verdict, reasons, points)
+        for code in (MILD, SEVERE):
+            judged = np.flatnonzero(verdict == code)
+            reasons[judged] = self.evidence.objections(VERDICTS[code], points.take(judged))
+        is_ruled_out = (reasons != "") & is_known
         flags = self._at_edge(load, velocity) * Flag.CONTACT_AT_EDGE
         flags += is_film_unknown * Flag.FILM_UNKNOWN
         has_no_verdict = is_outside | ~is_known
@@ -254,17 +222,6 @@ class VerdictModel:
         is_extrapolated = self.field.is_extrapolated(load, velocity)
         codes = SIMULATED, EXTRAPOLATED
         return np.select((is_simulated, is_extrapolated), codes, INTERPOLATED)
-
-    def _withhold(self, verdict: Array, reasons: Any, points: QueryPoints) -> Mask:
-        """Mask of points whose verdict contradicts tests; writes an explanation to `reasons`."""
-        is_ruled_out = np.zeros(verdict.shape, bool)
-        for code in (MILD, SEVERE):
-            indices = np.flatnonzero(verdict == code)
-            explanations = self.rulings.reasons(VERDICTS[code], points.take(indices))
-            for k, explanation in zip(indices.tolist(), explanations, strict=True):
-                if explanation:
-                    reasons[k], is_ruled_out[k] = explanation, True
-        return is_ruled_out
 
     def _reasons(self, points: QueryPoints, rise: Array) -> Any:
         """Reasons for points without an answer; an empty text for points with one."""
@@ -330,35 +287,33 @@ class VerdictModel:
         """Velocities (k,) [m/s] at the loads of points, up to and from which a verdict is possible.
 
         ``critical_velocity_p05`` is lowered to a test that rules out mild wear, and ``_p95`` is
-        raised to one that rules out severe wear. ``ruled_out_by`` names these tests. A velocity is
+        raised to one that rules out severe wear; ``ruled_out_by`` states the test. A velocity is
         NaN outside the sweep, or if the verdict is withheld at all velocities.
         """
-        notes, columns = [list[str]() for _ in points.load], dict[str, Any]()
+        columns, notes = dict[str, Any](), np.full(points.load.shape, "", object)
         low, high = self.ranges["velocity"]
-        for excluded, probability, template in (
-            ("mild", VERDICT_PROBABILITIES[0], "{} rules out mild wear from {:g} m/s"),
-            ("severe", VERDICT_PROBABILITIES[-1], "{} rules out severe wear up to {:g} m/s"),
+        for verdict, sign, probability, words in (
+            ("mild", 1, VERDICT_PROBABILITIES[0], "mild wear from"),
+            ("severe", -1, VERDICT_PROBABILITIES[-1], "severe wear up to"),
         ):
             velocities = self.velocity_of_probability(points, probability)
             # Without a known error of the surface, no verdict is possible at any velocity.
             errors = surface_sampling_errors(self.specimen, points.load, velocities)
             velocities = np.where(np.isnan(errors), np.nan, velocities)
-            limits, names = self.rulings.velocity_limits(excluded, points)
-            levels = self._levels(points, probability)
-            log_rise = self.field(points.load, np.clip(limits, low, high))
+            limits, names = self.evidence.velocity_limits(verdict, points)
+            excess = self.field(points.load, np.clip(limits, low, high))
+            excess -= self._levels(points, probability)
             # At the limit, the probability alone would still give the verdict.
-            if excluded == "mild":
-                is_limited = (limits < math.inf) & ((log_rise <= levels) | (limits < velocities))
-            else:
-                is_limited = (limits > 0) & ((log_rise >= levels) | (limits > velocities))
-            inner_limits = np.where((low <= limits) & (limits <= high), limits, np.nan)
+            is_limited = (sign * excess <= 0) | (sign * limits < sign * velocities)
+            is_limited &= limits < math.inf if verdict == "mild" else limits > 0
+            limits_inside = np.where((low <= limits) & (limits <= high), limits, np.nan)
             columns[f"critical_velocity_p{100 * probability:02.0f}"] = np.where(
-                is_limited, inner_limits, velocities
+                is_limited, limits_inside, velocities
             )
-            for k in np.flatnonzero(is_limited).tolist():
-                if names[k]:
-                    notes[k].append(template.format(names[k], limits[k]))
-        return columns | {"ruled_out_by": np.array([*map(join_notes, notes)], object)}
+            for k in np.flatnonzero(is_limited & (names != "")).tolist():
+                text = f"{names[k]} rules out {words} {limits[k]:g} m/s"
+                notes[k] = f"{notes[k]} | {text}" if notes[k] else text
+        return columns | {"ruled_out_by": notes}
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""

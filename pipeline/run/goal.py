@@ -13,7 +13,7 @@ import xarray as xr
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.error import PARTS, SURFACE, preset_error_of, presets_for, total
 from pipeline.answers.results import ascending, cases_of
-from pipeline.answers.verdict_model import JudgedCase, VerdictModel
+from pipeline.answers.verdict_model import VerdictModel, verdict_model
 from pipeline.arguments import in_share
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
@@ -183,7 +183,7 @@ def searches(
 ) -> Iterator[tuple[CaseResults, Search]]:
     """The search of each case of a store in its present state."""
     for case in cases:
-        model = JudgedCase(case).under(case.sweep.conditions)
+        model = verdict_model(case, case.sweep.conditions)
         yield case, search_of(model, Goal(accuracy, realizations, not is_fixed))
 
 

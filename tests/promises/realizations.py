@@ -25,7 +25,7 @@ from scipy.stats import beta, binom
 import pipeline
 from pipeline.answers.error import SURFACE, rise_errors
 from pipeline.answers.results import cases_of
-from pipeline.answers.verdict_model import JudgedCase
+from pipeline.answers.verdict_model import verdict_model
 from pipeline.store.schema import PENDING
 from tests.helpers.campaigns import conclude, table
 from tests.promises.moving_disk import oblique_heights
@@ -121,7 +121,7 @@ def roughness(surface, window, path, count):
 def stated(ds):
     """ln(rise) of a specimen at each load, and the error that it states for surface sampling."""
     (case,) = cases_of(ds)
-    model = JudgedCase(case).under(case.sweep.conditions)
+    model = verdict_model(case, case.sweep.conditions)
     points = ds["load"].values, np.repeat(ds["velocity"].values, ds.sizes["load"])
     return model.field(*points), rise_errors(model.specimen, model.preset_error, *points)[SURFACE]
 

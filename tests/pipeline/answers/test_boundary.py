@@ -1,18 +1,13 @@
 """The boundary (pipeline.boundary) of sweeps whose boundary is known in closed form."""
 
-import re
-
 import numpy as np
 import pytest
 
 from pipeline import boundary
 from pipeline.answers.answer_frames import boundary_frame
-from pipeline.answers.answer_lines import boundary_lines, next_run_line
-from pipeline.answers.results import sweep_of
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
-from tribo.simulation.lubrication import find_lubrication
 
 TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 5
 
@@ -80,24 +75,8 @@ def test_only_the_last_step_counts():
     assert (boundary(unfinished)["outcome_along_velocity"] == UNKNOWN).all()
 
 
-def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
-    plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
-    assert not [name for name in boundary(plain) if name.startswith("film")]
-    crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
-    film_parameter = find_lubrication(
-        sweep_of(oiled).scene, sweep_of(oiled).lubricant
-    ).film_parameter
-    for friction in (0.09, 0.1):
-        part = crossings.sel(friction=friction)
-        expected = film_parameter(part["load"], part["critical_velocity"], 320.0)
-        np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
-        expected = film_parameter(part["critical_load"], part["velocity"], 320.0)
-        np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
-    assert crossings["film_parameter_at_load"].notnull().any()
-
-
-@pytest.mark.parametrize(("share", "side"), [(0.9, "lower"), (1.1, "higher")])
-def test_the_line_with_tests_is_where_half_of_the_runs_are_severe(share, side):
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_the_line_with_tests_is_where_half_of_the_runs_are_severe(share):
     """Transitions at a share of the limit move the line with tests, but not the computed one."""
     plain, limit = synthetic.sweep(tests=()), synthetic.limit()
     tests = tuple(
@@ -109,17 +88,9 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe(share, side):
     ratio = (answer["critical_velocity_p50"] / answer["critical_velocity"]).dropna("load")
     assert len(ratio) >= 11
     assert ratio.values == pytest.approx(share ** (1 / 0.7), rel=0.04)
-    off = f"{100 * abs(1 - float(ratio.median())):.0f} %"
-    statement = f"with tests, the boundary lies {off} {side} in velocity than computed"
-    assert statement in boundary_lines(answer)
     band = [answer[f"critical_velocity_p{end}"].values for end in ("05", "95")]
     assert np.all(band[0][2:-2] < answer["critical_velocity_p50"].values[2:-2])
     assert np.nanmax(band[1] / answer["critical_velocity_p50"]) < 1.3
-    line = next_run_line(answer)
-    assert line.startswith("severe wear is 50 % probable at ")
-    printed = re.search(r"at ([\d.]+) m/s\s+at 750 N", line)[1]
-    rounding = abs(float(printed) / answer["critical_velocity_p50"][-1] - 1)
-    assert rounding <= 0.25 * answer["velocity_error"][-1]
 
 
 def test_rows_by_velocity_have_the_critical_load_and_rows_by_load_the_critical_velocity(sweep):
@@ -127,15 +98,6 @@ def test_rows_by_velocity_have_the_critical_load_and_rows_by_load_the_critical_v
     assert [*by_load][:2] == ["load [N]", "critical velocity [m/s]"]
     assert [*by_velocity][:2] == ["velocity [m/s]", "critical load [N]"]
     assert len(by_velocity) == len(VELOCITIES)
-
-
-def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_it():
-    answer = boundary(synthetic.sweep(velocities=(1.0, 1.5, 2.0)))
-    assert np.isnan(answer["critical_velocity_p50"][0])
-    statement = next_run_line(answer)
-    assert statement.startswith(
-        "severe wear is 50 % probable at no velocity in the sweep at 200 N; at 1.2"
-    )
 
 
 def test_wear_that_is_mild_again_at_a_higher_velocity_has_its_boundary_at_the_lower_crossing():

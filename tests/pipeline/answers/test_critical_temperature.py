@@ -9,7 +9,6 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import t as student
 
 import pipeline
-import tribo
 from pipeline.answers.posterior import Prior, update
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
@@ -163,13 +162,3 @@ def test_every_door_has_the_same_critical_temperature():
 def test_a_critical_temperature_names_the_surface_wear_and_preset_to_which_it_belongs():
     inference = pipeline.infer(swept(bare_test(400.0, 2.0)))
     assert inference.attrs["model"] == "a random surface, wear pattern swept, preset fine"
-
-
-def test_a_critical_temperature_from_tests_with_another_wear_pattern_is_warned_of():
-    local = synthetic.scene(wear=tribo.Wear(1.2e-15, "local")).base
-    for test, is_warned in (
-        (bare_test(400.0, 2.0), False),
-        (bare_test(400.0, 2.0, case=local), True),
-    ):
-        notes = pipeline.boundary(swept(test, critical=None)).attrs["notes"]
-        assert ("the critical temperature is from tests on another kind" in notes) == is_warned

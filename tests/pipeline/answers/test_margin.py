@@ -8,13 +8,10 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_lines import (
+from pipeline.answers.answer_text import (
     common_lines,
     headline,
     margin_facts,
-    margin_lines,
-    point_warnings,
-    row_warnings,
     temperature_error_line,
     to_decide,
 )
@@ -200,23 +197,6 @@ def test_the_computing_that_is_advised_decides():
     assert asked(without_model_error(rise=wavy, **nearby), 425.0, 2.23, **side).verdict == "mild"
 
 
-@pytest.mark.parametrize(("share", "near"), [(0.80, True), (0.74, False)])
-def test_mild_wear_near_the_critical_velocity_of_sharp_ends_says_so_in_its_first_line(share, near):
-    ds, critical = without_model_error(), float(synthetic.critical_velocity(400.0, LIMIT))
-    margin = pipeline.margin(ds, 400.0, share * critical)
-    first = next(iter(margin_lines(margin)))
-    ends = (
-        "Mild, but perhaps severe at the pin's sharp ends, which are not modelled and wear "
-        "severely at 9 to 23 % lower velocity: probability"
-    )
-    assert first.startswith(ends if near else "Mild: probability")
-    assert ("sharp_ends" in asked(ds, 400.0, share * critical).flags) == near
-    assert not any("sharp ends" in line for line in point_warnings(margin))  # not once more
-    rows = pipeline.margin(ds, [400.0, 300.0], [share * critical, 0.5])
-    start = "warning: at some points mild wear may be severe at the pin's sharp ends"
-    assert any(line.startswith(start) for line in row_warnings(rows)) == near
-
-
 def facts_of(ds, *point, **conditions):
     return dict(margin_facts(pipeline.margin(ds, *point, **conditions)))
 
@@ -276,16 +256,7 @@ def test_a_verdict_that_a_test_rules_out_states_the_reason_and_no_advice():
     ds = synthetic.sweep(tests=(*tests, bare_test(300.0, 0.9, outcome="severe", number="weak")))
     facts = facts_of(ds, 300.0, 0.95)
     assert facts["verdict withheld"] == "test weak (severe, 300 N, 0.9 m/s) rules it out"
-    assert facts["tests nearby"].startswith("severe at 300 N, 0.9 m/s, friction 0.1, ")
     assert "to decide" not in facts
-    assert "tests nearby" not in facts_of(ds, 700.0, 0.6)
-
-
-def test_where_a_test_has_been_run_no_other_one_is_advised():
-    ds = synthetic.sweep(tests=(bare_test(400.0, 2.2),))
-    at_test = asked(ds, 400.0, 2.2)
-    limit = {"critical_temperature": at_test.governing_temperature}
-    assert advice(ds, 400.0, 2.2, **limit) == "change the conditions or the scene"
 
 
 def test_an_answer_states_how_many_points_were_not_used():

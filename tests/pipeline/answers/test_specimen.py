@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.answer_lines import boundary_lines, margin_lines
+from pipeline.answers.answer_text import boundary_lines, margin_lines
 from pipeline.answers.error import PARTS
 from pipeline.answers.specimen import mean_of_realizations
 from pipeline.constants import CORRELATION_LENGTHS, RISE_EXPONENT

@@ -6,8 +6,7 @@ import pytest
 import pipeline
 from pipeline.answers.evidence import outcome_of
 from pipeline.answers.results import cases_of
-from pipeline.answers.verdict_model import JudgedCase
-from pipeline.cli import main
+from pipeline.answers.verdict_model import verdict_model
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit_all
 
@@ -76,21 +75,10 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
 
 def test_a_test_by_stages_is_one_interval_and_a_transition_where_it_is_no_hotter(store):
     (case,) = cases_of(store[1])
-    evidence = JudgedCase(case).under(case.sweep.conditions).evidence
+    evidence = verdict_model(case, case.sweep.conditions).evidence
     assert [row.reason for row in evidence.rows] == [""] * 4
     cooler, hotter = map(outcome_of, evidence.specimens)
     assert cooler.severe <= cooler.mild  # 120 N is no hotter than the unworn stage at 100 N
     mild, severe = evidence.specimens[-1]
     assert (hotter.severe, hotter.mild) == (severe.severe, mild.mild)
     assert hotter.severe - hotter.mild > 0.3
-
-
-def test_the_check_says_how_wide_the_window_is_and_what_it_costs(store, capsys):
-    path = store[1].with_name("lab.toml")
-    path.with_name("wide.toml").write_text(path.read_text("utf-8").replace("[96, 16]", "[48, 16]"))
-    assert main(["check", str(path.with_name("wide.toml"))]) == 0
-    words = " ".join(capsys.readouterr().out.split())
-    assert (
-        "widened from 48 pixels because of wear in the load stages; 80 × 16 pixels; each step"
-        in words
-    )

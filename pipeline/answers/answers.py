@@ -1,11 +1,10 @@
-"""`margin`: verdicts on operating points."""
+"""`margin` and `boundary`: verdicts on operating points, critical velocities and loads."""
 
 from __future__ import annotations
 
 import functools
 import os
-from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
 import numpy as np
@@ -22,15 +21,15 @@ from pipeline.answers.condition_values import (
     condition_arrays,
     replace_conditions,
 )
+from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import cases_of, dataset_of
-from pipeline.answers.verdict_model import MILD, OUTSIDE, Flag, JudgedCase, VerdictModel
+from pipeline.answers.verdict_model import OUTSIDE, VerdictModel, verdict_model
 from pipeline.arguments import in_si, typed_arguments
-from pipeline.constants import SHARP_ENDS
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.location import PathLike
-from pipeline.sweep.sweep import has_sharp_ends
+from pipeline.store.schema import PLANE
 from tribo import InputError
 
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
@@ -109,56 +108,68 @@ def _margin_of_case(
     case: CaseResults, points: Mapping[str, xr.DataArray], overrides: Mapping[str, xr.DataArray]
 ) -> xr.Dataset:
     """Judge operating points of one case; `points` has their loads and velocities."""
+    points = arguments_of_case(points, case.labels)
     overrides = arguments_of_case(overrides, case.labels)
-    points = arguments_of_case(points, case.labels) or _single_point(case)
-    try:
-        template, *arrays = xr.broadcast(*points.values(), *overrides.values())
-    except ValueError as error:
-        message = f"load, velocity and conditions do not fit together: {error}"
-        raise InputError(message) from None
-    loads, velocities, *columns = (array.values.ravel() for array in (template, *arrays))
-    rows = [*zip(*columns, strict=True)] or [()] * template.size
-    conditions_of_row = {
-        row: replace_conditions(case.conditions, dict(zip(overrides, row, strict=True)))
-        for row in dict.fromkeys(rows)
-    }
-    conditions = [conditions_of_row[row] for row in rows]
-    query_points = QueryPoints(
-        loads.astype(float),
-        velocities.astype(float),
-        np.array([c.friction for c in conditions]),
-        np.array([c.bulk_temperature for c in conditions]),
-    )
-    indices_of_oil = defaultdict[Any, list[int]](list)
-    for k, c in enumerate(conditions):
-        oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
-        indices_of_oil[oil].append(k)
-    judged_case, answers = JudgedCase(case), dict[str, Any]()
-    for indices in indices_of_oil.values():
-        model = judged_case.under(conditions[indices[0]])
-        for batch in np.array_split(indices, -(-len(indices) // _BATCH_SIZE)):
-            for name, values in _judge(model, query_points.take(batch)).items():
-                answers.setdefault(name, np.empty(template.size, values.dtype))[batch] = values
-    variables = {
-        name: (template.dims, values.reshape(template.shape)) for name, values in answers.items()
-    }
+    if not points:
+        if max(len(case.loads), len(case.velocities)) > 1:
+            raise InputError("no operating point is given; give a load and a velocity")
+        points = {
+            "load": xr.DataArray(case.loads[0]),
+            "velocity": xr.DataArray(case.velocities[0]),
+        }
+    models, variables = _evaluate(case, points["load"], points["velocity"], overrides, _judge)
     # A condition that varies has its dimension, or a value at each point.
     varied = {
         name: variables.get(name, array) if name not in array.dims else array
         for name, array in overrides.items()
         if array.ndim
     }
-    dataset = answer_dataset(model, variables, template.drop_attrs().coords | varied)
-    if len(conditions_of_row) > 1:
-        dataset.attrs["conditions"] = "given for each point"
-    return dataset
+    return answer_dataset(models, variables, varied)
 
 
-def _single_point(case: CaseResults) -> dict[str, xr.DataArray]:
-    """Load and velocity of a case that has a single point."""
-    if max(len(case.loads), len(case.velocities)) > 1:
-        raise InputError("no operating point is given; give a load and a velocity")
-    return {"load": xr.DataArray(case.loads[0]), "velocity": xr.DataArray(case.velocities[0])}
+def _evaluate(
+    case: CaseResults,
+    load: xr.DataArray,
+    velocity: xr.DataArray,
+    overrides: Mapping[str, xr.DataArray],
+    compute: Callable[[VerdictModel, QueryPoints], dict[str, Any]],
+) -> tuple[list[VerdictModel], dict[str, xr.DataArray]]:
+    """Models of all oils, and variables by `compute` at points, broadcast against conditions.
+
+    Points under the same oil are computed together.
+    """
+    try:
+        template, *arrays = xr.broadcast(load, velocity, *overrides.values())
+    except ValueError as error:
+        message = f"load, velocity and conditions do not fit together: {error}"
+        raise InputError(message) from None
+    loads, velocities, *columns = (array.values.ravel() for array in (template, *arrays))
+    rows = [*zip(*(c.tolist() for c in columns), strict=True)] or [()] * template.size
+    of_row = {
+        row: replace_conditions(case.conditions, dict(zip(overrides, row, strict=True)))
+        for row in dict.fromkeys(rows)
+    }
+    conditions = [of_row[row] for row in rows]
+    points = QueryPoints(
+        loads,
+        velocities,
+        np.array([c.friction for c in conditions]),
+        np.array([c.bulk_temperature for c in conditions]),
+    )
+    indices_of_oil, computed = dict[Any, list[int]](), dict[str, Any]()
+    for k, c in enumerate(conditions):
+        oil = c.critical_temperature, c.added_rise_fraction, c.critical_area_fraction
+        indices_of_oil.setdefault(oil, []).append(k)
+    models = [verdict_model(case, conditions[k]) for k, *_ in indices_of_oil.values()]
+    for model, indices in zip(models, indices_of_oil.values(), strict=True):
+        for batch in np.array_split(indices, -(-len(indices) // _BATCH_SIZE)):
+            for name, values in compute(model, points.take(batch)).items():
+                computed.setdefault(name, np.empty(template.size, values.dtype))[batch] = values
+    template = template.drop_attrs()
+    return models, {
+        name: template.copy(data=values.reshape(template.shape))
+        for name, values in computed.items()
+    }
 
 
 def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
@@ -184,9 +195,77 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         factor = columns[f"critical_{axis}"] / getattr(points, axis)
         is_outside = columns["verdict"] == OUTSIDE
         columns[f"{axis}_safety_factor"] = np.where(is_outside, np.nan, factor)
-    if has_sharp_ends(model.case.sweep):
-        is_near = columns["velocity_safety_factor"] * (1 - SHARP_ENDS[-1]) <= 1
-        columns["warning_flags"] += ((columns["verdict"] == MILD) & is_near) * Flag.SHARP_ENDS
-    pairs = zip(points.load.tolist(), points.velocity.tolist(), strict=True)
-    nearby = [", ".join(model.evidence.nearby(*pair)) for pair in pairs]
-    return columns | {"nearby_tests": np.array(nearby, object), **points._asdict()}
+    return columns | points._asdict()
+
+
+@typed_arguments
+@np.errstate(under="ignore")
+def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
+    """Find the critical velocity at each load, and the critical load at each velocity.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or path of a store.
+    **conditions
+        As in `margin`.
+
+    Returns
+    -------
+    Dataset
+        ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
+        ``velocity_error(load)`` and its parts; ``critical_velocity_p05``, ``_p50`` and ``_p95``
+        with tests, NaN outside the velocities of the sweep; ``ruled_out_by(load)``, the tests that
+        lower the first of these or raise the last; the outcomes ``outcome_along_velocity(load)``
+        and ``outcome_along_load(velocity)``. Varied entries, and conditions given as lists, are
+        further dimensions.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> boundary = pipeline.boundary("results/first_try.zarr", friction=[0.1, 0.12])
+    >>> boundary["critical_velocity"].sel(load=400).round(2).values.tolist()
+    [2.28, 1.68]
+    """
+    ds = dataset_of(ds)
+    overrides, cases = condition_arrays(conditions), cases_of(ds)
+    for name in PLANE:
+        if name not in ds["status"].dims and cases[0].is_row:
+            raise InputError(f"each case has its own {name}, so there is no boundary")
+        if name not in ds["status"].dims:
+            value = f"{ds[name].item():g}"
+            raise InputError(
+                f"{name} is a single value; select a list instead: ds.sel({name}=[{value}])"
+            )
+    return join_cases(ds, cases, [_boundary_of_case(case, overrides) for case in cases])
+
+
+def _boundary_of_case(case: CaseResults, overrides: Mapping[str, xr.DataArray]) -> xr.Dataset:
+    """Boundary of one case under each combination of conditions."""
+    overrides = arguments_of_case(overrides, case.labels)
+    variables: dict[str, Any] = {"load": case.loads, "velocity": case.velocities}
+    for dim, compute in (("load", _along_velocity), ("velocity", _along_load)):
+        line = xr.DataArray(variables[dim], {dim: variables[dim]}, dim)
+        models, computed = _evaluate(case, line, line, overrides, compute)
+        variables |= {name: array.transpose(..., dim) for name, array in computed.items()}
+    return answer_dataset(models, variables, {k: a for k, a in overrides.items() if a.ndim})
+
+
+def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
+    """Critical velocities at the loads of points, their errors, and those with tests."""
+    columns = model.critical("velocity", points)
+    parts = model.velocity_errors(points.load, columns["critical_velocity"])
+    decided = model.decided_velocities(points)
+    return {
+        **columns,
+        "velocity_error": total(parts),
+        **{f"velocity_error_{part}": error for part, error in zip(PARTS, parts, strict=True)},
+        "critical_velocity_p05": decided.pop("critical_velocity_p05"),
+        "critical_velocity_p50": model.velocity_of_probability(points),
+        **decided,
+    }
+
+
+def _along_load(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
+    """Critical loads at the velocities of points."""
+    return model.critical("load", points)
