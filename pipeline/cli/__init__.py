@@ -13,12 +13,10 @@ import io
 import os
 import pkgutil
 import sys
-import textwrap
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
-from traceback import walk_tb
 from typing import Any
 
 import pipeline
@@ -94,26 +92,10 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
         # Zarr raises a RuntimeError for a damaged chunk.
         if not isinstance(error, OSError) and "decompress" not in str(error):
             raise
-        reason = str(error)
-        if isinstance(error, FileNotFoundError) and error.filename is None:  # by os.getcwd
-            reason = "the working directory was deleted; change to another one"
-        output.print_error(f"cannot continue: {reason}{saved}")
-        _discard_stdout()
-        return output.WRONG_USE
-    except (ValueError, KeyError, TypeError) as error:
-        *_, (frame, _) = walk_tb(error.__traceback__)
-        if not frame.f_globals["__name__"].startswith("dask."):
-            raise
-        reason = textwrap.shorten(" ".join(map(str, error.args)), 200, placeholder=" …")
-        output.print_error(
-            f"a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…) is wrong: {reason}{saved}"
-        )
+        output.print_error(f"cannot continue: {error}{saved}")
+        with suppress(OSError, ValueError, AttributeError):
+            # Python would flush stdout at exit, which would fail a second time.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return output.WRONG_USE
     finally:
         output.QUIET.clear()
-
-
-def _discard_stdout() -> None:
-    """Keep Python from flushing stdout at exit, which would fail a second time."""
-    with suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import itertools
 import pydoc
 import re
 import sys
-from collections.abc import Iterable
 from functools import partial
+from importlib import resources
 from pathlib import Path
-from typing import Any
 
 import pipeline
-from pipeline.cli.output import Result, working, wrapped
+from pipeline.cli.output import Result, print_note, wrapped
 from pipeline.messages import did_you_mean
-from pipeline.scene.library import library
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
-
-_LIBRARY_INTRODUCTION = (
-    "Scenes use these values by name, material or oil. Numbers in brackets are sources,\n"
-    "below. Hardness belongs to a heat treatment: give your own where it is known."
-)
 
 
 def new(options: argparse.Namespace) -> Result:
@@ -47,10 +39,10 @@ def surface(options: argparse.Namespace) -> Result:
         raise InputError("give a SCAN, or --ra RA and --rsm RSM of a profile, each with its unit")
     if options.scan is None:
         return _data_sheet(options)
-    with working("fitting a random surface"):
-        statistics = pipeline.surface_statistics(
-            options.scan, options.height_unit, options.pixel_size, options.missing
-        )
+    print_note("fitting a random surface …")
+    statistics = pipeline.surface_statistics(
+        options.scan, options.height_unit, options.pixel_size, options.missing
+    )
     tables = statistics.tables.splitlines()  # TOML is not wrapped
     text = [*wrapped(statistics.lines()), "", *tables]
     return Result(statistics.as_dict(), text, draw=partial(pipeline.plot, statistics))
@@ -63,8 +55,7 @@ def _data_sheet(options: argparse.Namespace) -> Result:
     if options.output:
         raise InputError("a figure needs a SCAN; leave -o out")
     pixel = min(options.pixel_size) if options.pixel_size else 0.95e-6  # [m], of shipped scenes
-    with working("searching for the correlation length"):
-        toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
+    toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
     document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumptions, "random_tables": toml}
     return Result(document, [*assumptions, "", *toml.splitlines()])
 
@@ -73,7 +64,8 @@ def help_(options: argparse.Namespace) -> Result:
     """Answer ``irg help``: print a page, the help of a command, or the titles of all pages."""
     topic = options.topic
     pages = {name: path.read_text(encoding="utf-8") for name, path in shipped_pages().items()}
-    pages["library"] = _library_page()
+    library = resources.files("pipeline.scene").joinpath("library.toml")
+    pages["library"] = library.read_text(encoding="utf-8")
     if topic is None:
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in pages.items()}
         lines = list[str]()
@@ -95,38 +87,3 @@ def help_(options: argparse.Namespace) -> Result:
         pydoc.pager(pages[page])
         return Result({}, ())
     return Result({"page": page, "text": pages[page]}, [pages[page].removesuffix("\n")])
-
-
-def _library_page() -> str:
-    """The library as Markdown: tables of materials and oils, and the sources of their numbers."""
-    entries, lines = library(), ["# Materials and oils of the library", "", _LIBRARY_INTRODUCTION]
-    source_numbers = {key: k for k, key in enumerate(entries["sources"], 1)}
-    for kind in ("materials", "oils"):
-        tables = {id(table): table for table in entries[kind].values()}
-        headings = [*dict.fromkeys(itertools.chain(*tables.values()))]
-        lines += ["", f"## {kind.capitalize()}", "", _table_row(["name", *headings])]
-        lines.append(_table_row(["---"] * (1 + len(headings))))
-        for table in tables.values():
-            names = ", ".join(name for name, entry in entries[kind].items() if entry is table)
-            lines.append(
-                _table_row(
-                    [
-                        names,
-                        *(_table_cell(table.get(heading), source_numbers) for heading in headings),
-                    ]
-                )
-            )
-    sources = (f"{k}. {entries['sources'][key]}" for key, k in source_numbers.items())
-    return "\n".join([*lines, "", "## Sources", "", *sources]).replace("_", " ") + "\n"
-
-
-def _table_row(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(cells)} |"
-
-
-def _table_cell(entry: Any, source_numbers: dict[str, int]) -> str:
-    if entry is None:
-        return "–"
-    value, source = entry
-    text = ", ".join(value) if isinstance(value, list) else str(value)
-    return f"{text} [{source_numbers[source]}]"

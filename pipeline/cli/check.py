@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, astuple
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +15,7 @@ from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result
 from pipeline.frames import frame_of, records
-from pipeline.messages import listed, pluralized
+from pipeline.messages import pluralized
 from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, in_unit
 from pipeline.run.estimate import Estimate, machine_memory, worker_bytes
@@ -34,10 +32,13 @@ from pipeline.scene.contact_estimate import (
 from pipeline.store.schema import require_free_names
 from pipeline.surface.window import form_words
 from pipeline.sweep.case_table import CASE
-from pipeline.sweep.notes import SceneNote, library_tables
+from pipeline.sweep.notes import library_tables
 from pipeline.sweep.sweep import Sweep
-from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages, lubrication_regime
+from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
+
+_Row = tuple[str, str]
+"""A subject (empty for a continued one), and a sentence on it."""
 
 
 def check(options: argparse.Namespace) -> Result:
@@ -61,7 +62,7 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, contact, case_estimates, required),
         *(("library", f"{text}, from {source}") for text, source in library_tables(sweep.sources)),
-        *(("note", note.text) for note in notes_on_scene(sweep)),
+        *(("note", note.text) for note in sweep.notes),
         *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
         *_cost_rows(sweep, cost),
     ]
@@ -77,17 +78,8 @@ def check(options: argparse.Namespace) -> Result:
         "cases": [asdict(estimate) for estimate in case_estimates],  # in SI
         "statements": records([frame]),
     }
-    return Result(
-        document, [sweep.title, "", *case_table, statements, *sources_hint], frames=[frame]
-    )
-
-
-_Row = tuple[str, str]
-"""A subject (empty for a continued one), and a sentence on it."""
-_PECLET = "Péclet number V a/(2 κ) {}, with the Hertzian half-width a"
-_PECLET_OF_DISK = (
-    "Péclet number u a/(2 κ) {}, with the velocity u of the disk and the Hertzian half-width a"
-)
+    text = [sweep.title, "", *case_table, statements, *sources_hint]
+    return Result(document, text, [frame])
 
 
 def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
@@ -96,11 +88,10 @@ def _case_frame(cases: Sequence[CaseEstimate]) -> pd.DataFrame:
         "case", "load [N]", "Hertz half-width [µm]", "pressure [GPa]", "pin [m/s]", "disk [m/s]",
         "slide–roll ratio", "Λ",
     )  # fmt: skip
-    rows = list[tuple[Any, ...]]()
-    for case in cases:
-        label, load, *values = astuple(case)
-        rows.append((label, load, *(float(f"{value:.4g}") for value in values)))
-    return frame_of(headings, rows)
+    rows = (astuple(case) for case in cases)
+    return frame_of(
+        headings, [(*row[:2], *(float(f"{value:.4g}") for value in row[2:])) for row in rows]
+    )
 
 
 def _meaning_rows(
@@ -117,63 +108,44 @@ def _meaning_rows(
     yield "contact", f"{hertz}; {wear_state} and {texture}: width {width}"
     nx, ny = scene.grid.shape
     yield "window", f"{display_sides(contact.window)}, {nx} × {ny} elements; {memory}"
-    pixels = sweep.source.entries["window"]["pixels"]
-    if wider := _wider_window(pixels, scene):
-        yield "", f"widened from {pixels[0]} pixels because of wear in the load stages; {wider}"
     yield "surface", _surface_words(contact.surface) if contact.surface else "smooth"
     time, distance = _span_text(contact.duration, "s"), _span_text(contact.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"
-    yield from _film_rows(sweep, [case.film_parameter for case in cases])
+    if sweep.lubricant is not None:
+        yield "oil", _oil_words(sweep, [case.film_parameter for case in cases])
     depth = contact.wear_depth
     yield "wear", f"{_span_text(depth, 'µm')} deep at the end of the test" if depth else "none"
-    peclet = (_PECLET_OF_DISK if scene.motion else _PECLET).format(
-        _span_text(contact.peclet_number)
+    velocity = "u" if scene.motion else "V"
+    of_disk = "the velocity u of the disk and " if scene.motion else ""
+    peclet = (
+        f"Péclet number {velocity} a/(2 κ) {_span_text(contact.peclet_number)}, with {of_disk}the "
+        "Hertzian half-width a"
     )
     yield "heat", peclet if scene.friction_heat else "none, as friction is zero"
     if added := added_rise_words(conditions):
         yield "", added
-    elif scene.friction_heat and not sweep.tests:
-        yield (
-            "",
-            "heating through pin holder and surface films is not modelled; model.rise adds it "
-            "(irg help physics)",
-        )
     if conditions.corrections:
         yield "corrections", conditions.corrections.text
 
 
-def _wider_window(pixels: tuple[int, ...], scene: Scene) -> str:
-    """Size and cost of the window if it is wider than one with `pixels`; else empty."""
-    nx, ny = scene.pixels.shape
-    ratio = nx * ny / math.prod(pixels)
-    return f"{nx} × {ny} pixels; each step costs {ratio:.2g} times as much" if ratio > 1 else ""
-
-
-def _film_rows(sweep: Sweep, film_parameters: Sequence[float]) -> Iterator[_Row]:
-    """Yield rows on the oil film, or on the entry that is missing to compute it.
+def _oil_words(sweep: Sweep, film_parameters: Sequence[float]) -> str:
+    """Viscosity and film parameter of the oil, or the entry that is missing to compute it.
 
     `film_parameters` are those of the cases, if each has its own load and velocity.
     """
-    if sweep.lubricant is None:
-        return
-    bulk = sweep.conditions.bulk_temperature
-    viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
-    lubrication = find_lubrication(sweep.scene, sweep.lubricant)
+    oil, bulk = sweep.lubricant, sweep.conditions.bulk_temperature
+    assert oil
+    viscosity = f"{display(oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
+    lubrication = find_lubrication(sweep.scene, oil)
     if lubrication is None:
-        has_pressure_coefficient = sweep.lubricant.pressure_coefficient is not None
-        missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
-        yield "oil", f"{viscosity}; film thickness unknown without {missing}"
-        return
+        missing = "a rough disk" if oil.pressure_coefficient else "pressure_viscosity_coefficient"
+        return f"{viscosity}; film thickness unknown without {missing}"
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
     span = Span.from_values(
         film_parameters or lubrication.film_parameter(loads[:, None], velocities, bulk)
     )
-    regimes = dict.fromkeys(lubrication_regime(value) for value in span)
-    regime = " to ".join(regimes).replace(" lubrication to", " to")
-    yield "oil", f"{viscosity}; Λ {_span_text(span)}: {regime}"
-    load_carrying_film = 0.35  # film parameter above which the film carries a share of the load
-    if sweep.scene.pin.length is None and span.high >= load_carrying_film:
-        yield "", "the fraction of the load that the oil film carries is unknown (irg help physics)"
+    regime = " to ".join(dict.fromkeys(map(lubrication_regime, span)))
+    return f"{viscosity}; Λ {_span_text(span)}: {regime}"
 
 
 def _span_text(span: Span, unit: str = "") -> str:
@@ -195,10 +167,6 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
-        scenes = (test.case.scene for test in sweep.tests)
-        widest_scene = max(scenes, key=lambda scene: math.prod(scene.pixels.shape))
-        if wider := _wider_window(sweep.scene.pixels.shape, widest_scene):
-            yield "", f"tests with load stages need wider windows, up to {wider}"
     time, workers = duration(cost.seconds), pluralized(cost.workers, "worker", "workers")
     yield "time", f"about {time} on {workers} of an idle machine"
     if has_unknown_preset_error(sweep):
@@ -219,42 +187,8 @@ def _surface_words(surface: SurfaceSummary) -> str:
         return f"random: {heights}"
     if radii := form_words(surface.radii):
         heights = f"{heights}; Ra and Rq exclude the curvature, R {radii}"
-    plane_heights = surface.mean_height, *surface.rise
-    if all(abs(height) < 0.01 * surface.rq for height in plane_heights):
-        return f"measured: {heights}; level"
-    mean, x, y = (in_unit(height, "µm") for height in plane_heights)
+    mean, x, y = (in_unit(height, "µm") for height in (surface.mean_height, *surface.rise))
     return (
         f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
         f"{y:.3g} µm along y over the window"
     )
-
-
-def notes_on_scene(sweep: Sweep) -> tuple[SceneNote, ...]:
-    """Notes on the entries of a scene, and on tests whose loading is not that of the sweep.
-
-    Each test is simulated with its own loading history.
-    """
-    tests = [test for test in sweep.tests if not _has_loading_of(test.case.scene.loading, sweep)]
-    if not tests:
-        return sweep.notes
-    numbers = [*dict.fromkeys(str(test.number) for test in tests)]
-    text = (
-        f"tests {listed(numbers, 3)}: their loading differs from that of the sweep, which changes "
-        "their wear and temperature"
-    )
-    if len(numbers) == 1:
-        text = (
-            f"test {numbers[0]}: its loading differs from that of the sweep, which changes its "
-            "wear and temperature"
-        )
-    return *sweep.notes, SceneNote("", text)
-
-
-def _has_loading_of(loading: Ramp | Stages | MeasuredLoad, sweep: Sweep) -> bool:
-    """True if the `loading` of a test is that of the points of a sweep."""
-    sweep_loading = sweep.scene.loading
-    if isinstance(loading, Stages) and isinstance(sweep_loading, Stages):
-        return loading.shares_stages(sweep_loading)
-    if isinstance(loading, Ramp) and isinstance(sweep_loading, Ramp):
-        return math.isclose(loading.rate, sweep_loading.rate) and loading.hold == sweep_loading.hold
-    return loading == sweep_loading

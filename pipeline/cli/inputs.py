@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pipeline.store.store import Store
 
 _PATH_ENTRIES = ("disk.roughness.file", "loading.file", "sweep.along")
-_GIVEN_TWICE = "{} is given twice; give it once"
 _CONDITION_OF = {path: name for name, path in PATHS.items()}
 
 
@@ -62,7 +61,7 @@ def scene_in(options: argparse.Namespace) -> Sweep:
             str(Path.cwd() / user_path(value)) if is_path else value
         )
     if repeated := settings.keys() & conditions.keys():
-        raise InputError(_GIVEN_TWICE.format(min(repeated)))
+        raise InputError(f"{min(repeated)} is given twice; give it once")
     return pipeline.load_scene(options.scene, options.preset, settings | conditions)
 
 
@@ -101,7 +100,7 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     for path, value in getattr(options, "at", {}).items():
         if path in _CONDITION_OF:
             if _CONDITION_OF[path] in conditions:
-                raise InputError(_GIVEN_TWICE.format(path))
+                raise InputError(f"{path} is given twice; give it once")
             conditions[_CONDITION_OF[path]] = value
     return conditions
 

@@ -1,7 +1,4 @@
-"""Print results on stdout; notes, errors and progress on stderr.
-
-Progress is one changing line on a terminal; elsewhere it is a line every ten seconds.
-"""
+"""Print results on stdout; notes, errors and progress on stderr."""
 
 from __future__ import annotations
 
@@ -24,14 +21,12 @@ from pipeline.progress import Progress, Report
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pipeline.answers.simulated_points import WarnedPoints
-
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 QUIET = threading.Event()
 """Set by --quiet: no progress and no notes are printed."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_REPORT_DELAY = 2.0  # time before a slow command reports that it is working [s]
+_CLEAR_LINE = "\r\x1b[K"  # of a terminal
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +35,6 @@ class Result:
 
     document: dict[str, Any] | None = None  # for --json; None: the frames are the document
     text: Iterable[str | pd.DataFrame] = ()
-    warned_points: WarnedPoints | None = None  # warnings of its points
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Any] | None = None
     code: int = DONE
@@ -51,7 +45,7 @@ def print_result(options: argparse.Namespace, result: Result) -> None:
 
     With --json, and without a `Result.document`, sentences are printed as notes on stderr.
     """
-    text = [*result.text, *wrapped(result.warned_points.lines() if result.warned_points else ())]
+    text = [*result.text]
     out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
         from pipeline.frames import write_frames  # pandas is slow to import
@@ -101,14 +95,9 @@ def print_note(*messages: str | Progress) -> None:
 
 
 def print_error(message: str) -> None:
-    """Print an error on stderr, on a line below a progress bar."""
+    """Print an error on stderr, in place of a line of progress."""
     lines = "\n".join(map(_printable, f"irg: {message}".split("\n")))
-    if "tqdm" not in sys.modules:  # no progress line; an import could fail for lack of memory
-        print(lines, file=sys.stderr)
-        return
-    from tqdm import tqdm
-
-    tqdm.write(lines, file=sys.stderr)
+    print(f"{_CLEAR_LINE if sys.stderr.isatty() else ''}{lines}", file=sys.stderr)
 
 
 def _printable(line: str) -> str:
@@ -119,68 +108,30 @@ def _printable(line: str) -> str:
 
 @contextmanager
 def run_line(quiet_time: float = 0.0) -> Iterator[Report]:
-    """Context manager: yield a function that shows progress, as a bar on a terminal, else as lines.
+    """Context manager: yield a function that shows progress on stderr.
 
-    A message (`Progress.words`) is printed at once. Counts are not shown for the first `quiet_time`
-    seconds.
+    A message (`Progress.words`) is printed at once. Counts are a changing line on a terminal,
+    elsewhere a line every ten seconds. They are not shown for the first `quiet_time` seconds.
     """
-    progress_line = _ProgressLine(time.monotonic() + quiet_time)
-    try:
-        yield progress_line.update
-        progress_line.print_latest()
-    finally:
-        progress_line.close()
+    shown_from, printed_at, line = time.monotonic() + quiet_time, -math.inf, ""
+    has_terminal = sys.stderr.isatty() and not QUIET.is_set()
 
-
-class _ProgressLine:
-    """Progress as a bar on a terminal, else as a line every ten seconds, from a time on."""
-
-    def __init__(self, shows_from: float) -> None:
-        self.shows_from = shows_from
-        self.has_bar = sys.stderr.isatty() and not QUIET.is_set()
-        self.bar: Any = None
-        self.latest = self.printed = ""
-        self.printed_at = -math.inf
-
-    def update(self, progress: Progress) -> None:
-        """Show progress."""
+    def show(progress: Progress) -> None:
+        nonlocal printed_at, line
         if progress.words:
             print_note(progress)
-        elif not progress.total or time.monotonic() < self.shows_from:
-            return
-        elif self.has_bar:
-            if self.bar is None:
-                from tqdm import tqdm
+        elif progress.total and time.monotonic() >= shown_from:
+            line = str(progress)
+            if has_terminal:
+                print(f"{_CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
+            elif time.monotonic() - printed_at >= 10.0:
+                print_note(line)
+                printed_at, line = time.monotonic(), ""
 
-                self.bar = tqdm(bar_format="{desc} |{bar:20}|")
-            self.bar.n, self.bar.total = progress.done, progress.total
-            self.bar.set_description_str(str(progress))
-        else:
-            self.latest = str(progress)
-            if time.monotonic() - self.printed_at >= 10.0:
-                self.print_latest()
-                self.printed_at = time.monotonic()
-
-    def print_latest(self) -> None:
-        """Print the latest line, unless it was printed."""
-        if self.latest != self.printed:
-            print_note(self.latest)
-            self.printed = self.latest
-
-    def close(self) -> None:
-        """Close the bar, if there is one."""
-        if self.bar is not None:
-            self.bar.close()
-
-
-@contextmanager
-def working(task: str) -> Iterator[Report]:
-    """Context manager: print that `task` is running if it takes long; yield a progress function."""
-    timer = threading.Timer(_REPORT_DELAY, print_note, [f"{task} …"])
-    timer.daemon = True
-    timer.start()
     try:
-        with run_line(_REPORT_DELAY) as report:
-            yield report
+        yield show
+        if line and not has_terminal:
+            print_note(line)
     finally:
-        timer.cancel()
+        if line and has_terminal:
+            print(file=sys.stderr)

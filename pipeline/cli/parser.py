@@ -1,20 +1,19 @@
-"""Parse the arguments of ``irg``."""
+"""The commands of ``irg`` with their options, and the parser of their arguments."""
 
 from __future__ import annotations
 
 import argparse
-import re
-import sys
 import textwrap
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module, metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from pipeline.cli.command_table import COMMANDS, Group, Option, flag
-from pipeline.messages import did_you_mean
+from pipeline.cli import values
+from pipeline.paths import FIGURES, TABLES, user_path
 
 _BEGIN = """Begin with:
   irg new scene.toml
@@ -30,20 +29,12 @@ class _Parser(argparse.ArgumentParser):
     """Argument parser whose error is one line, and which refuses a second value of an option."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings)
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
         self.register("action", None, _StoreOnce)  # of options without another action
 
     def error(self, message: str) -> NoReturn:
         """Print the fault, and how to list the options; then exit."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse a value that is no choice, and suggest the choice of a similar name."""
-        try:
-            super()._check_value(action, value)
-        except argparse.ArgumentError as error:
-            error.message += did_you_mean(value, action.choices or ())
-            raise
 
 
 class _StoreOnce(argparse.Action):
@@ -58,6 +49,17 @@ class _StoreOnce(argparse.Action):
         setattr(namespace, self.dest, value)
 
 
+class _StoreEntry(argparse.Action):
+    """Action of an option KEY=VALUE that may be repeated: collect the values by key."""
+
+    def __call__(self, parser: Any, namespace: Any, entry: Any, name: str | None = None) -> None:
+        key, value = entry
+        entries = getattr(namespace, self.dest)
+        if key in entries:
+            parser.error(f"{key} is given twice; give it once")
+        setattr(namespace, self.dest, {**entries, key: value})
+
+
 class _Version(argparse.Action):
     """Action of --version: look up the version, print it, and exit."""
 
@@ -68,84 +70,285 @@ class _Version(argparse.Action):
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Parse the arguments of one command, by default those of this process."""
-    irg = whole_parser()
-    options, unknown = irg.parse_known_args(arguments)
-    if unknown:  # reported by the command's parser, whose help has its options
-        hint = _hint(unknown[0].partition("=")[0], options.parser)
-        options.parser.error(f"unknown option or argument: {' '.join(unknown)}{hint}")
-    if options.parser is irg:
-        irg.print_help(sys.stderr)
-        irg.exit(2, "irg: give a command\n")
-    _refuse_to_overwrite_an_input(options)
-    return options
-
-
-def _hint(word: str, command: argparse.ArgumentParser) -> str:
-    """Hint for an unknown option, such as an option of a similar name; empty for other words."""
-    names = re.findall(r"--?[a-z][a-z-]*", command.format_help())
-    if word in names:
-        return f"; options stand after the command: {command.prog} … {word}"
-    if not word.startswith("-"):
-        return ""
-    suggestion = did_you_mean(word, names)
-    if not suggestion and "--set" in names:
-        return "; to change an entry of the scene, use --set KEY=VALUE"
-    return suggestion
-
-
-def _refuse_to_overwrite_an_input(options: argparse.Namespace) -> None:
-    """Exit with an error if the output of a command is a file that it reads."""
+    options = whole_parser().parse_args(arguments)
     paths = {name: path for name, path in vars(options).items() if isinstance(path, Path)}
     out = paths.pop("output", None)
     with suppress(OSError):  # such as a name that is too long, which the command reports
-        if (
-            out
-            and out.is_file()
-            and any(path.exists() and out.samefile(path) for path in paths.values())
-        ):
+        if out and any(path.exists() and path.samefile(out) for path in paths.values()):
             options.parser.error(f"{out} is an input of this command; choose another output file")
+    return options
 
 
 def whole_parser() -> argparse.ArgumentParser:
-    """Parser of all commands."""
+    """Parser of all commands, in the order in which the help lists them."""
     irg = _Parser(
         prog="irg",
         description="Predict when a lubricated sliding contact changes from mild to severe wear.",
         epilog=_BEGIN,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     irg.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    parsers = irg.add_subparsers(metavar="COMMAND", title="commands")
-    irg.set_defaults(parser=irg, commands=parsers.choices)
-    commands = [*COMMANDS]
+    commands = irg.add_subparsers(metavar="COMMAND", title="commands", required=True)
+    irg.set_defaults(commands=commands.choices)
+    _add_commands_without_a_store(commands)
+    _add_commands_on_scenes(commands)
+    _add_commands_on_stores(commands)
     for package in ("pipeline.workflows", "workflows"):  # in a checkout beside `pipeline`
         if find_spec(package) and find_spec(f"{package}.commands"):
-            commands.append(import_module(f"{package}.commands").PAPER)
+            import_module(f"{package}.commands").add_paper(commands)
             break
-    for command in commands:
-        parser = parsers.add_parser(
-            command.name,
-            help=command.purpose,
-            description=textwrap.fill(f"{command.purpose[0].upper()}{command.purpose[1:]}."),
-            epilog=f"example:\n  irg {command.name} {command.example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        parser.set_defaults(command=command.name, function=command.function, parser=parser)
-        _add(parser, flag("--json", "print one JSON document"))
-        _add(parser, flag("-q --quiet", "suppress progress and notes; show warnings and errors"))
-        for option in command.options:
-            _add(parser, option)
     return irg
 
 
-def _add(parser: Any, option: Option | Group) -> None:
-    """Add an option, or all of a group, to the parser of a command."""
-    if isinstance(option, Option):
-        parser.add_argument(*option.names, **option.settings)
-        return
-    if option.title:
-        group = parser.add_argument_group(option.title)
-    else:
-        group = parser.add_mutually_exclusive_group()
-    for member in option.options:
-        _add(group, member)
+def add_command(commands: Any, name: str, function: str, purpose: str, example: str) -> Any:
+    """Add a command, which `function` answers ("module:name"), and return its parser."""
+    parser = commands.add_parser(
+        name,
+        help=purpose,
+        description=textwrap.fill(f"{purpose[0].upper()}{purpose[1:]}."),
+        epilog=f"example:\n  irg {name} {example}",
+    )
+    parser.set_defaults(command=name, function=function, parser=parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    parser.add_argument(
+        "-q", "--quiet", action="store_true",
+        help="suppress progress and notes; show warnings and errors",
+    )  # fmt: skip
+    return parser
+
+
+# fmt: off
+def _add_commands_without_a_store(commands: Any) -> None:
+    new = add_command(commands, "new", "pipeline.cli.begin:new", "write a scene to start from",
+        "scene.toml --from twin_disc")
+    choice = new.add_mutually_exclusive_group()
+    choice.add_argument("file", metavar="FILE.toml", type=user_path, nargs="?",
+        help="file to write")
+    choice.add_argument("--list", action="store_true", help="list the shipped scenes")
+    new.add_argument("--from", metavar="NAME", dest="template",
+        help="shipped scene to copy; see --list")
+
+    surface = add_command(commands, "surface", "pipeline.cli.begin:surface",
+        "describe a scan by ISO 25178-2, compare it with a random surface, and print its tables",
+        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png')
+    surface.add_argument("scan", metavar="SCAN", type=user_path, nargs="?",
+        help="map of heights: .npy, a matrix in text, or the file of an instrument")
+    surface.add_argument("--height-unit", metavar="UNIT",
+        help='unit of the heights, such as "um", if the file states none or a wrong one')
+    surface.add_argument("--pixel-size", metavar="DX[,DY]", type=values.sides,
+        help='sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"')
+    surface.add_argument("--missing", metavar="SHARE", type=values.share, default=0.1,
+        help="largest fraction of missing heights that is filled; default: 10%%")
+    _add_quantity(surface, "--ra", "RA", "0.2 um",
+        "Ra of a profile or data sheet, with --rsm, without a file")
+    _add_quantity(surface, "--rsm", "RSM", "60 um", "RSm of a profile or data sheet")
+    _add_output(surface, "figure of the scan and of the random surface", FIGURES)
+
+    help_ = add_command(commands, "help", "pipeline.cli.begin:help_",
+        "print a page of the documentation, or list all pages", "first-hour")
+    help_.add_argument("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
+
+
+def _add_commands_on_scenes(commands: Any) -> None:
+    run = add_command(commands, "run", "pipeline.cli.sweep_commands:run",
+        "run or resume the sweep of a scene", "scene.toml --accuracy 2%")
+    _add_scene(run)
+    run.add_argument("-o", "--output", metavar="OUT.zarr", type=values.store,
+        help="path of the store; default: results/<scene>.zarr")
+    cluster = run.add_mutually_exclusive_group()
+    _add_workers(cluster)
+    cluster.add_argument("--scheduler", metavar="ADDRESS",
+        help="address of a running Dask scheduler")
+    cluster.add_argument("--scheduler-file", metavar="FILE", type=user_path,
+        help="file written by a running Dask scheduler")
+    run.add_argument("--from", metavar="OLD.zarr", type=values.store, dest="source",
+        help="copy matching points from another store")
+    run.add_argument("--dashboard", action="store_true",
+        help="print the address of Dask's dashboard, which every user of this machine can open")
+    run.add_argument("--retry-failed", action="store_true",
+        help="simulate again the points that failed in an earlier run")
+    run.add_argument("-n", "--dry-run", action="store_true",
+        help="describe the sweep as irg check does, and simulate nothing")
+    run.add_argument("--accuracy", metavar="BOUND", type=values.share,
+        help="compute until the numerical error of the boundary is below this, such as 2%%; the "
+        "run chooses preset, points and surface realizations")
+
+    check = add_command(commands, "check", "pipeline.cli.check:check",
+        "describe a scene and estimate the cost of its sweep", "scene.toml")
+    _add_scene(check)
+    _add_workers(check)
+    _add_output(check, "file of the table, .csv, .md or .json", TABLES)
+
+    point = add_command(commands, "point", "pipeline.cli.point_commands:point",
+        "simulate one point (and the tests of the scene)",
+        'scene.toml --load "500 N" --velocity "2 m/s"')
+    _add_scene(point)
+    _add_load_and_velocity(point, required=True)
+    _add_without_tests(point)
+    _add_realization(point)
+    _add_conditions(point)
+    _add_output(point, "file of the table, .csv, .md or .json", TABLES)
+
+    trade = add_command(commands, "trade", "pipeline.cli.sweep_commands:trade",
+        "measure computing time against accuracy", "scene.toml -o trade.png")
+    _add_scene(trade)
+    trade.add_argument("--store", metavar="OUT.zarr", type=values.store, dest="store_path",
+        help="new store for the points; default: results/<scene>-trade.zarr")
+    _add_workers(trade)
+    _add_output(trade, "file of a figure; or of the table, .csv, .md or .json", (*FIGURES, *TABLES))
+
+    infer = add_command(commands, "infer", "pipeline.cli.point_commands:infer",
+        "find the critical temperature from tests, or the wear rate from a contact width",
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"')
+    _add_scene(infer)
+    _add_quantity(infer, "--contact-width", "W", "348 um",
+        "contact width measured at --load and --velocity; prints the specific wear rate instead")
+    _add_quantity(infer, "--duration", "T", "8 s",
+        "sliding time before the width was measured, ramp included; default: from the scene")
+    _add_condition(infer, "--bulk-temperature", "T", str,
+        'temperature of the bodies far from the contact, like "25 degC"')
+    _add_output(infer, "file of the table, .csv, .md or .json", TABLES)
+    _add_load_and_velocity(infer)
+    _add_realization(infer)
+
+
+def _add_commands_on_stores(commands: Any) -> None:
+    status = add_command(commands, "status", "pipeline.cli.store_commands:status",
+        "count done, failed and pending points of a store", "results/scene.zarr")
+    _add_store(status)
+
+    verify = add_command(commands, "verify", "pipeline.cli.store_commands:verify",
+        "read a whole store and list damaged points", "results/scene.zarr")
+    _add_store(verify)
+
+    boundary = add_command(commands, "boundary", "pipeline.cli.store_commands:boundary",
+        "print the boundary between mild and severe wear, without a new simulation",
+        "results/scene.zarr --friction 0.09 --friction 0.103")
+    _add_store(boundary)
+    boundary.add_argument("--by", choices=("load", "velocity", "test"), default="load",
+        help="rows of the table: critical velocity at each load, critical load at each velocity, "
+        "or tests compared with the computation; default: load")
+    _add_output(boundary, "file of the table, .csv, .md or .json", TABLES)
+    _add_evaluated_at(boundary)
+
+    margin = add_command(commands, "margin", "pipeline.cli.store_commands:margin",
+        "print verdict, probability and errors for one operating point, a table of them, or the "
+        "cases of the sweep", 'results/scene.zarr --load "500 N" --velocity "2 m/s"')
+    _add_store(margin)
+    _add_load_and_velocity(margin)
+    _add_points(margin)
+    margin.add_argument("--all", action="store_true", help="print all rows")
+    _add_output(margin, "file of the table, .csv, .md or .json", TABLES)
+    _add_evaluated_at(margin)
+
+    plot = add_command(commands, "plot", "pipeline.cli.store_commands:plot",
+        "draw a figure of a store",
+        'results/scene.zarr --load "600 N" --velocity "1.6 m/s"')
+    _add_store(plot)
+    plot.add_argument("--kind", choices=("diagram", "rows", "tests"),
+        help="default: diagram, or rows if each has its own load and velocity")
+    plot.add_argument("-o", "--output", metavar="FILE.png", type=user_path,
+        help="figure file; default: next to the store")
+    _add_quantity(plot, "--width", "W", "8.5 cm",
+        "width of the figure; text shrinks less than the figure does")
+    plot.add_argument("--plain", action="store_true", help="omit title and caption")
+    plot.add_argument("--log", action="store_true", help="draw the diagram on logarithmic axes")
+    plot.add_argument("--dpi", metavar="DPI", type=values.count,
+        help="resolution in dots per inch; default: 150")
+    _add_evaluated_at(plot)
+    _add_load_and_velocity(plot, action="append", default=[])
+
+    report = add_command(commands, "report", "pipeline.cli.store_commands:report",
+        "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
+        'results/scene.zarr --load "500 N" --velocity "2 m/s" -o report.html')
+    _add_store(report)
+    _add_load_and_velocity(report)
+    _add_points(report)
+    report.add_argument("-o", "--output", metavar="FILE.html", type=user_path,
+        help="file of the report; default: next to the store")
+    report.add_argument("--title", metavar="TITLE",
+        help="title of the report; default: that of the scene")
+    report.add_argument("--author", metavar="NAME", help="name of the author")
+    _add_evaluated_at(report)
+
+
+def _add_quantity(parser: Any, name: str, metavar: str, like: str, text: str, **more: Any) -> None:
+    """Add an option for a quantity above 0 with a unit, such as `like`."""
+    read = partial(values.quantity, like=like)
+    parser.add_argument(name, metavar=metavar, type=read, help=f'{text}, like "{like}"', **more)
+
+
+def _add_output(parser: Any, text: str, suffixes: Sequence[str]) -> None:
+    parser.add_argument("-o", "--output", metavar=f"FILE{suffixes[0]}", help=text,
+        type=partial(values.writable, suffixes=suffixes))
+
+
+def _add_load_and_velocity(parser: Any, **more: Any) -> None:
+    _add_quantity(parser, "--load", "F", "750 N", "normal load on the whole pin", **more)
+    _add_quantity(parser, "--velocity", "V", "1.25 m/s", "sliding velocity", **more)
+
+
+def _add_scene(parser: Any) -> None:
+    parser.add_argument("scene", metavar="SCENE.toml", type=user_path,
+        help="scene file, or name of a shipped scene")
+    parser.add_argument("--preset", metavar="NAME",
+        help="numerical preset, standard, fine or reference, instead of [fidelity] of the scene")
+    parser.add_argument("--set", metavar="KEY=VALUE", type=values.setting, action=_StoreEntry,
+        default={}, help="change a numerical setting, such as increments=50, or a scene entry, "
+        "such as wear.pattern=local or without=motion; can be repeated")
+
+
+def _add_workers(parser: Any) -> None:
+    parser.add_argument("-j", "--workers", metavar="N", type=values.count,
+        help="number of processes; default: one for each core")
+
+
+def _add_store(parser: Any) -> None:
+    parser.add_argument("store", metavar="OUT.zarr", type=values.stored,
+        help="results store, or name of its scene")
+
+
+def _add_points(parser: Any) -> None:
+    parser.add_argument("--points", metavar="POINTS.csv", type=user_path,
+        help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", '
+        "as .csv, .txt or .xlsx; columns of words are passed on as labels")
+    parser.add_argument("--decimal", choices=(".", ","), help="decimal mark of --points")
+    parser.add_argument("--ignore", metavar="HEADING", action="append", default=[],
+        help="column of --points to leave out; can be repeated")
+
+
+def _add_realization(parser: Any) -> None:
+    parser.add_argument("--realization", metavar="SEED", type=partial(values.count, minimum=0),
+        help="seed of the random surface, or area of the scan, instead of the scene's")
+
+
+def _add_without_tests(parser: Any) -> None:
+    parser.add_argument("--without-tests", action="store_true",
+        help="ignore the tests of the scene")
+
+
+def _add_condition(parser: Any, name: str, metavar: str, read: Any, text: str) -> None:
+    parser.add_argument(name, metavar=metavar, type=read, action="append", default=[],
+        help=f"{text}; can be repeated")
+
+
+def _add_conditions(parser: Any) -> None:
+    conditions = parser.add_argument_group("conditions that replace those of the scene")
+    _add_condition(conditions, "--friction", "MU", values.number,
+        "coefficient of friction, at least 0")
+    _add_condition(conditions, "--bulk-temperature", "T", str,
+        'temperature of the bodies far from the contact, like "25 degC"')
+    _add_condition(conditions, "--critical-temperature", "T", str,
+        'temperature above which the lubricant fails, like "145 degC"')
+    _add_condition(conditions, "--critical-area-fraction", "F", str,
+        "critical area fraction: wear is severe if more of the contact is above the critical "
+        "temperature, such as 10%%; 0 for the highest temperature")
+
+
+def _add_evaluated_at(parser: Any) -> None:
+    parser.add_argument("--at", metavar="KEY=VALUE", action=_StoreEntry, default={},
+        type=partial(values.pair, like='"pin.radius=2 mm"'),
+        help='evaluate at a value of a varied entry (sweep.over), such as "pin.radius=2 mm", or of '
+        'a condition, such as "temperature.critical=150 degC" or "model.rise=+6 %%"; can be '
+        "repeated")
+    _add_conditions(parser)
+    _add_without_tests(parser)

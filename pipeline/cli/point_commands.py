@@ -11,11 +11,10 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import answer_frame, comparison_frame, complete_frame
-from pipeline.answers.answer_lines import common_lines, margin_lines
-from pipeline.answers.readable import format_value
+from pipeline.answers.answer_text import common_lines, format_value, margin_lines
 from pipeline.answers.results import sweep_of
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
-from pipeline.cli.output import Result, print_note, working, wrapped
+from pipeline.cli.output import Result, print_note, run_line, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.messages import pluralized
 from pipeline.quantities import display, in_unit
@@ -62,7 +61,7 @@ def point(options: argparse.Namespace) -> Result:
     count = 3 + sum(len(test.points) for test in point_sweep.tests)
     if source is None and count > 8:
         print_note(f"{count} points will be simulated, including those of tests")
-    with working("simulating") as progress, writing(None, point_sweep) as store:
+    with run_line(2.0) as progress, writing(None, point_sweep) as store:
         ordered_points = [Point(load, speed) for speed in (velocity, lower, higher)]
         run_serial(store, ordered_points, source, progress)
     ds = store_dataset(store).load()
@@ -72,10 +71,8 @@ def point(options: argparse.Namespace) -> Result:
         margins = pipeline.margin(ds, load, velocity)
         text = [*margin_lines(margins), *common_lines(margins)]
         frame = complete_frame(margins).join(contact)
-    warned_points = pipeline.points_with_warnings(ds)
-    return Result(
-        text=wrapped([*text, "", transposed(contact)]), warned_points=warned_points, frames=[frame]
-    )
+    warnings = pipeline.points_with_warnings(ds).lines()
+    return Result(text=wrapped([*text, "", transposed(contact), *warnings]), frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
@@ -107,7 +104,7 @@ def infer(options: argparse.Namespace) -> Result:
     small_sweep = replace(
         sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:]
     )
-    with working("simulating the tests") as progress, writing(None, small_sweep) as store:
+    with run_line(2.0) as progress, writing(None, small_sweep) as store:
         run_serial(store, source=stored_tests_of(sweep), report=progress)
     ds = store_dataset(store).load()
     tests, values = pipeline.compare_tests(ds), pipeline.infer(ds)
@@ -141,8 +138,8 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     if options.duration is not None:
         sweep = _hold_for(sweep, load, options.duration)
     *_, end = sweep.scene.all_load_steps(load)
-    with working("searching for the wear rate, one simulation at a time"):
-        rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
+    print_note("searching for the wear rate, one simulation at a time …")
+    rate = specific_wear_rate(sweep.scene, options.contact_width, load, options.velocity)
     value, lowest, highest = (in_unit(limit, "mm³/(N m)") for limit in astuple(rate))
     fraction_per_second = end.normal_load / (end.impulse + end.normal_load)
     basis = (

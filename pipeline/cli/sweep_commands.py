@@ -13,14 +13,15 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_lines import closing_lines
+from pipeline.answers.answer_text import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import warning_lines
 from pipeline.cli import output
-from pipeline.cli.check import check, notes_on_scene
+from pipeline.cli.check import check
 from pipeline.cli.inputs import scene_in, values_in
 from pipeline.cli.output import Result, print_note, wrapped
+from pipeline.cli.store_commands import boundary_text
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.store.schema import PLANE
 from tribo import Fidelity, InputError
@@ -35,7 +36,7 @@ def run(options: argparse.Namespace) -> Result:
         return check(options)
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
-    print_note(*(f"note: {note.text}" for note in notes_on_scene(sweep)))
+    print_note(*(f"note: {note.text}" for note in sweep.notes))
     for line in warning_lines(sweep):
         output.print_error(line)  # with --quiet, too
     require_admissible_load(sweep, min(sweep.loads), "sweep.loads")
@@ -49,7 +50,7 @@ def run(options: argparse.Namespace) -> Result:
         "computed": outcome.computed, "failed": len(outcome.failed),
         "wall time [s]": outcome.wall_time,
     }  # fmt: skip
-    text = [
+    text: list[Any] = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them in "
         f"this run, in {outcome.wall_time:.1f} s"
     ]
@@ -76,8 +77,9 @@ def run(options: argparse.Namespace) -> Result:
         text.append("to simulate failed points again, add --retry-failed to the command")
     elif outcome.done:
         text += _next_steps(ds, shlex.quote(str(out)))
+    text += wrapped(pipeline.points_with_warnings(ds).lines())
     code = output.SOME_FAILED if failed or not is_reached else output.DONE
-    return Result(document, text, pipeline.points_with_warnings(ds), code=code)
+    return Result(document, text, code=code)
 
 
 def _remote_client(options: argparse.Namespace) -> AbstractContextManager[Any]:
@@ -105,20 +107,21 @@ def _refuse_numerical_settings(options: argparse.Namespace) -> None:
         )
 
 
-def _next_steps(ds: xr.Dataset, store: str) -> list[str]:
-    """Lines on the boundary of a finished sweep, and commands to continue with its `store`."""
+def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
+    """The boundary of a finished sweep, and commands to continue with its `store`."""
     if not sweep_of(ds).base.is_judged:
-        return [f"next: irg plot {store} --kind ramp"]
+        return [f"temperatures are in {store}; there is no verdict without temperature.critical"]
     if not {*PLANE} <= {*ds["status"].dims}:
         return [f"next: irg margin {store}, irg plot {store}"]
     if max(ds.sizes[axis] for axis in PLANE) == 1:
         return [f"one point has no boundary; next: irg margin {store}"]
-    lines = list[str]()
+    text = list[Any]()
     if not case_dims(ds):  # irg boundary has a table of several cases
         # Without a boundary, for example if too few points are done, irg boundary prints why.
         with suppress(InputError):
-            lines += wrapped(closing_lines(pipeline.boundary(ds)))
-    return [*lines, f"next: irg boundary {store}, irg plot {store}"]
+            boundary = pipeline.boundary(ds)
+            text = wrapped([*boundary_text(boundary), *withheld_lines(boundary)])
+    return [*text, f"next: irg boundary {store}, irg plot {store}"]
 
 
 def trade(options: argparse.Namespace) -> Result:

@@ -30,6 +30,7 @@ def _refusing(read: Callable[..., T]) -> Callable[..., T]:
     return read_or_refuse
 
 
+@_refusing
 def quantity(text: str, like: str) -> float:
     """Convert text such as `like`, a quantity above 0, to SI."""
     from pipeline.units import to_si
@@ -37,9 +38,9 @@ def quantity(text: str, like: str) -> float:
     try:
         value = to_si(text, like)
     except ValueError as error:
-        raise ArgumentTypeError(f'{error}; example: "{like}"') from error
+        raise ValueError(f'{error}; example: "{like}"') from error
     if not 0 < value < math.inf:
-        raise ArgumentTypeError(f'"{text}" must be above 0, such as "{like}"')
+        raise ValueError(f'"{text}" must be above 0, such as "{like}"')
     return value
 
 
@@ -65,21 +66,24 @@ def number(text: str) -> float:
     return share_of(text)
 
 
+@_refusing
 def share(text: str) -> float:
     """Read a share between 0 and 1, such as 2% or 0.02."""
     if not 0 < (value := number(text)) < 1:
-        raise ArgumentTypeError(f'"{text}" is not a fraction between 0 and 1, such as 2%')
+        raise ValueError(f'"{text}" is not a fraction between 0 and 1, such as 2%')
     return value
 
 
+@_refusing
 def pair(text: str, like: str) -> tuple[str, str]:
     """Split ``NAME=TEXT`` into the pair (name, text); `like` is the example in error messages."""
     name, _, value = map(str.strip, text.partition("="))
     if not (name and value):
-        raise ArgumentTypeError(f'"{text}" is not of the form KEY=VALUE, like {like}')
+        raise ValueError(f'"{text}" is not of the form KEY=VALUE, like {like}')
     return name, value
 
 
+@_refusing
 def setting(text: str) -> tuple[str, Any]:
     """Split ``KEY=VALUE`` into the pair (key, value).
 
@@ -92,7 +96,7 @@ def setting(text: str) -> tuple[str, Any]:
     except tomllib.TOMLDecodeError:
         return key, value
     except RecursionError:
-        raise ArgumentTypeError(f"{key} is nested without an end; give a value") from None
+        raise ValueError(f"{key} is nested without an end; give a value") from None
 
 
 def store(text: str) -> Path | str:

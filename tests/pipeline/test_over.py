@@ -48,7 +48,7 @@ def test_a_value_is_chosen_or_asked_for(swept, irg):
     for row in irg("boundary", swept, "--json"):
         rows += [row] if row.pop("pin radius [mm]") == 4 else []
     assert chosen == rows
-    assert "select one by pin_radius" in irg("plot", swept, "--kind", "ramp", code=2)
+    assert "select one by pin_radius" in irg("plot", swept, "--kind", "tests", code=2)
     for command in ("boundary", "plot"):
         output = irg(command, swept, "--at", "pin.radius=3 mm", code=2)
         assert "pin.radius 3 mm is not in the sweep, which has 2 mm, 4 mm" in output

@@ -124,22 +124,8 @@ CASES = {
     ),
     # figures
     "one case": Case(
-        "plot over.zarr --kind fields -o a.png", '(--at "pin_radius=2 mm")',
-        "plot over.zarr --kind fields -o a.png {}", "a.png",
-    ),
-    "fields": Case(
-        "plot bare.zarr --kind fields -o a.png", r"set '(fields = true)' under \[sweep\]",
-        "plot other.zarr --kind fields -o a.png", "a.png",
-        edit=("bare.toml", "fields = false", "{}"), run="other.zarr",
-    ),
-    "fields of steps": Case(
-        "plot small.zarr --kind fields -o a.png --step -1", r"set '(fields = \"steps\")' under",
-        "plot other.zarr --kind fields -o a.png --step -1", "a.png",
-        edit=("small.toml", "fields = true", "{}"), run="other.zarr",
-    ),
-    "a kind of figure": Case(
-        "plot small.zarr --kind fieldz -o a.png", 'did you mean "(fields)"',
-        "plot small.zarr --kind {} -o a.png", "a.png",
+        "plot over.zarr --kind tests -o a.png", '(--at "pin_radius=2 mm")',
+        "margin over.zarr --load '300 N' --velocity '3 m/s' {}", "probability of severe wear",
     ),
     # report, verify, new, help
     "both of a report's point": Case(

@@ -8,7 +8,6 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 import warnings
 from pathlib import Path
 
@@ -148,21 +147,17 @@ def test_a_figure_that_cannot_be_written_is_refused_first(tmp_path, irg, monkeyp
     assert f"cannot write {out}" in irg("trade", tmp_path / "small.toml", "-o", out, code=2)
 
 
-def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_none(
+def test_a_run_on_a_terminal_has_a_line_that_changes_and_a_stage_without_a_total_none(
     capsys, monkeypatch
 ):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with output.run_line() as show:
         show(Progress("", 0, 8, 0, 0.0))
         show(Progress("a note"))
-        time.sleep(0.11)  # tqdm draws every 0.1 s at most
         show(Progress("", 4, 8, 0, 8.0, 8.0))
     printed = capsys.readouterr().err
-    assert "irg: a note\n" in printed
-    assert re.search(
-        r"\r4 of 8 points done, 0 failed, 8 s so far, 8 s to go \|█{10} {10}\|", printed
-    )
-    assert printed.endswith("\n")
+    assert "\x1b[Kirg: a note\n" in printed
+    assert printed.endswith("\r\x1b[K4 of 8 points done, 0 failed, 8 s so far, 8 s to go\n")
 
 
 # How a command ends: its exit code and its error message.
@@ -217,22 +212,6 @@ def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
     assert capsys.readouterr().err == message
 
 
-def test_a_wrong_setting_of_dask_ends_in_a_line(tmp_path):
-    (tmp_path / "dask.yaml").write_text("{{{: no YAML")
-    (tmp_path / "scene.toml").write_text(SCENE)
-    done = python(
-        *("-m", "pipeline", "run", tmp_path / "scene.toml", "-o", tmp_path / "out.zarr", "-q"),
-        variables={"DASK_CONFIG": str(tmp_path / "dask.yaml")},
-    )
-    last = done.stderr.splitlines()[-1]
-    assert done.returncode == 2
-    assert "Traceback" not in done.stderr
-    assert last.startswith(
-        "irg: a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…) is wrong"
-    )
-    assert "dask.yaml" in last
-
-
 def test_no_setting_of_matplotlib_keeps_a_figure_from_being_drawn(tmp_path, tiny_store):
     figure = tmp_path / "a.png"
     command = ("-m", "pipeline", "plot", tiny_store, "-o", figure)
@@ -246,7 +225,7 @@ def test_a_deleted_working_directory_ends_in_a_line(tmp_path, monkeypatch, capsy
     monkeypatch.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
     assert main(["boundary", "results/a.zarr"]) == 2
-    expected = "irg: cannot continue: the working directory was deleted; change to another one\n"
+    expected = "irg: cannot continue: [Errno 2] No such file or directory\n"
     assert capsys.readouterr().err == expected
 
 
