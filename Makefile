@@ -26,9 +26,9 @@ gallery: .venv/run    ## recompute every figure and table of the paper, and thei
 SCENES = cam_tappet gear_mesh roller designs own_rig srv ground_ring scan
 scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pictures, in some minutes
 	for scene in $(SCENES); do \
-	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene --width "14 cm" --dpi 100 --plain \
+	    kind=; test $$scene = srv && kind="--kind tests"; \
+	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene $$kind --width "14 cm" --dpi 100 --plain \
 	        -o workflows/$$scene.png || exit 1; done
-	$(BIN)/irg plot srv --kind tests --width "14 cm" --dpi 100 --plain -o workflows/srv.png
 
 reference: .venv/test ## write the references of the scene file and of the dataset again
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md

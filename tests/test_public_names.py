@@ -96,14 +96,14 @@ pipeline.temperatures(ds)
 pipeline.margin(ds, "400 N", 1.5)["verdict"].item()
 pipeline.margin("a.zarr", {"load": ["400 N"], "velocity": [2.0]})["verdict"]
 pipeline.margin(ds, "400 N", 1.5, friction=0.12)["probability"]
-pipeline.plot(ds, "ramp", load="400 N", out="a.png")
+pipeline.plot(ds, "diagram", load="400 N", velocity=2.0, out="a.png")
 """
 SLIPS = """
 import pipeline
 ds = pipeline.open_sweep("a.zarr")
 pipeline.margin(ds, "400 N", 1.5, frction=0.12)
 pipeline.plot(ds, "diagramm")
-pipeline.plot(ds, "ramp", lod="400 N")
+pipeline.plot(ds, "diagram", lod="400 N")
 pipeline.load_scene("first_try", preset="drat")
 pipeline.run_sweep("first_try", "a.zarr", workers="4")
 """

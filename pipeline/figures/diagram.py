@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,33 +19,31 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
-from scipy.ndimage import distance_transform_edt
 
 import pipeline
-from pipeline.answers.answer_lines import (
+from pipeline.answers.answer_text import (
+    attribute_texts,
     error_lines,
     not_included_lines,
     ruling_lines,
     withheld_lines,
 )
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.readable import attribute_texts
+from pipeline.answers.condition_values import argument_array
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.arguments import in_load_or_velocity
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
-from pipeline.figures.fields_figure import QuantityLike, select_realization, values_in_si
 from pipeline.figures.style import BLACK, BLUE, GREY, OPERATING, TINTS, VERMILION
-from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests, velocities_at_friction
+from pipeline.figures.tests_figure import UNDECIDED_LABEL, mark_tests
 from pipeline.messages import split_notes
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
-from tribo import InputError, lubrication_regime
-from tribo.simulation.lubrication import find_lubrication
+from tribo import InputError
 from tribo.types import Array
 
-_FIGURE_SIZE = 8.0, 5.6  # width and height [in]
 _MIN_LOADS, _MIN_VELOCITIES = 48, 96  # least numbers of them on the drawn grid
 _MAX_LOG_RATIO = 50.0  # larger sizes of ln(rise ratio), also infinite ones, are drawn as this
 _ERROR_COLOUR = "#C8C8C8"  # band of the numerical error
@@ -52,6 +51,8 @@ COMPUTED = "computed boundary, numerical error"
 """Label in legends."""
 _MAX_LABELLED = 6  # most operating points that are labelled with their numbers
 
+QuantityLike = float | str | Iterable[float | str] | None
+"""Loads or velocities to mark, in SI or as text with a unit."""
 Legend = dict[str, Any]
 """Handle of each entry of a legend, by its label; a tuple has several handles side by side."""
 
@@ -60,7 +61,6 @@ Legend = dict[str, Any]
 def diagram(
     ds: xr.Dataset,
     conditions: Mapping[str, Any],
-    realization: int | None = None,
     log: bool = False,
     load: QuantityLike = None,
     velocity: QuantityLike = None,
@@ -70,55 +70,32 @@ def diagram(
     The load–velocity plane is shaded by the verdict of `pipeline.margin`. The heavy line is the
     boundary with tests, if there are any; the computed boundary has a band of numerical error.
     Dots are simulated points. Tests at another friction than that of the boundary are also drawn as
-    they would lie at its friction, with open marks. `realization`, the seed of a surface, chooses
-    one of several surface realizations. Of several cases only the boundaries are drawn, each in its
-    own colour. `log` makes both axes logarithmic. The operating point of `load` and `velocity`, in
-    SI or as text with a unit, is marked; lists of equal length are pairs.
+    they would lie at its friction, with open marks. Of several cases only the boundaries are drawn,
+    each in its own colour. `log` makes both axes logarithmic. The operating point of `load` and
+    `velocity`, in SI or as text with a unit, is marked; lists of equal length are pairs.
     """
     operating_points = _operating_points(load, velocity)
-    _require_plane(ds)
-    ds = select_realization(ds, realization)
-    case, boundary = cases_of(ds)[0], pipeline.boundary(ds, **conditions)
+    case = _case_with_plane(ds)
+    boundary, margins = pipeline.boundary(ds, **conditions), _margins(ds, case, conditions)
     case_dimensions = [str(dim) for dim in boundary["critical_velocity"].dims if dim not in PLANE]
-    is_plane = min(len(case.loads), len(case.velocities)) > 1
-    if case_dimensions and not is_plane:
-        raise InputError(
-            "the diagram of several cases needs at least two loads and two velocities; irg "
-            "boundary prints their transitions"
-        )
-    bulk_temperature = float(boundary["bulk_temperature"].values.flat[0])
-    friction = float(boundary["friction"].values.flat[0])
-    has_line = is_plane and not case_dimensions and friction > 0
-    moved_velocities = velocities_at_friction(ds, case, conditions, friction) if has_line else {}
-    figure, axes = style.canvas(_FIGURE_SIZE)
-    tests, tests_legend, mark_notes = mark_tests(
-        axes, case, bulk_temperature, friction, moved_velocities
-    )
-    marked_points = [*tests, *operating_points]
+    figure, axes = style.canvas((8.0, 5.6))
     lines = [f"conditions: {text}" for text in attribute_texts(boundary, "conditions")]
+    tests, notes = list[OperatingPoint](), list[str]()
     if case_dimensions:
-        legend = _draw_cases(axes, _margins(ds, case, conditions), case_dimensions)
+        legend = _draw_cases(axes, margins, case_dimensions)
         names = " and ".join(case_dimensions).replace("_", " ")
         lines = [f"boundary by {names}; {lines[0]}" if len(lines) == 1 else f"boundary by {names}"]
-    elif is_plane:
-        margins = _margins(ds, case, conditions)
-        legend = _shade(axes, margins) | _draw_lines(axes, case, margins)
-        _name_regions(axes, margins, marked_points)
-        lines += error_lines(boundary)
-        lines += _film_lines(case, bulk_temperature)
-        lines += [*ruling_lines(boundary), *withheld_lines(boundary)]
-        mark_notes = [*_mark_simulated(axes, ds, conditions), *mark_notes]
     else:
-        legend = _mark_points(axes, ds, case, conditions)
-        mark_notes = [*_mark_simulated(axes, ds, conditions, has_dots=False), *mark_notes]
-    _set_axes(axes, case, marked_points, log)
+        legend = _shade(axes, margins) | _draw_lines(axes, case, margins)
+        tests, tests_legend, notes = mark_tests(axes, case, conditions)
+        legend |= tests_legend
+        _name_regions(axes, margins)
+        notes = [*_mark_simulated(axes, ds, conditions), *notes]
+        lines += [*error_lines(boundary), *ruling_lines(boundary), *withheld_lines(boundary)]
+    _set_axes(axes, case, [*tests, *operating_points], log)
     _mark_operating_points(axes, operating_points)
-    title = style.as_text(sweep_of(ds).title)
-    if realization is not None:
-        title = f"{title}, surface realization {realization}"
-    style.write_title(axes, title)
-    legend |= tests_legend
-    lines.append("; ".join(mark_notes))
+    style.write_title(axes, style.as_text(sweep_of(ds).title))
+    lines.append("; ".join(notes))
     lines += [*not_included_lines(boundary)][:1]
     lines += split_notes(attribute_texts(boundary, "notes"))[:1]
     style.legend_below(
@@ -128,24 +105,40 @@ def diagram(
     return figure
 
 
-def _require_plane(ds: xr.Dataset) -> None:
-    """Raise an `InputError` if each row of a sweep has its own load and velocity."""
-    if any(sweep_of(ds).case_table.column(name) for name in PLANE):
-        raise InputError(
-            "each row of the sweep has its own load and velocity, so there is no plane of them; "
-            "irg margin prints its rows"
-        )
-
-
 def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[OperatingPoint]:
     """Operating points in SI, from loads and velocities that are pairs."""
-    loads, velocities = values_in_si("load", load), values_in_si("velocity", velocity)
+    loads, velocities = _values_in_si("load", load), _values_in_si("velocity", velocity)
     if len(loads) != len(velocities):
         raise InputError(
             f"{len(loads)} of load and {len(velocities)} of velocity cannot form pairs; give as "
             "many of both"
         )
     return [*zip(loads, velocities, strict=True)]
+
+
+def _values_in_si(axis: str, values: Any) -> list[float]:
+    """Loads or velocities of an option, in SI; an empty list without any."""
+    if values is None or not np.size(values):
+        return []
+    read = partial(in_load_or_velocity, axis)
+    numbers: list[float] = argument_array(axis, values, read, axis).values.ravel().tolist()
+    return numbers
+
+
+def _case_with_plane(ds: xr.Dataset) -> CaseResults:
+    """The first case of a dataset; raises an `InputError` if it has no plane to draw."""
+    if any(sweep_of(ds).case_table.column(name) for name in PLANE):
+        raise InputError(
+            "each row of the sweep has its own load and velocity, so there is no plane of them; "
+            "irg margin prints its rows"
+        )
+    case = cases_of(ds)[0]
+    if min(len(case.loads), len(case.velocities)) < 2:
+        raise InputError(
+            "the diagram needs at least two loads and two velocities; irg boundary prints the "
+            "transitions"
+        )
+    return case
 
 
 def _set_axes(
@@ -159,9 +152,8 @@ def _set_axes(
         (axes.set_ylim, case.loads, [load for load, _ in marked_points]),
         (axes.set_xlim, case.velocities, [velocity for _, velocity in marked_points]),
     ):
-        if axis_values[0] < axis_values[-1]:
-            drawn_values = [axis_values[0], axis_values[-1], *marked_values]
-            set_limits(min(drawn_values), max(drawn_values))
+        drawn_values = [axis_values[0], axis_values[-1], *marked_values]
+        set_limits(min(drawn_values), max(drawn_values))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
@@ -179,18 +171,6 @@ def _refined(points: Array, min_count: int) -> Array:
     return np.append(
         np.linspace(points[:-1], points[1:], division, False, axis=1).ravel(), points[-1]
     )
-
-
-def _film_lines(case: CaseResults, bulk_temperature: float) -> list[str]:
-    """Line on the film parameter over the sweep; none without an oil."""
-    lubrication = find_lubrication(case.sweep.scene, case.sweep.lubricant)
-    if not lubrication:
-        return []
-    loads, velocities = case.loads[[0, -1], None], case.velocities[[0, -1]]
-    film = lubrication.film_parameter(loads, velocities, bulk_temperature)
-    low, high = float(film.min()), float(film.max())
-    regimes = " to ".join(dict.fromkeys(map(lubrication_regime, (low, high))))
-    return [f"film parameter Λ {low:.2f} to {high:.2f}: {regimes}"]
 
 
 def _shade(axes: Axes, margins: xr.Dataset) -> Legend:
@@ -280,79 +260,44 @@ def _draw_zero(axes: Axes, field: xr.DataArray, gid: str, look: Mapping[str, Any
     return True
 
 
-def _name_regions(axes: Axes, margins: xr.Dataset, marked_points: Iterable[OperatingPoint]) -> None:
-    """Write the name of each region where it is widest and unmarked; none if it is too narrow."""
+def _name_regions(axes: Axes, margins: xr.Dataset) -> None:
+    """Write the name of each region at its centre, if the region is wide enough."""
     loads, velocities = margins["load"].values, margins["velocity"].values
     verdicts = margins["verdict"].values
-    is_free = np.ones(verdicts.shape, bool)
-    for load, velocity in marked_points:
-        is_free[np.abs(loads - load).argmin(), np.abs(velocities - velocity).argmin()] = False
-    name_aspect = 3.0  # width of a name over its height
-    # A tenth of the width of a diagram of the usual size; text shrinks less than narrow diagrams.
-    min_clearance = 0.1 * (_FIGURE_SIZE[0] / style.width_or(_FIGURE_SIZE[0])) ** 0.5
     for verdict, name, colour in (
         (MILD, "mild wear\n(I and II)", BLUE),
         (SEVERE, "severe adhesive wear\n(III* and III)", VERMILION),
     ):
-        # The edges of the diagram are edges of its regions, too.
-        padded = np.pad((verdicts == verdict) & is_free, 1)
-        spacing = name_aspect / len(loads), 1 / len(velocities)
-        clearance = distance_transform_edt(padded, sampling=spacing)[1:-1, 1:-1]
-        row, column = np.unravel_index(int(clearance.argmax()), clearance.shape)
-        if clearance[row, column] > min_clearance:
+        is_region = verdicts == verdict
+        if is_region.mean() > 0.1:
+            row, column = np.argwhere(is_region).mean(axis=0).astype(int)
             axes.text(
                 velocities[column], loads[row], name, ha="center", va="center", fontweight="bold",
                 color=colour, gid="region", path_effects=style.HALO, zorder=3,
             )  # fmt: skip
 
 
-def _mark_points(
-    axes: Axes, ds: xr.Dataset, case: CaseResults, conditions: Mapping[str, Any]
-) -> Legend:
-    """Mark the points of a single load or velocity, open where they are mild."""
-    loads = xr.DataArray(case.loads, dims="load")
-    velocities = xr.DataArray(case.velocities, dims="velocity")
-    margins = pipeline.margin(ds, loads, velocities, **conditions)
-    log_ratio = margins["log_rise_ratio"].transpose(*PLANE).values
-    legend = Legend()
-    for outcome, is_marked, face in (
-        ("mild", log_ratio <= 0, "white"),
-        ("severe", log_ratio > 0, VERMILION),
-    ):
-        rows, columns = np.nonzero(is_marked)
-        if rows.size:
-            (marks,) = axes.plot(
-                case.velocities[columns], case.loads[rows], "o", mfc=face, mec=VERMILION,
-                gid=outcome,
-            )  # fmt: skip
-            legend[f"{outcome}, computed"] = marks
-    return legend
-
-
-def _mark_simulated(
-    axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any], has_dots: bool = True
-) -> list[str]:
-    """Mark simulated points (`has_dots`), and pending or failed ones; return notes on the marks."""
+def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> list[str]:
+    """Mark simulated points, and pending or failed ones; return notes on the marks."""
     state = pipeline.points(ds, **conditions)["state"]
     is_unfinished, is_done = (
         state.isin(kinds).any("realization").transpose(*PLANE).values
         for kinds in (("failed", "pending"), ("mild", "severe"))
     )
-    is_dotted = is_done & ~is_unfinished & has_dots
-    dot_size = 0.6 * rcParams["lines.markersize"]
-    for gid, is_marked, look in (
-        ("simulated", is_dotted, {"marker": ".", "ms": dot_size, "zorder": 2.5}),
-        ("lacking", is_unfinished, {"marker": "x"}),
-    ):
+    dot_size, notes = 0.6 * rcParams["lines.markersize"], list[str]()
+    for gid, is_marked, look, note in (
+        ("simulated", is_done & ~is_unfinished, {"marker": ".", "ms": dot_size, "zorder": 2.5},
+         "dots: simulated points"),
+        ("lacking", is_unfinished, {"marker": "x"},
+         f"×: {is_unfinished.sum()} points are pending or failed"),
+    ):  # fmt: skip
         rows, columns = np.nonzero(is_marked)
         if rows.size:
             axes.plot(
                 state["velocity"].values[columns], state["load"].values[rows], ls="none",
                 color=BLACK, mec=BLACK, gid=gid, clip_on=False, **look,
             )  # fmt: skip
-    notes = ["dots: simulated points"] if is_dotted.any() else []
-    if is_unfinished.any():
-        notes.append(f"×: {is_unfinished.sum()} points are pending or failed")
+            notes.append(note)
     return notes
 
 
@@ -379,26 +324,18 @@ def _name(axis: xr.DataArray, value: Any) -> str:
 
 
 def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None:
-    """Mark operating points; write the numbers of a few on the side away from the boundary."""
-    label_width = 0.3  # of the numbers of a point over the width of the figure
-    edge_height = 0.08  # distance from an edge within which numbers would cross it, over the height
+    """Mark operating points; write the numbers of a few on the inner side."""
     for load, velocity in points:
         axes.plot(
             velocity, load, "P", ms=2.4 * rcParams["lines.markersize"], gid="operating point",
             mfc=OPERATING, mec="white", zorder=5, clip_on=False,
         )  # fmt: skip
-        if len(points) > _MAX_LABELLED:
-            continue
-        x_fraction, y_fraction = axes.transAxes.inverted().transform(
-            axes.transData.transform((velocity, load))
-        )
-        # Boundaries fall from the upper left to the lower right.
-        is_low = x_fraction + y_fraction < 1
-        to_left = x_fraction > label_width if is_low else x_fraction > 1 - label_width
-        is_below = y_fraction > 1 - edge_height or (is_low and y_fraction > edge_height)
-        axes.annotate(
-            f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
-            (-8 if to_left else 8, -6 if is_below else 6), textcoords="offset points",
-            color=OPERATING, ha="right" if to_left else "left", va="top" if is_below else "bottom",
-            fontweight="bold", path_effects=style.HALO, zorder=5,
-        )  # fmt: skip
+        if len(points) <= _MAX_LABELLED:
+            position = axes.transData.transform((velocity, load))
+            x, y = axes.transAxes.inverted().transform(position) > 0.5
+            axes.annotate(
+                f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
+                (-8 if x else 8, -6 if y else 6), textcoords="offset points", color=OPERATING,
+                ha="right" if x else "left", va="top" if y else "bottom", fontweight="bold",
+                path_effects=style.HALO, zorder=5,
+            )  # fmt: skip

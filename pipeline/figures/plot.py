@@ -16,32 +16,26 @@ from pipeline.answers.results import dataset_of, sweep_of
 from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields_figure import fields
-from pipeline.figures.ramp_figure import ramp
 from pipeline.figures.rows_figure import rows
 from pipeline.figures.tests_figure import draw_tests
 from pipeline.paths import FIGURES, writable_path
 from pipeline.store.schema import PLANE
 from tribo import InputError
 
-Kind = Literal["diagram", "rows", "ramp", "fields", "tests"]
+Kind = Literal["diagram", "rows", "tests"]
 
 
 class PlotOptions(ConditionValues, total=False):
     """Options of the kinds of figures, and conditions."""
 
-    realization: int
     log: bool
     load: Any
     velocity: Any
-    step: int
 
 
 KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
     "rows": rows,
-    "ramp": ramp,
-    "fields": fields,
     "tests": draw_tests,
 }
 """Function that draws each kind of figure of a sweep."""
@@ -55,7 +49,6 @@ def plot(
     out: str | Path | None = None,
     width: float | str | None = None,
     plain: bool = False,
-    title: str | None = None,
     dpi: float | None = None,
     **options: Unpack[PlotOptions],
 ) -> Figure | Path:
@@ -66,7 +59,7 @@ def plot(
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or path or URL of a store; or a result of
         `pipeline.trade` or `pipeline.surface_statistics`.
-    kind : {"diagram", "rows", "ramp", "fields", "tests"}, optional
+    kind : {"diagram", "rows", "tests"}, optional
         Name of the figure of a sweep; by default "diagram", or "rows" if each row of the sweep has
         its own load and velocity.
     out : path, optional
@@ -76,24 +69,12 @@ def plot(
         than the figure.
     plain : bool
         Draw no title and no caption.
-    title : str, optional
-        Title of the figure, by default that of the scene.
     dpi : float, optional
         Resolution in dots per inch; by default 150.
     **options
-        Options of the kind:
-
-        - all but tests and rows: ``realization``, seed of the surface to draw. By default the
-          first; a diagram shows the specimen of all.
-        - diagram: ``log``, True for logarithmic axes; ``load`` and ``velocity`` of an operating
-          point to mark, or lists of equal length for several.
-        - ramp, fields: ``load`` in N, or text with a unit; a ramp takes several. The nearest load
-          of the sweep is drawn, by default the highest.
-        - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
-          the velocity nearest to the boundary at that load.
-        - fields: ``step``, counted back from the end of the point, which is 0.
-
-        For a sweep, also conditions as in `pipeline.margin`, such as ``friction=0.12``.
+        Of a diagram: ``log``, True for logarithmic axes; ``load`` and ``velocity`` of an operating
+        point to mark, in SI or text with a unit, or lists of equal length for several. Of any
+        figure of a sweep: conditions as in `pipeline.margin`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -112,30 +93,26 @@ def plot(
     'diagram.svg'
     """
     drawn_by = getattr(ds, "drawn_by", None)  # of the result of a study
-    inputs: tuple[Any, ...]
-    kinds: dict[str, Callable[..., Figure]]
+    kinds, inputs, default_kind = dict[str, Callable[..., Figure]](KINDS), tuple[Any, ...](), ""
     kind_options: dict[str, Any] = {**options}
     if drawn_by:
         default_kind = drawn_by.rpartition("draw_")[2]
         kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
     else:
-        conditions = {
-            name: kind_options.pop(name) for name in CONDITION_NAMES if name in kind_options
-        }
-        kinds, inputs = KINDS, (dataset_of(ds), conditions)
+        names = [name for name in CONDITION_NAMES if name in kind_options]
+        inputs = dataset_of(ds), {name: kind_options.pop(name) for name in names}
         table = sweep_of(inputs[0]).case_table
-        is_listed = any(table.column(name) for name in PLANE)
-        default_kind = "rows" if is_listed else "diagram"
+        default_kind = "rows" if any(table.column(name) for name in PLANE) else "diagram"
     if kind and kind not in kinds:
         raise InputError(f"unknown kind {kind!r}; choose one of {', '.join(kinds)}")
-    drawn_kind = kind or default_kind
-    allowed = [*inspect.signature(kinds[drawn_kind]).parameters][len(inputs) :]
-    for name in kind_options:
-        if name not in allowed:
-            available = ", ".join(allowed) or "none"
-            raise InputError(f"{drawn_kind} has no option {name!r}; available: {available}")
+    draw = kinds[kind or default_kind]
+    allowed = [*inspect.signature(draw).parameters][len(inputs) :]
+    if unknown := [name for name in kind_options if name not in allowed]:
+        available = ", ".join(allowed) or "none"
+        raise InputError(
+            f"{kind or default_kind} has no option {unknown[0]!r}; available: {available}"
+        )
     path = None if out is None else writable_path(out, FIGURES)
-    width_in_si = None if width is None else in_si("width", width, "1 m")
-    with style.fitted(width_in_si, plain, title, dpi):
-        figure = kinds[drawn_kind](*inputs, **kind_options)
+    with style.fitted(None if width is None else in_si("width", width, "1 m"), plain, dpi):
+        figure = draw(*inputs, **kind_options)
         return figure if path is None else style.save_figure(figure, path)

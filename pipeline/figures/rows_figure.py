@@ -12,13 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers.answer_lines import conditions_lines
-from pipeline.answers.readable import (
+from pipeline.answers.answer_frames import row_labels
+from pipeline.answers.answer_text import (
     attribute_texts,
+    conditions_lines,
     error_of,
     format_value,
     probability_text,
-    row_labels,
 )
 from pipeline.answers.results import sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED

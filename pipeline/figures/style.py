@@ -14,10 +14,9 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from matplotlib import rc_params_from_file, rcParams, rcParamsDefault
+from matplotlib import rc_params_from_file, rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.legend import Legend
 from matplotlib.patheffects import withStroke
 from matplotlib.style import context
 from matplotlib.ticker import LogLocator, NullLocator
@@ -27,9 +26,7 @@ from tribo import InputError
 from tribo.errors import require_number
 
 BLACK, GREY = "#1A1A1A", "#777777"
-BLUE, VERMILION, GREEN, SKY = (
-    "#0072B2", "#D55E00", "#009E73", "#56B4E9",
-)  # fmt: skip
+BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 """Okabe and Ito's palette, distinguishable with any colour vision."""
 TINTS = {"mild": "#F1F7FB", "undecided": "#FBE3D2", "severe": "#F0BE9B"}
 """Shades of regions, which differ in grey, too: luminance 0.96, 0.90, 0.78."""
@@ -58,7 +55,6 @@ class Look(NamedTuple):
 
     width: float | None = None  # [in]; None for the usual width of each
     plain: bool = False  # without title and caption
-    title: str | None = None  # instead of the figure's own
     dpi: float | None = None  # dots per inch
 
 
@@ -67,12 +63,9 @@ _LOOK = ContextVar("look", default=Look())  # noqa: B039, as a Look is immutable
 
 @contextmanager
 def fitted(
-    width: float | None = None,
-    plain: bool = False,
-    title: str | None = None,
-    dpi: float | None = None,
+    width: float | None = None, plain: bool = False, dpi: float | None = None
 ) -> Iterator[None]:
-    """Context manager: draw figures with a width [m], a title and a resolution.
+    """Context manager: draw figures with a width [m] and a resolution.
 
     If `plain`, they have neither titles nor captions. Text and marks shrink less than the figure,
     at most to two thirds. So narrow figures are taller in proportion.
@@ -81,12 +74,9 @@ def fitted(
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
     if dpi is not None:
         require_number(dpi=dpi)
-    if dpi is not None and not _MIN_DPI <= dpi <= _MAX_DPI:
-        raise InputError(f"dpi is {dpi:g}; it must be from {_MIN_DPI} to {_MAX_DPI}")
-    if plain and title is not None:
-        raise InputError("a plain figure has no title; leave out one of plain and title")
-    width_inches = None if width is None else width / 0.0254
-    token = _LOOK.set(Look(width_inches, plain, title, dpi))
+        if not _MIN_DPI <= dpi <= _MAX_DPI:
+            raise InputError(f"dpi is {dpi:g}; it must be from {_MIN_DPI} to {_MAX_DPI}")
+    token = _LOOK.set(Look(None if width is None else width / 0.0254, plain, dpi))
     try:
         yield
     finally:
@@ -128,7 +118,7 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in the style of the house; only the resolution is that of the caller."""
+    """Decorator: draw in the style of the house."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -137,10 +127,8 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
         for name, value in _HOUSE_STYLE.items():
             if name.endswith(("size", "width")) and isinstance(value, float):
                 settings[name] = size_factor * value
-        for name in ("figure.dpi", "savefig.dpi"):  # as set by the user, for example in a notebook
-            resolution = _LOOK.get().dpi or rcParams[name]
-            if resolution != rcParamsDefault[name]:
-                settings[name] = resolution
+        if dpi := _LOOK.get().dpi:
+            settings |= {"figure.dpi": dpi, "savefig.dpi": dpi}
         with _style_lock, context(settings, after_reset=True):
             return draw(*args, **kwargs)
 
@@ -167,23 +155,14 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     if labels := options.get("labels"):
         texts = map(as_text, labels)  # Matplotlib leaves out labels that begin with "_"
         options["labels"] = [f" {text}" if text.startswith("_") else text for text in texts]
-    legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
+    for columns in range(ncols, 0, -1):  # as many as fit into the width
+        legend = figure.legend(ncols=columns, title=title, loc="outside lower center", **options)
+        if legend.get_window_extent().width <= figure.bbox.width or columns == 1:
+            break
+        legend.remove()
     legend.get_title().set_multialignment("center")
     growth = legend.get_window_extent().height / figure.dpi - 0.2 * height
     figure.set_size_inches(width, height + max(0.0, growth))
-
-
-def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
-    """Write a legend in as many columns as fit into the width of `owner`, at most `ncols`.
-
-    `options` are passed to the method ``legend`` of `owner`.
-    """
-    for columns in range(ncols, 0, -1):
-        legend: Legend = owner.legend(ncols=columns, **options)
-        if legend.get_window_extent().width <= owner.get_window_extent().width or columns == 1:
-            break
-        legend.remove()
-    return legend
 
 
 @house_style
@@ -207,14 +186,9 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def write_title(owner: Axes | Figure, title: str) -> None:
-    """Write a title over axes or a figure (`owner`), wrapped: `title`, or that of the user."""
-    look = _LOOK.get()
-    if look.plain:
-        title = ""
-    elif look.title is not None:
-        title = as_text(look.title)
+    """Write a title over axes or a figure (`owner`), wrapped."""
     write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
-    write(title, wrap=True)
+    write("" if _LOOK.get().plain else title, wrap=True)
 
 
 def as_text(text: str) -> str:

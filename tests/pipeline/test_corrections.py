@@ -72,19 +72,6 @@ WARM = tribo.Corrections(track=tribo.Track.from_pin(PIN, STEEL, 0.34))
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
 
 
-def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(tmp_path):
-    """Under local wear, whose temperature is that at one position of the disk, as the map is."""
-    wear = tribo.Wear(1.2e-15, pattern="local")
-    conditions = replace(CONDITIONS, corrections=WARM)
-    sweep = tiny.full(wear=wear, conditions=conditions, loads=(600.0,), velocities=(1.0,))
-    commit_all(tmp_path / "a.zarr", sweep)
-    ds = pipeline.open_sweep(tmp_path / "a.zarr")
-    hottest = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)[-1].item()
-    figure = pipeline.plot(ds, "fields", load=600.0, velocity=1.0)
-    _, temperature, _ = (axes.collections[0].get_array() for axes in figure.axes[:3])
-    assert temperature.max() == pytest.approx(hottest - 273.15)
-
-
 def test_corrections_cost_no_point_and_change_no_stored_number(copy):
     plain = pipeline.open_sweep(copy).load()
     sweep = tiny.full(conditions=replace(CONDITIONS, corrections=WARM))
@@ -186,7 +173,6 @@ def test_without_a_critical_temperature_temperatures_are_known_and_no_boundary(t
     for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
         with pytest.raises(InputError, match=r"temperature is needed.*--critical-temperature"):
             judge(ds)
-    assert pipeline.plot(ds, "ramp").axes
     crossings = pipeline.boundary(ds, critical_temperature=330.0)
     assert crossings["critical_velocity"].notnull().any()
 

@@ -132,8 +132,8 @@ def test_operating_points_are_marked_as_pairs_with_their_numbers():
     axes = drawn(sweep(), load=["300 N", 500.0], velocity=[1.5, "3 m/s"])[0]
     assert marks(axes, "operating point") == {(1.5, 300.0), (3.0, 500.0)}
     sides = {text.get_text(): (text.get_ha(), text.get_va()) for text in axes.texts}
-    assert sides["300 N, 1.5 m/s"] == ("left", "top")  # no space for a label at its left
-    assert sides["500 N, 3 m/s"] == ("left", "bottom")
+    assert sides["300 N, 1.5 m/s"] == ("left", "bottom")
+    assert sides["500 N, 3 m/s"] == ("right", "top")
 
 
 def two_pins(factors=(1.0, 0.1), **options):

@@ -10,7 +10,7 @@ from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import bare_test, placed_rows
 from tests.helpers.refusals import refusal_tests
-from tests.pipeline.figures.test_planes import surfaces, two_pins
+from tests.pipeline.figures.test_planes import two_pins
 
 
 @cache
@@ -39,11 +39,6 @@ def of_scenes():
     return pipeline.plot(plane().isel(load=[0]), "diagram", friction=[0.1, 0.12])
 
 
-def begun():
-    status = {(400.0, velocity): PENDING for velocity in synthetic.VELOCITIES}
-    return pipeline.plot(synthetic.sweep(loads=[400.0], status=status), "ramp")
-
-
 def over_computed(*measured, **values):
     return lambda: pipeline.plot(synthetic.sweep(tests=measured, **values), "tests")
 
@@ -60,41 +55,25 @@ def rows_beyond():
 TRADE = Trade("A scene", (), ())
 
 REFUSALS = {
-    "kind": (plot("pie"), "unknown kind 'pie'; choose one of diagram, rows, ramp"),
-    "option": (plot("diagram", show="time"), "no option 'show'; available: realization"),
+    "kind": (plot("pie"), "unknown kind 'pie'; choose one of diagram, rows, tests"),
+    "option": (plot("diagram", show="time"), "no option 'show'; available: log"),
     "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; available: none"),
     "suffix": (plot("diagram", "figure.gif"), "the file name must end in one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "the folder no does not exist"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
     "places": (of_places, "so there is no plane of them; irg margin"),
     "one of a pair": (plot("diagram", load=500.0), "1 of load and 0 of velocity cannot"),
-    "several points": (plot("fields", load=[300.0, 500.0]), "fields shows one point, not 2"),
     "dpi": (plot("diagram", dpi=5), "dpi is 5; it must be from 30 to 1200"),
-    "plain title": (plot("diagram", plain=True, title="A"), "a plain figure has no title"),
     "rows of two": (rows_of_two, "rows under several conditions"),
     "rows": (rows_beyond, "no row has a verdict: load 9000 N is outside"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
-    "failed": (plot("ramp", load=300.0, velocity=1.5), "1.5 m/s is not done; choose another"),
-    "begun": (begun, "no point at 400 N is done"),
-    "seed": (lambda: pipeline.plot(surfaces(1.0, 1.1), "ramp", realization=9),
-             "realization 9 is not in the sweep, which has 1, 2"),
-    "seed of a diagram": (plot("diagram", realization=9), "realization 9 is not in the sweep"),
-    "seed of one surface": (plot("ramp", realization=9), "realization 9 is not in the sweep"),
-    "pins": (lambda: pipeline.plot(two_pins(), "ramp"), "select one by pin_radius"),
-    "load": (plot("fields", load=74.0), "load 74 N is outside the sweep (200 to 750 N); add it"),
-    "no number": (plot("fields", load=float("nan")), "load is nan; it must be finite and above 0"),
-    "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the store has no fields"),
-    "step": (plot("fields", step=-1), "the store has only the fields at the end of each point"),
+    "pins": (lambda: pipeline.plot(two_pins(), "tests"), "select one by pin_radius"),
+    "no number": (plot("diagram", load=float("nan")), "load is nan; it must be finite and above 0"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) has not been simulated yet"),
 }  # fmt: skip
 
 
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "figures",
-    REFUSALS,
-    {
-        "fields_figure._fields_at InputError": "tests/pipeline/run/test_goal.py",
-        "fields_figure._require_step InputError": "tests/pipeline/store/test_dataset.py, by steps",
-    },
+    "figures", REFUSALS
 )
