@@ -4,45 +4,58 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
+from functools import partial
 from importlib import metadata, resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
+import pandas as pd
 import xarray as xr
 from jinja2 import Environment
+from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.answers.answer_frames import margin_frame
-from pipeline.answers.answer_lines import (
+from pipeline.answers.answer_frames import (
+    boundary_frame,
+    comparison_frame,
+    margin_frame,
+    row_labels,
+)
+from pipeline.answers.answer_text import (
+    code_text,
     common_lines,
     conditions_lines,
+    edge_warnings,
+    error_lines,
     headline,
     margin_facts,
     model_error_line,
-    next_run_line,
     not_included_lines,
-    point_warnings,
     reason_lines,
-    row_warnings,
+    ruling_lines,
     temperature_error_line,
     to_decide,
+    verdict_text,
+    withheld_lines,
 )
-from pipeline.answers.readable import code_text, error_of, format_value, row_labels, verdict_text
-from pipeline.answers.results import dataset_of, refuse_cases, sweep_of
+from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments
+from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
-from pipeline.frames import write_text
-from pipeline.page import elements
-from pipeline.page.sections import Conditions, common_sections, error_sentences, plane_sections
+from pipeline.figures.style import fitted
+from pipeline.frames import cells_of, without_columns, write_text
 from pipeline.paths import writable_path
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import OperatingPoint
+from pipeline.sweep.codec import digest
+from pipeline.sweep.notes import library_tables
 from tribo import InputError
 
 HEADLINES = {
@@ -52,6 +65,59 @@ HEADLINES = {
     OUTSIDE: "Outside the model",
 }
 """The verdict in the words of the headline."""
+_CAUSES_OF_ERRORS = (
+    "The numerical error comes from the elements and load steps, from interpolation between "
+    "simulated points, and from the small number of simulated surfaces; more computing makes it "
+    "smaller. The model error comes from the physics that is left out, and from the inputs; only "
+    "tests make it smaller."
+)
+_MODEL = (
+    "The model: a rough, elastic–plastic contact under boundary lubrication is worn by Archard's "
+    "law while the load grows, and heated by friction. Wear is severe where the contact gets too "
+    "hot for the lubricant. An oil film that carries load, and the wear after the transition, are "
+    "not part of it."
+)
+_PAPER = (
+    "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
+    "concentrated contacts: The IRG (OECD) transition diagram."
+)
+Conditions = Mapping[str, Any]
+"""Conditions of an answer, by name."""
+
+
+class Table(NamedTuple):
+    """A table of a page; the row with the index `bold` stands out."""
+
+    caption: str
+    headings: list[str]
+    rows: list[list[str]]
+    bold: int = -1
+
+
+class Picture(NamedTuple):
+    """A figure of a page, as a data URL."""
+
+    url: str
+    caption: str
+
+
+class Listing(NamedTuple):
+    """Text of a page whose lines stay as they are."""
+
+    text: str
+
+
+Section = tuple[str, list[Any]]
+"""Heading of a section, and its parts; a list of strings is printed as a list."""
+
+
+class Page(NamedTuple):
+    """The headline with its verdict, sentences below it, and the sections of a report."""
+
+    verdict: str
+    headline: str
+    sentences: list[str]
+    sections: list[Section]
 
 
 @typed_arguments
@@ -109,118 +175,66 @@ def report(
     ds = dataset_of(ds)
     if (load is None) != (velocity is None) or (points is not None and load is not None):
         raise InputError("give a load and a velocity, or a table of points, or neither")
-    answer = _answer(ds, points if load is None else load, velocity, conditions)
+    if load is None and points is None and _is_plane(ds):
+        page = _boundary_page(ds, conditions)
+    else:
+        margins = pipeline.margin(ds, points if load is None else load, velocity, **conditions)
+        write_page = _rows_page if margins.sizes else _point_page
+        page = write_page(ds, conditions, margins)
     sweep, version = sweep_of(ds), metadata.version("irg-transition")
-    subtitle = [sweep.title] if title else []
     date = f"{datetime.now(UTC):%d %B %Y}"
-    subtitle.append(f"{date}, {author}" if author else date)
-    folder = resources.files(__package__)
-    css = folder.joinpath("page.css").read_text("utf-8")
-    template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(
-        folder.joinpath("page.html").read_text("utf-8")
-    )
-    page = template.render(
-        answer._asdict(),
+    css = resources.files(__package__).joinpath("page.css").read_text("utf-8")
+    html = resources.files(__package__).joinpath("page.html").read_text("utf-8")
+    template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(html)
+    text = template.render(
+        page._asdict(),
         title=title or sweep.title,
-        about=subtitle,
+        about=[*([sweep.title] if title else ()), f"{date}, {author}" if author else date],
         author=author,
         version=version,
         command=command,
         style=css,
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
-        sections=[*answer.sections, *common_sections(ds, conditions, version, answer.sentences)],
+        sections=[*page.sections, *_closing_sections(ds, version)],
     )
-    page = page.encode(errors="replace").decode()  # shells may pass bytes that are no text
-    return page if path is None else write_text(page, path)
+    text = text.encode(errors="replace").decode()  # shells may pass bytes that are no text
+    return text if path is None else write_text(text, path)
 
 
-class _Answer(NamedTuple):
-    """Headline with its verdict, sentences below it, and the sections that belong to it."""
-
-    verdict: str
-    headline: str
-    sentences: list[str]
-    sections: list[elements.Section]
+def _is_plane(ds: xr.Dataset) -> bool:
+    """True if a sweep has a plane of loads and velocities."""
+    return {*PLANE} <= {*ds["status"].dims}
 
 
-def _answer(ds: xr.Dataset, load: Any, velocity: Any, conditions: Conditions) -> _Answer:
-    """Answer on one or several operating points, or on the rows or the plane of a sweep."""
-    if load is None and {*PLANE} <= {*ds["status"].dims}:
-        return _boundary_answer(ds, conditions)
-    margins = pipeline.margin(ds, load, velocity, **conditions)
-    return (
-        _rows_answer(ds, conditions, margins)
-        if margins.sizes
-        else _point_answer(ds, conditions, margins)
-    )
-
-
-def _boundary_answer(ds: xr.Dataset, conditions: Conditions) -> _Answer:
+def _boundary_page(ds: xr.Dataset, conditions: Conditions) -> Page:
     """The boundary of a plane, without an operating point."""
     boundary = pipeline.boundary(ds, **conditions)
-    lines = [*not_included_lines(boundary)]
-    if boundary["critical_velocity"].ndim == 1:  # a single case
-        lines.insert(0, next_run_line(boundary))
+    lines = [*not_included_lines(boundary), *common_lines(boundary)]
     title = "Boundary between mild and severe wear"
-    return _Answer("", title, [*map(elements.as_sentence, lines)], plane_sections(ds, conditions))
+    return Page("", title, _sentences(lines), _plane_sections(ds, conditions))
 
 
-def _point_answer(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> _Answer:
+def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> Page:
     """The verdict on one operating point."""
     verdict, reason = margin["verdict"].item(), margin["reason"].item()
     if verdict not in HEADLINES:
         raise InputError(reason)
-    point = margin["load"].item(), margin["velocity"].item()
-    sentences = [_probability_sentence(margin), *_mild_limits(ds, conditions, point)]
-    sentences += not_included_lines(margin)
+    load, velocity = margin["load"].item(), margin["velocity"].item()
+    lines = [_probability_sentence(margin), *not_included_lines(margin)]
     if reason:
-        sentences.append(f"The verdict is withheld: {reason}")
+        lines.append(f"The verdict is withheld: {reason}")
     if advice := to_decide(margin):
-        sentences.append(f"To decide it, {advice}")
-    sentences += elements.without_help(common_lines(margin))
+        lines.append(f"To decide it, {advice}")
+    lines += [*edge_warnings(margin), *common_lines(margin)]
     facts = [*map(list, margin_facts(margin))]
-    table = elements.Table("The operating point in numbers", ["quantity", "value"], facts)
-    warnings = [*map(elements.as_sentence, point_warnings(margin))]
-    point_section: elements.Section = (
-        "Operating point",
-        [table, warnings] if warnings else [table],
-    )
-    diagram_section, *other_sections = plane_sections(ds, conditions, [point])
-    title = f"{HEADLINES[verdict]} at {point[0]:.4g} N and {point[1]:.4g} m/s"
-    lines = [*map(elements.as_sentence, sentences)]
-    sections = [diagram_section, point_section, *other_sections]
-    return _Answer(verdict_text(margin), title, lines, sections)
+    table = Table("The operating point in numbers", ["quantity", "value"], facts)
+    sections = _plane_sections(ds, conditions, [(load, velocity)])
+    title = f"{HEADLINES[verdict]} at {load:.4g} N and {velocity:.4g} m/s"
+    sections.insert(1, ("Operating point", [table]))
+    return Page(verdict_text(margin), title, _sentences(lines), sections)
 
 
-def _mild_limits(ds: xr.Dataset, conditions: Conditions, point: OperatingPoint) -> Iterator[str]:
-    """Yield sentences on the highest velocity and load at an operating point that are mild."""
-    load, velocity = point
-    for axis, unit, at_point in (
-        ("velocity", "m/s", f"at {load:.4g} N"),
-        ("load", "N", f"at {velocity:.4g} m/s"),
-    ):
-        simulated = ds[axis].values[ds[axis].values > 0]
-        if len(simulated) < 2:
-            continue
-        line = np.linspace(simulated[0], simulated[-1], 401)
-        line_points: dict[str, Any] = {"load": load, "velocity": velocity, axis: line}
-        margins = pipeline.margin(ds, **line_points, **conditions)
-        is_mild = margins["verdict"].values == MILD
-        if not is_mild[0]:
-            yield f"{at_point}, wear is not mild at any simulated {axis}"
-        elif is_mild.all():
-            yield (
-                f"{at_point}, wear is mild up to {line[-1]:.4g} {unit}, the highest simulated "
-                f"{axis}"
-            )
-        else:
-            last_mild = int(is_mild.argmin()) - 1
-            error = error_of(margins, axis).values[last_mild]
-            highest = format_value(line[last_mild], error, upwards=False)
-            yield f"{at_point}, wear is mild up to {highest} {unit}"
-
-
-def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> _Answer:
+def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> Page:
     """The verdicts on a table of operating points, or on the rows of the sweep."""
     if len(margins.sizes) > 1:
         refuse_cases(ds)
@@ -239,29 +253,32 @@ def _rows_answer(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) ->
             f"{verdict_count} of {len(codes)} operating points have a verdict; mild at "
             f"{critical_point}"
         )
+    counts = ", ".join(f"{count} {name}" for name, count in Counter(verdict_names).items())
+    lines = [f"Operating points: {counts}", *not_included_lines(margins)]
+    if verdict_code in HEADLINES:
+        lines.insert(0, _probability_sentence(margins.isel({dimension: critical_row})))
+    lines += [*edge_warnings(margins), *common_lines(margins)]
     caption = "Temperature margin of each row: critical minus governing temperature."
-    figure = elements.figure_of(lambda: draw_rows(margins, ""), caption, caption)
-    table = elements.table_of(
-        margin_frame(margins), "Operating points; the deciding one is bold", critical_row
-    )
-    notes = [
-        *conditions_lines(margins), *reason_lines(margins),
-        *row_warnings(margins), *common_lines(margins),
-    ]  # fmt: skip
-    notes = [*map(elements.as_sentence, elements.without_help(notes))]
-    sections: list[elements.Section] = [("Operating points", [figure, table, notes])]
-    if {*PLANE} <= {*ds["status"].dims}:
+    frame, table_caption = margin_frame(margins), "Operating points; the deciding one is bold"
+    notes = _sentences([*conditions_lines(margins), *reason_lines(margins)])
+    sections: list[Section] = [
+        (
+            "Operating points",
+            [
+                _picture(lambda: draw_rows(margins, ""), caption),
+                _table(frame, table_caption, critical_row),
+                notes,
+            ],
+        )
+    ]
+    if _is_plane(ds):
         points = xr.broadcast(margins["load"], margins["velocity"])
         coordinates = (values.values.ravel().tolist() for values in points)
-        sections += plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
+        sections += _plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
     else:
-        lines = temperature_error_line(margins), model_error_line(margins)
-        sections.append(("Errors", [error_sentences(*lines)]))
-    counts = ", ".join(f"{count} {name}" for name, count in Counter(verdict_names).items())
-    sentences = [f"Operating points: {counts}", *not_included_lines(margins)]
-    if verdict_code in HEADLINES:
-        sentences.insert(0, _probability_sentence(margins.isel({dimension: critical_row})))
-    return _Answer(verdict, title, [*map(elements.as_sentence, sentences)], sections)
+        errors = temperature_error_line(margins), model_error_line(margins)
+        sections.append(("Errors", [_sentences(errors), _CAUSES_OF_ERRORS]))
+    return Page(verdict, title, _sentences(lines), sections)
 
 
 def _probability_sentence(margin: xr.Dataset) -> str:
@@ -269,3 +286,75 @@ def _probability_sentence(margin: xr.Dataset) -> str:
     verdict, _, rest = headline(margin).partition(": ")
     subject = "probability of severe wear "
     return (rest or verdict).replace(subject, f"the {subject}is ", 1)
+
+
+def _plane_sections(
+    ds: xr.Dataset, conditions: Conditions, points: Iterable[OperatingPoint] = ()
+) -> list[Section]:
+    """Sections with the diagram, the boundary, tests compared with the computation, and errors."""
+    boundary = pipeline.boundary(ds, **conditions)
+    caption = " ".join(_sentences(conditions_lines(boundary)))
+    if not case_dims(ds):
+        caption += " Dots: simulated points."
+    if missing := boundary.attrs["missing_points"]:
+        caption += f" ×: {missing} points that are pending or failed."
+    ends = [ds[axis].values[[0, -1]].tolist() for axis in PLANE]
+    inside = [
+        point
+        for point in points
+        if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
+    ]
+    loads, velocities = ([point[axis] for point in inside] for axis in (0, 1))
+    table_caption = "Critical velocity as computed, and where severe wear is 5, 50, 95 % probable"
+    table = _table(boundary_frame(boundary), table_caption)
+    sections: list[Section] = [("Boundary", [table])]
+    if min(boundary.sizes[axis] for axis in PLANE) > 1:
+        draw = partial(diagram, ds, conditions, load=loads, velocity=velocities)
+        sections.insert(0, ("Transition diagram", [_picture(draw, caption)]))
+    if rulings := _sentences(ruling_lines(boundary)):
+        sections.append(("Tests that rule verdicts out", [rulings]))
+    if boundary.attrs.get("tests") and not case_dims(ds):
+        tests = pipeline.compare_tests(ds, **conditions)
+        table_caption = "Tests, each at its own conditions, and what is computed for them"
+        parts = [_table(comparison_frame(tests), table_caption), _sentences(withheld_lines(tests))]
+        sections.append(("Tests and prediction", parts))
+    return [*sections, ("Errors", [_sentences(error_lines(boundary)), _CAUSES_OF_ERRORS])]
+
+
+def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
+    """The last sections of each report: inputs, limits, and how all was computed."""
+    sweep = sweep_of(ds)
+    sources = [f"{text}, from {source}" for text, source in library_tables(sweep.sources)]
+    origin = [
+        *str(ds.attrs.get("history", "")).splitlines(),
+        f"Scene {sweep.name}, inputs {digest(sweep.scene)} (SHA-256)",
+        f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause.",
+        _PAPER,
+    ]
+    return [
+        ("Inputs", [Listing(str(ds.attrs.get("scene", ""))), sources]),
+        ("What is not covered", [_MODEL, _sentences(pipeline.points_with_warnings(ds).lines())]),
+        ("How this was computed", [origin]),
+    ]
+
+
+def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> Table:
+    """Table with the values of a data frame; the row with the index `bold` stands out."""
+    frame = without_columns(frame.replace("", None))
+    headings = [str(column).replace("_", " ") for column in frame]
+    return Table(caption, headings, cells_of(frame, "–", digits=3), bold)
+
+
+def _picture(draw: Callable[[], Figure], caption: str) -> Picture:
+    """A figure without title and caption, which a table below it must repeat."""
+    with fitted(plain=True):
+        svg = io.BytesIO()
+        draw().savefig(svg, format="svg", metadata={"Date": None})
+    url = f"data:image/svg+xml;base64,{base64.b64encode(svg.getvalue()).decode()}"
+    return Picture(url, caption)
+
+
+def _sentences(lines: Iterable[str]) -> list[str]:
+    """Lines of answers as sentences, without references to `irg help`."""
+    lines = (re.sub(r" \(irg help [\w-]+\)", "", line) for line in lines)
+    return [f"{line[:1].upper()}{line[1:].removesuffix('.')}." for line in lines]

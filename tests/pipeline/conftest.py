@@ -33,12 +33,10 @@ def copy(tiny_store, tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Replace the pictures of a report, which take seconds to draw, by empty ones."""
-    from pipeline.page import elements
+    from pipeline.page import report
 
     empty = f"data:image/svg+xml;base64,{b64encode(b'<svg/>').decode()}"
-    monkeypatch.setattr(
-        elements, "figure_of", lambda _, *texts: elements.PageFigure(empty, empty, *texts)
-    )
+    monkeypatch.setattr(report, "_picture", lambda _, caption: report.Picture(empty, caption))
 
 
 _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE)
