@@ -13,13 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeGuard
 
-import numpy as np
 import pandas as pd
 
 from pipeline.quantities import DIMENSIONS, SIZES, in_unit
 from pipeline.store.files import store_file, sync
 from tribo import InputError
-from tribo.types import Mask
 
 _HEADING = re.compile(r"(.+) \[(.+)\]")
 
@@ -40,12 +38,6 @@ def frame_of(headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataF
 def without_columns(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
     """The frame without empty columns, and without the columns named in `without`."""
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
-
-
-def some_rows(frame: pd.DataFrame, count: int, is_needed: Mask) -> pd.DataFrame:
-    """Pick `count` rows of a frame, evenly spaced, with the first and the last, and needed rows."""
-    spaced_rows = np.linspace(0, len(frame) - 1, count).round().astype(int)
-    return frame.iloc[np.union1d(spaced_rows, np.flatnonzero(is_needed))]
 
 
 def transposed(frame: pd.DataFrame) -> pd.DataFrame:

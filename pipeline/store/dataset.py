@@ -60,14 +60,6 @@ def store_dataset(store: Store) -> xr.Dataset:
     return ds if has_realizations else ds.assign(_fields_of(store).variables)
 
 
-def fields_of(ds: xr.Dataset) -> xr.Dataset | None:
-    """The fields of a dataset, or else those of its store; None if neither has any."""
-    if FIELDS.keys() <= ds.variables.keys():
-        return ds
-    store = _store_of(ds)
-    return _fields_of(store) if store and store.sweep.fields else None
-
-
 def with_sweep_and_tests(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with its sweep and the results of tests, which plain xarray leaves in the store.
 
