@@ -22,7 +22,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
   `temperatures`, `Conditions`
 - accuracy: `trade`
 - figures and report: `plot`, `report`
-- quantities: `surface_statistics`, `to_si`
+- quantities: `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 
 They are listed in ``__init__.pyi``. Each is loaded when it is first used, so that importing

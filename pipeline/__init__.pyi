@@ -21,7 +21,6 @@ from .store.location import StoreError as StoreError
 from .store.location import StoreMismatchError as StoreMismatchError
 from .store.status import summary as summary
 from .store.status import verify_store as verify_store
-from .surface.statistics import surface_statistics as surface_statistics
 from .sweep.case import Conditions as Conditions
 from .sweep.sweep import Sweep as Sweep
 from .units import to_si as to_si

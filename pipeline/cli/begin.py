@@ -1,4 +1,4 @@
-"""The commands that need neither a scene nor a store: ``irg new``, ``surface`` and ``help``."""
+"""The commands that need neither a scene nor a store: ``irg new`` and ``help``."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import argparse
 import pydoc
 import re
 import sys
-from functools import partial
 from importlib import resources
 from pathlib import Path
 
 import pipeline
-from pipeline.cli.output import Result, print_note, wrapped
+from pipeline.cli.output import Result
 from pipeline.messages import did_you_mean
 from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
@@ -31,33 +30,6 @@ def new(options: argparse.Namespace) -> Result:
         f"to simulate its points: irg run {scene}",
     ]
     return Result({"file": str(scene), "copies": [str(copy) for copy in copies]}, text)
-
-
-def surface(options: argparse.Namespace) -> Result:
-    """Answer ``irg surface``: roughness of a scan, or Ra and RSm, and the table of a scene."""
-    if (options.ra is None) != (options.rsm is None) or (options.ra is None) == (not options.scan):
-        raise InputError("give a SCAN, or --ra RA and --rsm RSM of a profile, each with its unit")
-    if options.scan is None:
-        return _data_sheet(options)
-    print_note("fitting a random surface …")
-    statistics = pipeline.surface_statistics(
-        options.scan, options.height_unit, options.pixel_size, options.missing
-    )
-    tables = statistics.tables.splitlines()  # TOML is not wrapped
-    text = [*wrapped(statistics.lines()), "", *tables]
-    return Result(statistics.as_dict(), text, draw=partial(pipeline.plot, statistics))
-
-
-def _data_sheet(options: argparse.Namespace) -> Result:
-    """Result of ``irg surface --ra RA --rsm RSM``: the table of a random surface."""
-    from pipeline.surface.random_surface import data_sheet_toml
-
-    if options.output:
-        raise InputError("a figure needs a SCAN; leave -o out")
-    pixel = min(options.pixel_size) if options.pixel_size else 0.95e-6  # [m], of shipped scenes
-    toml, assumptions = data_sheet_toml(options.ra, options.rsm, pixel)
-    document = {"ra": options.ra, "rsm": options.rsm, "assumed": assumptions, "random_tables": toml}
-    return Result(document, [*assumptions, "", *toml.splitlines()])
 
 
 def help_(options: argparse.Namespace) -> Result:

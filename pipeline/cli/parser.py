@@ -127,22 +127,6 @@ def _add_commands_without_a_store(commands: Any) -> None:
     new.add_argument("--from", metavar="NAME", dest="template",
         help="shipped scene to copy; see --list")
 
-    surface = add_command(commands, "surface", "pipeline.cli.begin:surface",
-        "describe a scan by ISO 25178-2, compare it with a random surface, and print its tables",
-        'scan.npy --height-unit um --pixel-size "0.8 um" -o surface.png')
-    surface.add_argument("scan", metavar="SCAN", type=user_path, nargs="?",
-        help="map of heights: .npy, a matrix in text, or the file of an instrument")
-    surface.add_argument("--height-unit", metavar="UNIT",
-        help='unit of the heights, such as "um", if the file states none or a wrong one')
-    surface.add_argument("--pixel-size", metavar="DX[,DY]", type=values.sides,
-        help='sides of a pixel, if the file states none, like "0.8 um" or "0.8 um,0.9 um"')
-    surface.add_argument("--missing", metavar="SHARE", type=values.share, default=0.1,
-        help="largest fraction of missing heights that is filled; default: 10%%")
-    _add_quantity(surface, "--ra", "RA", "0.2 um",
-        "Ra of a profile or data sheet, with --rsm, without a file")
-    _add_quantity(surface, "--rsm", "RSM", "60 um", "RSm of a profile or data sheet")
-    _add_output(surface, "figure of the scan and of the random surface", FIGURES)
-
     help_ = add_command(commands, "help", "pipeline.cli.begin:help_",
         "print a page of the documentation, or list all pages", "first-hour")
     help_.add_argument("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")

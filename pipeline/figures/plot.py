@@ -58,7 +58,7 @@ def plot(
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or path or URL of a store; or a result of
-        `pipeline.trade` or `pipeline.surface_statistics`.
+        `pipeline.trade`.
     kind : {"diagram", "rows", "tests"}, optional
         Name of the figure of a sweep; by default "diagram", or "rows" if each row of the sweep has
         its own load and velocity.

@@ -1,1 +1,1 @@
-"""Measured surfaces: statistics of a scan, and the windows of it that a scene simulates."""
+"""Measured surfaces: scans, and the windows of them that a scene simulates."""

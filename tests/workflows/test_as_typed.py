@@ -112,7 +112,7 @@ def test_what_a_page_shows_runs_on_coarse_elements(name, copy, monkeypatch):
         {
             r" --accuracy \d+%": "",  # which coarse elements do not reach
             # which take longer than all others
-            r"irg (report|plot results/rig)[^\n]*\n|```\nirg surface [^\n]*\n```\n": "",
+            r"irg (report|plot results/rig)[^\n]*\n": "",
             'step = "0.5 m/s"': 'step = "3 m/s"',
             'step = "20 N"': 'step = "60 N"',
             r"realizations = 2 ": 'loads = ["400 N"]\nvelocities = ["1 m/s", "4 m/s"]\n\\g<0>',

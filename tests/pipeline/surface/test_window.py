@@ -1,11 +1,9 @@
 """Areas of a scan as surfaces of a scene: levelled, filled and mirrored."""
 
-import tomllib
-
 import numpy as np
 import pytest
 
-from pipeline import SceneFileError, load_scene, to_si
+from pipeline import SceneFileError, load_scene
 from pipeline.surface.scan import Scan
 from pipeline.surface.window import filled
 from tribo.surface.areal import remove_form
@@ -86,10 +84,3 @@ def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
     for case, part in zip(wide.cases, (HEIGHTS[:, :20], HEIGHTS[:, 20:]), strict=True):
         np.testing.assert_array_equal(case.scene.roughness.array[:48], part)
         np.testing.assert_array_equal(case.scene.roughness.array[48:], part[::-1])
-
-
-def test_ra_and_rsm_of_a_profile_make_a_table(irg):
-    document = irg("surface", "--ra", "0.2 um", "--rsm", "60 um", "--json")
-    table = tomllib.loads(document["random_tables"])["disk"]["roughness"]
-    assert (table["ra"], table["hurst_exponent"]) == ("0.2 um", 0.8)
-    assert 1e-6 < to_si(table["correlation_length"], "1 um") < 60e-6
