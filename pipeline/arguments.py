@@ -27,52 +27,25 @@ T = TypeVar("T")
 _MAX_LEVELS = 10
 
 
-def _is_path(value: Any) -> bool:
-    return isinstance(value, str | os.PathLike)
-
-
-def _is_scene(value: Any) -> bool:
-    return _is_path(value) or hasattr(value, "case_table")
-
-
-def _is_dataset(value: Any) -> bool:
-    return _is_path(value) or type(value).__name__ == "Dataset" or hasattr(value, "drawn_by")
-
-
-def _is_text(value: Any) -> bool:
-    return isinstance(value, str)
-
-
-def _is_flag(value: Any) -> bool:
-    return isinstance(value, bool | np.bool_)
-
-
-def _is_mapping(value: Any) -> bool:
-    return isinstance(value, Mapping)
-
-
-def _is_case(value: Any) -> bool:
-    return isinstance(value, tuple) and all(
-        isinstance(label, tuple) and len(label) == 2 for label in value
-    )
-
-
-_PATH = _is_path, "text or a Path"
-_SCENE = _is_scene, "a Sweep, or the path of a scene"
-_DATASET = _is_dataset, "a Dataset of pipeline.open_sweep, or the path of a store"
-_TEXT = _is_text, "text"
-_FLAG = _is_flag, "True or False"
-_ALLOWED: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "path": _PATH, "out": _PATH, "source": _PATH, "sweep": _SCENE, "scene": _SCENE, "ds": _DATASET,
-    "progress": (callable, "a function of a Progress"), "title": _TEXT, "author": _TEXT,
+_PATH = (str, os.PathLike), "text or a Path"
+_TEXT = str, "text"
+_FLAG = (bool, np.bool_), "True or False"
+_ALLOWED: dict[str, tuple[Any, str]] = {
+    "path": _PATH, "out": _PATH, "source": _PATH, "title": _TEXT, "author": _TEXT, "preset": _TEXT,
     "command": _TEXT, "like": _TEXT, "kind": _TEXT, "plain": _FLAG, "retry_failed": _FLAG,
-    "dashboard": _FLAG, "preset": _TEXT, "changes": (_is_mapping, "a mapping of values by name"),
-    "overrides": (_is_mapping, "a mapping of values by key path"),
-    "name": (_is_case, "a tuple of pairs (dimension, label)"),
+    "dashboard": _FLAG, "sweep": (_PATH[0], "a Sweep, or the path of a scene"),
+    "scene": (_PATH[0], "a Sweep, or the path of a scene"),
+    "ds": (_PATH[0], "a Dataset of pipeline.open_sweep, or the path of a store"),
+    "progress": (Callable, "a function of a Progress"),
+    "changes": (Mapping, "a mapping of values by name"),
+    "overrides": (Mapping, "a mapping of values by key path"),
+    "name": (tuple, "a tuple of pairs (dimension, label)"),
 }  # fmt: skip
-"""What arguments of public functions must be, by their names; None, too, if it is the default."""
-
-
+"""Types of arguments of public functions, by their names, and what is allowed."""
+_CLASSES = {
+    "sweep": ("Sweep",), "scene": ("Sweep",), "ds": ("Dataset", "Trade"),
+}  # fmt: skip
+"""Further types of arguments, by name, since importing them is slow."""
 _POINTS = {"load": ("500 N", "finite and above 0"), "velocity": ("2 m/s", "finite and at least 0")}
 """Arguments that give a point, each with an example and what is allowed."""
 
@@ -85,9 +58,10 @@ def typed_arguments(function: Callable[P, T]) -> Callable[P, T]:
     @functools.wraps(function)
     def checked(*arguments: P.args, **keywords: P.kwargs) -> T:
         for name, value in {**dict(zip(names, arguments, strict=False)), **keywords}.items():
-            is_allowed, description = _ALLOWED.get(name, (None, ""))
+            types, description = _ALLOWED.get(name, (object, ""))
             is_default = value is None and name in parameters and parameters[name].default is None
-            if is_allowed and not (is_default or is_allowed(value)):
+            is_allowed = isinstance(value, types) or type(value).__name__ in _CLASSES.get(name, ())
+            if not (is_default or is_allowed):
                 value_text = " ".join(repr(value).split())
                 raise InputError(f"{name} is {value_text:.80}; give {description}")
         return function(*arguments, **keywords)
@@ -140,23 +114,12 @@ def _plain_number(name: str, value: Any, unit: str) -> Any:
 
 
 def _plain_quantity(name: str, value: Any, level: int) -> Any:
-    """Text of a quantity of pint in base units, or the number of a dimensionless one."""
-    if "delta_" in str(value.units):
-        raise InputError(f"{name} is a difference of temperatures; give a temperature")
-    try:
-        base = value.to_base_units()
-        unit = "" if base.dimensionless else f"{base.units:~C}"
-    except Exception as error:  # pint raises errors that are not its own
-        raise InputError(f"{name} is {value}, which cannot be converted: {error}") from error
-    return plain_value(name, _rounded(name, base.magnitude), unit, level)
-
-
-def _rounded(name: str, magnitude: Any) -> Any:
-    """Magnitude in base units with 15 digits, so that 0.27 µm is 2.7e-07 m."""
-    if isinstance(magnitude, np.ndarray | list | tuple):
-        return [_rounded(name, item) for item in magnitude]
-    number = plain_value(name, magnitude)
-    return float(f"{number:.15g}") if isinstance(number, int | float) else number
+    """Text of a quantity of pint, or a list of them."""
+    if np.ndim(value.magnitude):
+        return [plain_value(name, item, level=level + 1) for item in value]
+    if isinstance(value.magnitude, complex):
+        raise InputError(f"{name} is {value}, which is not real; give a real number")
+    return f"{value:~C}"
 
 
 def _plain_array(name: str, value: Any, level: int) -> Any:

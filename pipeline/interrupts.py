@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -55,11 +54,3 @@ def keyboard_interrupts() -> Iterator[None]:
     finally:
         for number, handler in former_handlers.items():
             signal.signal(number, handler)
-
-
-def resend_interrupt() -> None:
-    """Send SIGINT to this process after 0.1 s, without waiting for it.
-
-    This repeats a signal whose `KeyboardInterrupt` Python ignored, as it may during an import.
-    """
-    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

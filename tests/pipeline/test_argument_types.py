@@ -28,12 +28,10 @@ SKIPPED = {
 @pytest.fixture
 def valid(tiny_store, tmp_path):
     """Valid arguments by name."""
-    scan = tmp_path / "scan.npy"
-    np.save(scan, np.random.default_rng(0).normal(0, 1e-7, (40, 40)))
     return {
-        "path": scan, "out": tmp_path / "a.zarr", "sweep": SCENE, "scene": SCENE, "ds": tiny_store,
-        "load": "300 N", "velocity": "2 m/s", "text": "1 N", "like": "1 N", "height_unit": "m",
-        "pixel_size": ("1 um", "1 um"), "workers": 1,
+        "path": tmp_path / "a.toml", "out": tmp_path / "a.zarr", "sweep": SCENE, "scene": SCENE,
+        "ds": tiny_store,
+        "load": "300 N", "velocity": "2 m/s", "text": "1 N", "like": "1 N", "workers": 1,
     }  # fmt: skip
 
 
