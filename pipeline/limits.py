@@ -10,7 +10,5 @@ MAX_POINTS = 10_000_000
 """Most points of a sweep."""
 MAX_INPUTS = 2**26
 """Most numbers of a scene's files in a store: four of the largest scans."""
-MAX_FAULTS = 100
-"""Most faults of a scene that are listed; from then on the scene is not read further."""
 MAX_HINTS = 20
 """Most unknown keys for which similar ones are looked up."""

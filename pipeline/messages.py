@@ -7,8 +7,6 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
-from pipeline.limits import MAX_FAULTS
-
 _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 _UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -40,8 +38,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     """Join faults to a message that names the file; several have a line each, 20 at most."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
-    heading = "{}: {} faults or more" if len(faults) >= MAX_FAULTS else "{}: {} faults"
-    lines = [heading.format(name, len(faults)), *faults[:18]]
+    lines = [f"{name}: {len(faults)} faults", *faults[:18]]
     if len(faults) > 18:
         lines.append(f"and {len(faults) - 18} more")
     return "\n  ".join(lines)

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 from pipeline.messages import quoted
 from pipeline.sweep.case import CONDITION_ENTRIES, OIL_WORKS
-from pipeline.table import PYTHON, Advice, rows_of
-from pipeline.table_reader import read_table
+from pipeline.table import read_table
 from pipeline.units import share_of, to_si
 from tribo import InputError
 
@@ -20,12 +19,16 @@ _LIKE = {
     "bulk_temperature": "25 degC", "critical_temperature": "145 degC",
 }  # fmt: skip
 _LOAD_AND_VELOCITY = "load", "velocity"
+_COLDEST, _HOTTEST = (to_si(end, "1 K") for end in OIL_WORKS)
 _RANGES = {
-    "load": "above 0", "velocity": "above 0", "friction": "at least 0",
-    "bulk_temperature": " to ".join(OIL_WORKS), "critical_temperature": "above 0 K",
-    "critical_area_fraction": "at least 0 and below 1",
-}  # fmt: skip
-"""Allowed values of each column."""
+    "load": (math.ulp(0.0), math.inf, "above 0"),
+    "velocity": (math.ulp(0.0), math.inf, "above 0"),
+    "friction": (0.0, math.inf, "at least 0"),
+    "bulk_temperature": (_COLDEST, _HOTTEST, " to ".join(OIL_WORKS)),
+    "critical_temperature": (math.ulp(0.0), math.inf, "above 0 K"),
+    "critical_area_fraction": (0.0, math.nextafter(1.0, 0.0), "at least 0 and below 1"),
+}
+"""Least and largest values of each column [SI], and what is allowed in words."""
 
 
 class OperatingPoints(NamedTuple):
@@ -44,24 +47,22 @@ class OperatingPoints(NamedTuple):
         source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
         decimal: str | None = None,
         ignore: Collection[str] = (),
-        advice: Advice = PYTHON,
     ) -> OperatingPoints:
-        """Read a file as CSV or Excel, or columns by heading, such as a data frame.
+        """Read a file as CSV, or columns by heading, such as a data frame.
 
         `decimal` is the decimal mark of the file, and `ignore` has headings of columns to leave
-        out; `advice` is how its user states both. Columns of words are labels, which are passed
-        on. Raises an `InputError` with all faults of the table.
+        out. Columns of words are labels, which are passed on. Raises an `InputError` with all
+        faults of the table.
         """
         path_or_columns = Path(source) if isinstance(source, str | os.PathLike) else source
-        entries = {path: name for name, path in CONDITION_ENTRIES.items()}
+        condition_names = {path: name for name, path in CONDITION_ENTRIES.items()}
         max_rows = 100_000  # which are judged within a minute
-        sheet = read_table(path_or_columns, max_rows, decimal, ignore, advice)
-        sheet, names = sheet.renamed(entries), (*_LOAD_AND_VELOCITY, *CONDITION_ENTRIES)
-        rows = rows_of(sheet, names, _faults_in, _LOAD_AND_VELOCITY)
+        table = read_table(path_or_columns, max_rows, decimal, ignore, condition_names)
+        rows = table.rows(_RANGES, _faults_in, _LOAD_AND_VELOCITY)
         columns = {
-            name: [_value(name, row[name]) for row in rows] for name in names if name in rows[0]
+            name: [_value(name, row[name]) for row in rows] for name in _RANGES if name in rows[0]
         }
-        label_columns = (column for column in sheet.columns if column.name not in names)
+        label_columns = (column for column in table.columns if column.name not in _RANGES)
         return cls(columns, {column.heading: column.cells for column in label_columns})
 
 
@@ -76,17 +77,13 @@ def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _value(name: str, cell: Any) -> float:
     """Value of a cell in SI; `InputError` or ValueError if it has none, or is out of range."""
-    if name == "friction":
-        value, ends = float(share_of(cell)), (0.0, math.inf)
-    elif name == "critical_area_fraction":
-        value, ends = share_of(cell), (0.0, math.nextafter(1.0, 0.0))
+    if name not in _LIKE:
+        value = float(share_of(cell))
+    elif isinstance(cell, str):
+        value = to_si(cell, _LIKE[name])
     else:
-        if not isinstance(cell, str):
-            raise InputError(f"{cell} has no unit; give one such as {_LIKE[name]}")
-        value, ends = to_si(cell, _LIKE[name]), (math.ulp(0.0), math.inf)
-        if name == "bulk_temperature":
-            low, high = (to_si(end, "1 K") for end in OIL_WORKS)
-            ends = low, high
-    if not ends[0] <= value <= ends[1] or math.isinf(value):
-        raise InputError(f"{quoted(cell)} is outside the allowed range; it must be {_RANGES[name]}")
+        raise InputError(f"{cell} has no unit; give one such as {_LIKE[name]}")
+    lowest, highest, allowed = _RANGES[name]
+    if not lowest <= value <= highest or math.isinf(value):
+        raise InputError(f"{quoted(cell)} is outside the allowed range; it must be {allowed}")
     return value

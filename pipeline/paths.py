@@ -123,26 +123,12 @@ def store_hint(path: Path) -> str:
     return ""
 
 
-_CONTROLS = {*range(32), 127} - {*b"\t\n\r\f\x1a\x1b"}
-
-
 def is_binary(content: bytes) -> bool:
-    """True for the content of a file that is no text, by its beginning.
+    """True for the content of a file that is no text, in UTF-16 with its mark or any other.
 
     Examples
     --------
     >>> is_binary(b"load [N],velocity [m/s]"), is_binary(bytes(range(32)))
     (False, True)
     """
-    beginning = content[:4096]
-    if _is_utf16(beginning):
-        beginning = beginning.decode("utf-16-le", errors="replace").encode(errors="replace")
-    count = sum(byte in _CONTROLS for byte in beginning)
-    return count > max(2, 0.01 * len(beginning))
-
-
-def _is_utf16(content: bytes) -> bool:
-    """True if a file begins with the mark of UTF-16, or nearly every second byte is 0."""
-    beginning = content[:200]
-    zeros = max(beginning[1::2].count(0), beginning[::2].count(0))
-    return content[:2] in (b"\xff\xfe", b"\xfe\xff") or zeros > len(beginning) * 0.4
+    return b"\0" in content[:4096] and content[:2] not in (b"\xff\xfe", b"\xfe\xff")

@@ -1,30 +1,34 @@
-"""Tables of tests, operating points, rows and loads, with headings like "load [N]".
+"""Tables of tests, operating points, rows and loads: CSV, or columns of Python.
 
-All tables have one contract. Each column acts, is left out by the user, or holds words; a number is
-never a label. Cells are text here, and nothing is guessed: an empty cell in a column that acts, a
-formula without a stored value, a row with more or fewer cells than headings, a repeated heading and
-an ambiguous number are refused: all faults at once, each with its row and column.
+All tables have one contract. Headings are like "load [N]". Each column acts, is ignored by the
+user, or holds words; a number is never a label. Nothing is guessed: an empty cell in a column that
+acts, a row with more or fewer cells than headings, a repeated heading and an ambiguous number are
+refused: all faults at once, each with its row and column.
 """
 
 from __future__ import annotations
 
-import functools
+import csv
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
-from pipeline.limits import MAX_FAULTS
+from pipeline.arguments import plain_value
 from pipeline.messages import did_you_mean, fault_lines, quoted
+from pipeline.paths import is_binary, read_file, reason_of, user_path
 from pipeline.units import MAYBE_THOUSANDS, NUMBER, to_si
 from tribo import InputError
 from tribo.types import Array
 
 NAME = "number"
 """Column with the numbers or names of specimens and rows, which stay as they are written."""
+Source = str | Path | Mapping[str, Sequence[Any]]
 _HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
 _LONG_NAMES = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 _NUMBER = re.compile(NUMBER, re.ASCII)
@@ -36,14 +40,10 @@ _NUMERIC = re.compile(
 _PLAIN_CHARACTERS = str.maketrans("−–\xa0\u202f\u2009", "--   ")
 _NO_VALUE = {"-", "--", "—"}  # after `_PLAIN_CHARACTERS`
 _NUMBER_UNITS = {"-", "–", "—", "−", "1"}
-_SYNONYMS = {
-    "cof": "friction", "mu": "friction", "μ": "friction", "µ": "friction",
-    "friction_coefficient": "friction", "coefficient_of_friction": "friction",
-    "speed": "velocity", "sliding_speed": "velocity", "force": "load", "t_oil": "bulk_temperature",
-    "critical": "critical_temperature", "result": "outcome", "radius": "pin.radius",
-    "ra": "disk.roughness.ra",
+_PYTHON_UNITS = {
+    "load": "N", "velocity": "m/s", "bulk_temperature": "K", "critical_temperature": "K",
 }  # fmt: skip
-"""Headings that are refused, and the name that is suggested for each."""
+"""Units of numbers that are given in Python without one."""
 
 
 class TableError(InputError):
@@ -52,38 +52,6 @@ class TableError(InputError):
     def __init__(self, name: str, faults: list[str]) -> None:
         super().__init__(fault_lines(name, faults))
         self.faults = faults
-
-
-class TableFaults(list[str]):
-    """Faults of a table by its `name`; the last one that is listed is raised with the others."""
-
-    def __init__(self, name: str, faults: Iterable[str] = ()) -> None:
-        super().__init__()
-        self.name = name
-        self.extend(faults)
-
-    def append(self, fault: str) -> None:
-        """Add a fault."""
-        super().append(fault)
-        if len(self) >= MAX_FAULTS:
-            raise TableError(self.name, self)
-
-    def extend(self, faults: Iterable[str]) -> None:
-        """Add faults."""
-        for fault in faults:
-            self.append(fault)
-
-
-class Advice(NamedTuple):
-    """How the user of a table leaves out a column, and states the decimal mark of its numbers."""
-
-    ignore: str
-    decimal: str
-
-
-PYTHON = Advice("leave it out", "write decimals with points")
-COMMAND = Advice("ignore it: --ignore {}", "set --decimal {}")
-SCENE = Advice("ignore it: ignore = [{}] below file", "set decimal = {} below file")
 
 
 class Column(NamedTuple):
@@ -95,7 +63,7 @@ class Column(NamedTuple):
     cells: list[str]
 
     @classmethod
-    def from_heading(cls, heading: str, cells: Sequence[str] = ()) -> Column:
+    def from_heading(cls, heading: str, cells: Iterable[str] = ()) -> Column:
         """A column by its heading, such as "load [N]"; `[-]` and `[1]` are units of numbers."""
         heading = " ".join(heading.split())
         match = _HEADING.fullmatch(heading)
@@ -120,173 +88,259 @@ class Column(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Sheet:
-    """Columns of a table, the numbers of its rows in the file, and its faults.
-
-    The reader of the cells raises these faults together with its own.
-    """
+class Table:
+    """Columns of a table, the numbers of its rows in the file, and the faults found so far."""
 
     name: str
     columns: list[Column]
-    lines: list[int]
-    faults: TableFaults
-    advice: Advice = PYTHON
+    lines: Sequence[int]
+    faults: list[str] = field(default_factory=list)
     decimal: str | None = None  # decimal mark given by the user
-    is_local: bool = False  # True if points of numbers may divide thousands
+    has_commas: bool = True  # False where cells are not divided by commas: "1.200" may be 1200
 
-    def renamed(self, names: Mapping[str, str]) -> Sheet:
-        """The sheet with renamed columns; a repeated name is a fault."""
-        columns, faults = list[Column](), TableFaults(self.name, self.faults)
-        for original in self.columns:
-            column = original._replace(name=names.get(original.name, original.name))
-            if any(column.name == renamed.name for renamed in columns):
-                faults.append(f"the heading {quoted(original.heading)} occurs twice; leave one out")
-            else:
-                columns.append(column)
-        return replace(self, columns=columns, faults=faults)
+    def rows(
+        self,
+        known: Collection[str],
+        faults_in: Callable[[dict[str, Any]], Iterable[tuple[str, str]]],
+        needed: Collection[str] = (),
+        omissible: Collection[str] = (),
+    ) -> list[dict[str, Any]]:
+        """Entries in each row, as a scene file has them, of the columns in `known`.
 
-    def select(
-        self, known: Collection[str], needed: Collection[str] = (), omissible: Collection[str] = ()
-    ) -> tuple[list[Column], list[Column], TableFaults]:
-        """Columns that act, columns of words, and all faults.
-
-        The first have a name in `known`; their numbers have decimal points. A dash in an
-        `omissible` column leaves out the entry of its row.
+        A dash in an `omissible` column leaves out the entry of its row. Raises a `TableError` with
+        all faults: of the table, and pairs (name, reason) that `faults_in` finds in a row, each
+        with its row and column.
         """
-        faults = TableFaults(self.name, self.faults)
-        acting_columns, word_columns = list[Column](), list[Column]()
-        names = {column.name for column in self.columns}
+        faults, columns = [*self.faults], list[Column]()
+        headings = {column.name: column.heading for column in self.columns}
         for column in self.columns:
             if column.name in known:
                 cells = [*self._cells(column, column.name in omissible, faults)]
-                acting_columns.append(column._replace(cells=cells))
-            elif fault := self._fault_of_words(column, known, names):
+                columns.append(column._replace(cells=cells))
+            elif fault := self._fault_of_words(column, [*known]):
                 faults.append(fault)
-            else:
-                word_columns.append(column)
-        headings = ", ".join(quoted(column.heading) for column in self.columns)
-        missing = [name for name in needed if name not in names]
-        faults.extend(f"no column {name} in {headings}; add it, with its unit" for name in missing)
-        return acting_columns, word_columns, faults
+        for name in needed:
+            if name not in headings:
+                listed = ", ".join(map(quoted, headings.values()))
+                faults.append(f"no column {name} in {listed}; add it, with its unit")
+        rows, faulty_locations = list[dict[str, Any]](), {text.split(": ")[0] for text in faults}
+        for index, line in enumerate(self.lines):
+            filled = [column for column in columns if column.cells[index]]
+            rows.append({column.name: column.entry(index) for column in filled})
+            for name, reason in faults_in(rows[-1]):
+                location = f"row {line}, {headings.get(name, name)}"
+                if location not in faulty_locations and (name in headings or name not in needed):
+                    faults.append(f"{location}: {reason}")
+        if faults:
+            raise TableError(self.name, faults)
+        return rows
 
-    def _fault_of_words(self, column: Column, known: Collection[str], names: set[str]) -> str:
+    def _fault_of_words(self, column: Column, known: Sequence[str]) -> str:
         """Why a column of an unknown name cannot pass as words; empty if it can."""
         if column.name == NAME:
             return ""
-        name = _SYNONYMS.get(column.name.lower(), column.name)
-        hint = did_you_mean(name, {*known} - names)
+        names = {column.name for column in self.columns}
+        hint = did_you_mean(column.name, {*known} - names)
         cells = zip(self.lines, column.cells, strict=True)
-        number = next((pair for pair in cells if _is_numeric(pair[1])), None)
+        numbers = (pair for pair in cells if _NUMERIC.match(pair[1].translate(_PLAIN_CHARACTERS)))
+        number = next(numbers, None)
         if not hint and number is None and "." not in column.name:
             return ""
-        heading, ignore = quoted(column.heading), self.advice.ignore.format(quoted(column.heading))
-        if hint:
-            return f"the column {heading} is unknown{hint}; rename it, or {ignore}"
         choices = f"one of {', '.join(known)}" if len(known) <= 12 else "the path of an entry"
-        if number is None:
-            return f"the column {heading} is unknown; rename it to {choices}, or {ignore}"
+        reason = f"has numbers ({quoted(number[1])} in row {number[0]}), but " if number else ""
+        heading = quoted(column.heading)
         return (
-            f"the column {heading} has numbers ({quoted(number[1])} in row {number[0]}), but is "
-            f"unknown; rename it to {choices}, to {NAME} if it has names, or {ignore}"
+            f"the column {heading} {reason}is unknown{hint}; rename it to {choices}, to {NAME} if "
+            f"it has names, or ignore it: ignore = [{heading}] (in a command --ignore {heading})"
         )
 
-    def _cells(self, column: Column, is_omissible: bool, faults: TableFaults) -> Iterator[str]:
+    def _cells(self, column: Column, is_omissible: bool, faults: list[str]) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
             location = f"row {line}, {column.heading}"
             plain_cell = cell.translate(_PLAIN_CHARACTERS)
             if not cell:
-                advice = "give a value in each row"
-                if is_omissible:
-                    advice = "give a value in each row, or a dash where it does not apply"
-                faults.append(f"{location}: empty; {advice}")
+                dash = ", or a dash where it does not apply" if is_omissible else ""
+                faults.append(f"{location}: empty; give a value in each row{dash}")
                 yield ""
             elif column.name == NAME:
                 yield cell
             elif is_omissible and plain_cell in _NO_VALUE:
                 yield ""
             else:
-                number, rest = split_number(plain_cell)
+                match = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", plain_cell)
+                number, rest = (match[1], match[2] or "") if match else ("", plain_cell)
                 if problem := self._fault_of_marks(number):
                     faults.append(f"{location}: {cell} {problem}")
                 yield number.replace(",", ".") + rest
 
     def _fault_of_marks(self, number: str) -> str:
-        """Why the marks in a number have two meanings, or another than that of the table."""
+        """Why the marks in a number are not decimal marks of the table; empty if they are."""
         marks = {*number} & {",", "."}
-        if self.decimal == "," and "." in marks:
+        if self.decimal is None and not self.has_commas and MAYBE_THOUSANDS.fullmatch(number):
+            return (
+                "may be a thousand times as much, by the mark in it; state the decimal mark: "
+                'decimal = "." or "," (in a command --decimal ".")'
+            )
+        if marks <= {self.decimal or "."}:
+            return ""
+        if self.decimal == ",":
             return "has a point, though decimals have commas; write the number that you mean"
-        if not marks or self.decimal == ",":
-            return ""
-        if marks == {"."} and not (self.decimal is None and self.is_local):
-            return ""
-        if self.decimal is None and MAYBE_THOUSANDS.fullmatch(number):
-            without_marks = number.replace(",", "").replace(".", "")
-            with_point = number.replace(",", ".")
-            if with_point.count(".") > 1:
-                return f"may be {without_marks}; write it without marks of thousands"
-            problem = f"may be {without_marks} or {with_point}; write the one that you mean"
-            if self.advice is PYTHON:
-                return problem
-            mark = number.strip("+-0123456789")[0]
-            return f"{problem}, or {self.advice.decimal.format(quoted(mark))}"
-        if "," in marks:
-            advice = self.advice.decimal.format(quoted(","))
-            return f"has a comma; {advice}, if commas are decimal marks"
-        return ""
+        return (
+            'has a comma; write decimals with points, or state the mark of a file: decimal = "," '
+            '(in a command --decimal ",")'
+        )
+
+    def numbers(self, units: Mapping[str, str]) -> dict[str, Array]:
+        """Values in SI of the columns named in `units`, whose headings or cells have units."""
+
+        def faults_in(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+            for name, cell in row.items():
+                try:
+                    to_si(str(cell), f"1 {units[name]}")
+                except ValueError as error:
+                    yield name, str(error)
+
+        rows = self.rows(units, faults_in, needed=units)
+        return {
+            name: np.array([to_si(str(row[name]), f"1 {unit}") for row in rows])
+            for name, unit in units.items()
+        }
 
 
-def _is_numeric(cell: str) -> bool:
-    return _NUMERIC.match(cell.translate(_PLAIN_CHARACTERS)) is not None
+def read_table(
+    source: Source,
+    max_rows: int,
+    decimal: str | None = None,
+    ignore: Collection[str] = (),
+    names: Mapping[str, str] | None = None,
+) -> Table:
+    """Read a CSV file, or columns by heading such as a data frame.
 
-
-def split_number(cell: str) -> tuple[str, str]:
-    """A cell as its number, with all of its marks, and what follows; no number is empty."""
-    match = re.fullmatch(r"([-+]?\d[\d.,]*)(\D.*)?", cell)
-    return (match[1], match[2] or "") if match else ("", cell)
-
-
-def rows_of(
-    sheet: Sheet,
-    names: Collection[str],
-    faults_in: Callable[[dict[str, Any]], Iterable[Sequence[Any]]],
-    needed: Collection[str] = (),
-    omissible: Collection[str] = (),
-) -> list[dict[str, Any]]:
-    """Entries in each row, as a scene file has them, of the columns in `names`.
-
-    Entries are left out where an `omissible` column has a dash. Columns of words are not used.
-    Raises an `InputError` with all faults: of the sheet, and pairs (name, reason) that `faults_in`
-    finds in a row, each with its row and column.
+    In CSV cells are divided by the first of tab, semicolon and comma in the headings. `decimal` is
+    the decimal mark of its numbers. Columns whose headings are in `ignore` are left out. `names`
+    has other names of columns, by those of their headings.
     """
-    columns, _, faults = sheet.select(names, needed, omissible)
-    rows, headings = list[dict[str, Any]](), {column.name: column.heading for column in columns}
-    faulty_locations = {fault.partition(": ")[0] for fault in faults}
-    for index, line in enumerate(sheet.lines):
-        filled = [column for column in columns if column.cells[index]]
-        rows.append({column.name: column.entry(index) for column in filled})
-        for name, reason, *_ in faults_in(rows[-1]):
-            location = f"row {line}, {headings.get(name, name)}"
-            if location not in faulty_locations and (name in headings or name not in needed):
-                faults.append(f"{location}: {reason}")
-    if faults:
-        raise TableError(sheet.name, faults)
-    return rows
-
-
-def numbers_of(sheet: Sheet, units: Mapping[str, str]) -> dict[str, Array]:
-    """Values in SI of the columns named in `units`, whose headings or cells have units."""
-    rows = rows_of(sheet, units, functools.partial(_quantity_faults, units), needed=units)
-    return {
-        name: np.array([to_si(str(row[name]), f"1 {unit}") for row in rows])
-        for name, unit in units.items()
-    }
-
-
-def _quantity_faults(units: Mapping[str, str], row: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the columns named in `units` that have no quantity in a row, and why."""
-    for name, unit in units.items():
+    name, has_commas = "the table", True
+    if isinstance(source, str | Path):
+        path = user_path(source)
+        name = str(path)
         try:
-            to_si(str(row.get(name, "")), f"1 {unit}")
-        except ValueError as error:
-            yield name, str(error) if name in row else f"missing; give one in {unit}"
+            rows, has_commas = _rows_of_file(path)
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
+    else:
+        rows = _rows_of_columns(source)
+    rows = [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
+    if len(rows) < 2:
+        raise InputError(f"{name} has no rows below its headings; add one")
+    if len(rows) - 1 > max_rows:
+        raise InputError(f"{name} has {len(rows) - 1} rows; at most {max_rows} are read")
+    (_, headings), *body = rows
+    width = _filled_length(headings)
+    if width > 1000:
+        raise InputError(f"{name} has {width} columns; at most 1000 are read")
+    sound_rows, faults = list[tuple[int, list[str]]](), list[str]()
+    for line, row in body:
+        if len(row) < width or _filled_length(row) > width:
+            count = max(_filled_length(row), min(len(row), width))
+            faults.append(f"row {line} has {count} cells below {width} headings; give one for each")
+        else:
+            sound_rows.append((line, row))
+    columns = [
+        Column.from_heading(headings[k], [row[k] for _, row in sound_rows]) for k in range(width)
+    ]
+    columns = [
+        column._replace(name=(names or {}).get(column.name, column.name))
+        for column in _without_ignored(columns, ignore, faults)
+        if column.heading or any(column.cells)
+    ]
+    for k, column in enumerate(columns):
+        if not 0 < len(column.heading) <= 200:
+            faults.append("a column has no heading, or a very long one; give one for each column")
+        elif any(column.name == other.name for other in columns[:k]):
+            faults.append(f"the heading {quoted(column.heading)} occurs twice; leave one out")
+    return Table(name, columns, [line for line, _ in sound_rows], faults, decimal, has_commas)
+
+
+def _without_ignored(
+    columns: list[Column], ignore: Collection[str], faults: list[str]
+) -> list[Column]:
+    """Columns whose headings, with or without the unit, are not in `ignore`."""
+    for heading in ignore:
+        key = heading.strip().lower()
+        kept = [
+            column
+            for column in columns
+            if key not in (column.heading.lower(), column.heading.partition("[")[0].strip().lower())
+        ]
+        if len(kept) == len(columns):
+            names = ", ".join(quoted(column.heading) for column in columns)
+            problem = f"there is no column {quoted(heading)} to ignore in {names}"
+            faults.append(f"{problem}; give a heading of the table")
+        columns = kept
+    return columns
+
+
+def _filled_length(row: Sequence[str]) -> int:
+    """Number of cells of a row without the empty ones at its end."""
+    return max((k + 1 for k, cell in enumerate(row) if cell.strip()), default=0)
+
+
+def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, list[str]]]:
+    """Rows of columns by heading, numbered from 1; headings first."""
+    if isinstance(source, pd.DataFrame):
+        if index_names := [str(name) for name in source.index.names if name is not None]:
+            raise InputError(f"the index {quoted(index_names[0])} is not read; use reset_index()")
+        columns = [(str(heading), source.iloc[:, k]) for k, heading in enumerate(source.columns)]
+    elif hasattr(source, "dims"):
+        raise InputError("a Dataset is not a table; give its variables as load and velocity")
+    else:
+        columns = [(str(heading), cells) for heading, cells in source.items()]
+    cell_columns = list[list[str]]()
+    for heading, values in columns:
+        plain_values = plain_value(f"column {quoted(heading)}", values)
+        if not isinstance(plain_values, list):
+            raise InputError(f"column {quoted(heading)} is not a list; give one value for each row")
+        column = Column.from_heading(heading)
+        cell_columns.append([_cell_of_value(column, value) for value in plain_values])
+    if len({*map(len, cell_columns)}) > 1:
+        counts = ", ".join(
+            f"{quoted(heading)} {len(cells)}"
+            for (heading, _), cells in zip(columns, cell_columns, strict=True)
+        )
+        raise InputError(f"columns have different numbers of rows: {counts}; give each the same")
+    rows = [[heading for heading, _ in columns], *map(list, zip(*cell_columns, strict=True))]
+    return [*enumerate(rows)]
+
+
+def _cell_of_value(column: Column, value: Any) -> str:
+    """Cell of a value of Python; a number under a heading without a unit is in SI."""
+    if value is None or value != value:  # NaN
+        return ""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and not column.unit and column.name in _PYTHON_UNITS:
+        return f"{value!r} {_PYTHON_UNITS[column.name]}"
+    return str(value)
+
+
+def _rows_of_file(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
+    """Rows of a file with their numbers, headings first; and if commas divide its cells."""
+    content = read_file(path, max_bytes=40_000_000)
+    if is_binary(content):
+        raise InputError(f"{path} is binary, such as a workbook; save the table as .csv")
+    is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        text = content.decode("utf-16" if is_utf16 else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("cp1252", errors="replace")  # as Excel writes in the west
+    lines = text.splitlines()
+    is_comment = (not line.strip() or line.startswith("#") for line in lines)
+    start = next((k for k, comment in enumerate(is_comment) if not comment), len(lines))
+    headings = re.sub('"[^"]*"', "", lines[start]) if lines[start:] else ""
+    delimiter = next((mark for mark in "\t;," if mark in headings), ",")
+    reader = csv.reader(lines[start:], delimiter=delimiter, strict=True)
+    try:
+        return [(start + reader.line_num, row) for row in reader], delimiter == ","
+    except csv.Error as error:  # such as a quote that is not closed
+        raise InputError(f"{path}: row {start + reader.line_num}: {error}; correct it") from error

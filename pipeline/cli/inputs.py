@@ -20,7 +20,6 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.case import CONDITION_ENTRIES, PATHS
 from pipeline.sweep.case_table import dimension_of
 from pipeline.sweep.sweep import Sweep
-from pipeline.table import COMMAND
 from pipeline.units import to_si
 from tribo import InputError
 
@@ -111,7 +110,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
         return None
     if options.load is not None or options.velocity is not None:
         raise InputError("--points already gives loads and velocities; leave out the others")
-    return OperatingPoints.read(options.points, options.decimal, options.ignore, COMMAND)
+    return OperatingPoints.read(options.points, options.decimal, options.ignore)
 
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -12,12 +11,12 @@ from typing import Any
 
 import tribo
 from pipeline.paths import user_path
-from pipeline.scene.checks import check_tables, disc_of, track_faults, track_length
-from pipeline.scene.declared_tables import Declared, table_of
+from pipeline.scene.checks import disc_of, misfits, track_length, track_misfits
 from pipeline.scene.entries import Entries, entry_at, replace_values
-from pipeline.scene.faults import Faults, TooManyFaultsError
+from pipeline.scene.faults import Faults
 from pipeline.scene.format import (
     USUAL_PRESET,
+    Archard,
     MaterialTable,
     MeasuredSurfaceTable,
     Model,
@@ -28,16 +27,16 @@ from pipeline.scene.format import (
     SceneFile,
     StagesTable,
     Window,
+    stages_of,
 )
+from pipeline.scene.kinds import Declared, Table
 from pipeline.scene.library import resolve_library
-from pipeline.scene.load_stages import expand_tests, stages_of
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import PATHS, Case, Conditions
 from pipeline.sweep.case_table import AREAS_ENTRY
 from pipeline.sweep.notes import FromLibrary
-from pipeline.table import SCENE, numbers_of
-from pipeline.table_reader import read_table
+from pipeline.table import read_table
 from tribo.loading.record import find_fault
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of
@@ -69,7 +68,7 @@ class Files:
 class BuiltScene:
     """Declared tables of a scene, its case, and the values taken from the library."""
 
-    tables: Any
+    tables: SceneFile
     case: Case
     sources: tuple[FromLibrary, ...]
 
@@ -77,11 +76,54 @@ class BuiltScene:
 def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     """Make the case of a scene's entries; None if an entry is faulty, with all faults added.
 
-    A fault that is found in the case itself, such as a too short track, does not make it None.
+    Conflicts between entries are looked for once each entry alone has no fault. A fault that is
+    found in the case itself, such as a too short track, does not make it None.
     """
-    with suppress(TooManyFaultsError):
-        return _build(entries, files, faults)
-    return None
+    fault_count = len(faults)
+    resolved, sources = resolve_library(dict(entries), faults)
+    if len(faults) > fault_count:  # the entries of a material or an oil are missing
+        return None
+    tables: SceneFile = Table(SceneFile).read(resolved, "", faults)
+    if faults:
+        return None
+    fidelity, preset = fidelity_of(tables.fidelity, faults)
+    for path, problem in misfits(tables, fidelity):
+        faults.refuse(path, problem)
+    part = partial(_part, faults)
+    scene_parts = {
+        "pixels": part("window", grid_of, tables.window, tables.pin),
+        "motion": part("motion", motion_of, tables.motion, tables.pin, tables.disk),
+        "wear": part("wear", wear_of, tables.wear),
+        "loading": part("loading", loading_of, tables.loading, tables.sweep.loads, files, faults),
+        "roughness": part(
+            "disk.roughness", roughness_of, tables.disk.roughness, tables.window,
+            tables.sweep.realizations, files, faults,
+        ),
+        "fidelity": fidelity,
+    }  # fmt: skip
+    oil = part("oil", oil_of, tables.oil)
+    for body in ("pin", "disk"):
+        part(body, disc_of, getattr(tables, body))  # only to find faults
+    if faults:
+        return None
+    scene = scene_of(tables, **scene_parts)
+    with faults.at("window.pixels"):
+        scene = widen_window(scene, max(tables.sweep.velocities))
+    model = tables.model or Model()
+    case = Case(
+        name=(),
+        scene=scene,
+        conditions=conditions_of(tables, scene),
+        friction_band=tables.friction.band,
+        model_bias=model.bias,
+        model_scatter=model.scatter,
+        critical_from_tests=math.isnan(tables.temperature.critical or 0.0),
+        lubricant=oil,
+        preset=preset,
+    )
+    for path, problem in track_misfits(tables, case):
+        faults.refuse(path, problem)
+    return BuiltScene(tables, case, sources)
 
 
 def build_case(
@@ -99,54 +141,12 @@ def build_case(
     return build(replace_values(bare, case_entries) | {"sweep": sweep}, files, faults)
 
 
-def _build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
-    resolved, sources = resolve_library(dict(entries), faults)
-    tables = expand_tests(table_of(SceneFile).read(resolved, "", faults), faults)
-    fidelity, preset = fidelity_of(tables.fidelity, faults)
-    converted = partial(_converted, tables, faults)
-    parts = {
-        "pixels": converted(grid_of, "window", "pin"),
-        "motion": converted(motion_of, "motion", "pin", "disk"),
-        "wear": converted(lambda wear: tribo.Wear(**vars(wear)), "wear"),
-        "loading": converted(partial(loading_of, files, faults), "loading", "sweep.loads"),
-        "roughness": converted(
-            partial(roughness_of, files, faults), "disk.roughness", "window", AREAS_ENTRY
-        ),
-        "fidelity": fidelity,
-    }
-    oil = converted(oil_of, "oil")
-    for body in ("pin", "disk"):
-        converted(disc_of, body)  # only to find faults
-    check_tables(replace(tables, fidelity=fidelity), faults)
-    if faults:
+def _part(faults: Faults, path: str, convert: Callable[..., Any], table: Any, *more: Any) -> Any:
+    """Convert a table to its part of the scene; None without a table, or if there is a fault."""
+    if table is None:
         return None
-    scene = scene_of(tables, **parts)
-    with faults.at("window.pixels"):
-        scene = widen_window(scene, max(tables.sweep.velocities))
-    model = tables.model or Model()
-    case = Case(
-        name=(),
-        scene=scene,
-        conditions=conditions_of(tables, scene),
-        friction_band=tables.friction.band,
-        model_bias=model.bias,
-        model_scatter=model.scatter,
-        critical_from_tests=math.isnan(tables.temperature.critical or 0.0),
-        lubricant=oil,
-        preset=preset,
-    )
-    for path, fault in track_faults(tables, case):
-        faults.refuse(path, fault)
-    return BuiltScene(tables, case, sources)
-
-
-def _converted(tables: Any, faults: Faults, convert: Callable[..., Any], *paths: str) -> Any:
-    """Convert the tables at `paths`; None if one is faulty, or the first is missing."""
-    arguments = [entry_at(tables, path) for path in paths]
-    if arguments[0] is None or any(map(faults.touches, paths)):
-        return None
-    with faults.at(f"{paths[0]}.file" if hasattr(arguments[0], "file") else paths[0]):
-        return convert(*arguments)
+    with faults.at(f"{path}.file" if hasattr(table, "file") else path):
+        return convert(table, *more)
     return None
 
 
@@ -190,8 +190,13 @@ def motion_of(table: MotionTable, pin: Any, disk: Any) -> tribo.Motion:
     )
 
 
+def wear_of(table: Archard) -> tribo.Wear:
+    """Archard's law of wear."""
+    return tribo.Wear(**vars(table))
+
+
 def loading_of(
-    files: Files, faults: Faults, table: RampTable | StagesTable | Record, loads: Sequence[float]
+    table: RampTable | StagesTable | Record, loads: Sequence[float], files: Files, faults: Faults
 ) -> Loading:
     """The ramp, the stages up to the highest of `loads` [N], the record, or the ramp fitted to it.
 
@@ -215,16 +220,16 @@ def loading_of(
 def _record(path: Path, table: Record) -> tuple[Array, Array]:
     """Times [s] and loads [N] of a recorded load."""
     max_rows = 1_000_000  # which are read within a minute
-    sheet = read_table(path, max_rows, table.decimal, table.ignore, SCENE)
-    times, loads = numbers_of(sheet, {"time": "s", "load": "N"}).values()
+    rows = read_table(path, max_rows, table.decimal, table.ignore)
+    times, loads = rows.numbers({"time": "s", "load": "N"}).values()
     if fault := find_fault(times, loads):
         row, problem = fault
-        raise tribo.InputError(f"row {sheet.lines[row]}: {problem}")
+        raise tribo.InputError(f"row {rows.lines[row]}: {problem}")
     return times, loads
 
 
 def roughness_of(
-    files: Files, faults: Faults, table: Any, window: Window, realizations: Any
+    table: Any, window: Window, realizations: Any, files: Files, faults: Faults
 ) -> Roughness:
     """Roughness of the disk: from a seed, or from the heights in an area of a scan.
 

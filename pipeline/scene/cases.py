@@ -6,18 +6,17 @@ A case is read as if its values were in the file, or set by ``--set``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS, MAX_VARIED_ENTRIES
 from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
-from pipeline.scene.declared_tables import Entry, Table, table_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import TableFile, number_at, scene_entries
-from pipeline.scene.kinds import LOAD, SPEED
+from pipeline.scene.format import LOAD, SPEED, TableFile, number_at, scene_entries
+from pipeline.scene.kinds import Table as TableKind
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
     AREAS_ENTRY,
@@ -32,19 +31,14 @@ from pipeline.sweep.case_table import (
     surface_table,
 )
 from pipeline.sweep.codec import digest
-from pipeline.table import SCENE, Advice, Sheet, TableError, TableFaults
 from pipeline.table import Column as TableColumn
-from pipeline.table_reader import read_table
+from pipeline.table import Table, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 
 _UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests")
 """Entries and tables that cannot take several values."""
-_POINT = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
-_CASE_ADVICE = Advice(
-    "ignore it: along = {{ file = ..., ignore = [{}] }}",
-    "set along = {{ file = ..., decimal = {} }}",
-)
+_PLACE = {"load": LOAD, "velocity": SPEED}
 CaseRow = dict[str, Any]
 
 
@@ -62,106 +56,78 @@ class Cases:
 
 def with_first_case(
     entries: Entries, files: Files, faults: Faults
-) -> tuple[Entries, list[CaseRow]]:
+) -> tuple[Entries, list[CaseRow] | None]:
     """Entries with the first value of ``over``, and the first row of ``along``, as defaults.
 
-    Also returns the rows of ``along``, as entries by heading. Faulty rows are added to `faults`,
-    and left out, so that they have no further faults.
+    Also returns the rows of ``along``, as entries by path and labels by heading; None if they have
+    faults, which are added to `faults`.
     """
-    over = entry_at(entries, "sweep.over")
+    over, along = entry_at(entries, "sweep.over"), entry_at(entries, "sweep.along")
     varied = [*flat(over)] if isinstance(over, dict) else []
     if len(varied) > MAX_VARIED_ENTRIES:
-        faults.refuse(
-            "sweep.over", f"{len(varied)} entries are too many; vary {MAX_VARIED_ENTRIES} at most"
-        )
-        return replace_values(entries, {"sweep.over": None}), []
+        varied = []  # refused by the format
     firsts = {path: values[0] for path, values in varied if isinstance(values, list) and values}
     entries = merged(replace_values({}, firsts), entries)
-    fault_count, rows = len(faults), _rows_along(entry_at(entries, "sweep.along"), files, faults)
-    points = [_read_point(index, row, rows[0], faults) for index, row in enumerate(rows)]
-    if len(faults) > fault_count:
-        return replace_values(entries, {"sweep.along": None}), []
+    if not along or (isinstance(along, list) and len(along) > MAX_ON_AXIS):
+        return entries, []  # a list that is empty or too long is refused by the format
+    rows = list[CaseRow]()
+    with faults.at("sweep.along"):
+        rows = _rows_along(along, files, faults)
     if not rows:
-        return entries, []
-    loads = sorted({point["load"] for point in points})
-    velocities = sorted({point["velocity"] for point in points})
-    axes = {
-        "sweep.loads": [f"{load!r} N" for load in loads],
-        "sweep.velocities": [f"{velocity!r} m/s" for velocity in velocities],
-    }
+        return entries, None
+    axes = {}
+    for axis, (name, kind) in zip(("loads", "velocities"), _PLACE.items(), strict=True):
+        values = sorted({kind.read(row[name], name, Faults()) for row in rows})
+        axes[f"sweep.{axis}"] = [f"{value!r} {kind.unit}" for value in values]
     row_entries = {path: value for path, value in rows[0].items() if "." in path}  # no labels
     return merged(replace_values({}, row_entries), replace_values(entries, axes)), rows
 
 
 def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
     """Rows of ``along``, in the scene or in a file, as entries by path and labels by heading."""
-    fault_count = len(faults)
-    if isinstance(along, list) and len(along) > MAX_ON_AXIS:
-        return []  # refused by the format
-    if isinstance(along, list) and all(isinstance(row, dict) for row in along):
-        with faults.at("sweep.along"):
-            return _rows_of_scene([dict(flat(row)) for row in along])
-        return []
-    table = {"file": along} if isinstance(along, str) else along
-    declared = table and table_of(TableFile).read(table, "sweep.along", faults)
-    if not declared or len(faults) > fault_count:
-        return []
-    with faults.at("sweep.along"):
+    if isinstance(along, list):
+        table = _table_of_scene([dict(flat(row)) for row in along if isinstance(row, dict)])
+    else:
+        entry = {"file": along} if isinstance(along, str) else along
+        declared = TableKind(TableFile).read(entry, "sweep.along", file_faults := Faults())
+        faults += file_faults
+        if file_faults:
+            return []
         path = files.path("sweep.along", declared.file)
-        advice = _CASE_ADVICE if isinstance(along, str) else SCENE
-        sheet = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, advice)
-        columns, label_columns = _read_columns(sheet, tuple(_POINT.keys))
-        return [
-            {column.name: column.entry(row) for column in columns}
-            | {column.name: column.cells[row] for column in label_columns}
-            for row in range(len(sheet.lines))
-        ]
-    return []
+        table = read_table(path, MAX_ON_AXIS, declared.decimal, declared.ignore, CONDITION_ENTRIES)
+    entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
+    paths = [column.name for column in table.columns if "." in column.name]
+    known = [*_PLACE, *paths, *entries]
+    rows = table.rows(known, _place_faults, needed=_PLACE)
+    for column in table.columns:
+        if column.name not in known:
+            for row, cell in zip(rows, column.cells, strict=True):
+                row[column.name] = cell
+    return rows
 
 
-def _rows_of_scene(rows: list[CaseRow]) -> list[CaseRow]:
-    """Rows with entries by path, and labels as text; `InputError` for a heading of no meaning."""
+def _table_of_scene(rows: list[CaseRow]) -> Table:
+    """Table of rows that are listed in a scene."""
     names = [*dict.fromkeys(name for row in rows for name in row)]
     if len(names) > MAX_VARIED_ENTRIES:
         raise InputError(
             f"rows have {len(names)} different entries; give {MAX_VARIED_ENTRIES} at most"
         )
     columns = [
-        TableColumn(name, name, "", [str(row.get(name, "")) for row in rows]) for name in names
+        TableColumn(
+            name, CONDITION_ENTRIES.get(name, name), "", [str(row.get(name, "")) for row in rows]
+        )
+        for name in names
     ]
-    sheet = Sheet("the rows", columns, [*range(1, len(rows) + 1)], TableFaults("the rows"))
-    entry_columns, _ = _read_columns(sheet, ())
-    paths = {column.name for column in entry_columns}
-    renamed = [
-        {CONDITION_ENTRIES.get(name, name): value for name, value in row.items()} for row in rows
-    ]
-    return [
-        {name: value if name in paths else str(value) for name, value in row.items()}
-        for row in renamed
-    ]
+    return Table("the rows", columns, range(1, len(rows) + 1))
 
 
-def _read_columns(
-    sheet: Sheet, needed: tuple[str, ...]
-) -> tuple[list[TableColumn], list[TableColumn]]:
-    """Columns with the points and entries of rows, and columns of words."""
-    sheet = sheet.renamed(CONDITION_ENTRIES)
-    entries = [path for path in scene_entries() if path.partition(".")[0] not in _UNVARIED_TABLES]
-    paths = [column.name for column in sheet.columns if "." in column.name]
-    columns, word_columns, faults = sheet.select([*_POINT.keys, *paths, *entries], needed)
-    if faults:
-        raise TableError(sheet.name, faults)
-    return columns, word_columns
-
-
-def _read_point(index: int, row: CaseRow, first: CaseRow, faults: Faults) -> CaseRow:
-    """Load and velocity of a row in SI."""
-    if different := row.keys() ^ first.keys():
-        problem = f"not every row has {', '.join(sorted(different))}; add it to all rows"
-        faults.refuse(f"sweep.along[{index}]", problem)
-    entries = {name: row[name] for name in _POINT.keys.keys() & row.keys()}
-    point: CaseRow = _POINT.read(entries, f"sweep.along[{index}]", faults)
-    return point
+def _place_faults(row: CaseRow) -> Iterator[tuple[str, str]]:
+    """Yield the load or velocity of a row if it is faulty, and why."""
+    for name, kind in _PLACE.items():
+        if name in row:
+            kind.read(row[name], name, faults := Faults())
+            yield from faults
 
 
 def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:
@@ -202,7 +168,7 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
             raise InputError(
                 f"sweep.along: {quoted(text)} has a line break or a control character; leave it out"
             )
-    columns, labels_by_column = list[Column](), dict[str, Sequence[Label]]()
+    columns, case_labels = list[Column](), [dict[str, Label]() for _ in rows]
     for heading in sorted(rows[0], key=lambda heading: heading in PLACE_UNITS):
         is_entry = "." in heading
         values = [row[heading] for row in rows]
@@ -210,13 +176,10 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
         is_quantity = is_entry or heading in PLACE_UNITS
         labels, unit = labels_of(values) if is_quantity else (values, None)
         name, entry = (dimension_of(heading), heading) if is_entry else (heading, "")
-        column = _column(name, PLACE_UNITS.get(heading, unit), f"{heading} of the row", entry)
-        columns.append(column)
-        labels_by_column[column.name] = labels
-    case_labels = [
-        dict(zip(labels_by_column, row_labels, strict=True))
-        for row_labels in zip(*labels_by_column.values(), strict=True)
-    ]
+        unit = PLACE_UNITS.get(heading, unit)
+        columns.append(_column(name, unit, f"{heading} of the row", entry))
+        for row_labels, label in zip(case_labels, labels, strict=True):
+            row_labels[name] = label
     changes = [{path: value for path, value in row.items() if "." in path} for row in rows]
     return Cases(numbered_cases(columns, case_labels), changes)
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-MAX_LEVELS = 10
-"""Most tables in tables of a scene, more than the format has."""
 Entries = Mapping[str, Any]
 """Values and further tables by key; or values by path."""
 
@@ -19,26 +17,10 @@ def entry_at(tables: Any, path: str) -> Any:
     return entry
 
 
-def is_within(path: str, table_path: str) -> bool:
-    """True if an entry is that at `table_path`, or an entry of this table or list."""
-    return path == table_path or path.startswith((f"{table_path}.", f"{table_path}["))
-
-
 def are_nested(first: str, second: str) -> bool:
-    """True if two paths are equal, or one is within the other."""
-    return is_within(first, second) or is_within(second, first)
-
-
-def too_deep_key(tables: Any, level: int = 0) -> str:
-    """Key below which tables or lists are nested more than `MAX_LEVELS` deep; else empty."""
-    members = tables.items() if isinstance(tables, dict) else enumerate(tables)
-    for key, value in members:
-        depth = level + 1 + (key.count(".") if isinstance(key, str) else 0)
-        if depth > MAX_LEVELS:
-            return f"{key}"[:80]
-        if isinstance(value, dict | list) and (inner_key := too_deep_key(value, depth)):
-            return inner_key if level else f"{key}"[:80]
-    return ""
+    """True if two paths of entries are equal, or one is within the other."""
+    first, second = f"{first}.", f"{second}."
+    return first.startswith(second) or second.startswith(first)
 
 
 def flat(tables: Entries, table_path: str = "") -> Iterator[tuple[str, Any]]:

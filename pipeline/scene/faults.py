@@ -8,9 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from pipeline.limits import MAX_FAULTS
 from pipeline.messages import fault_lines
-from pipeline.scene.entries import are_nested
 from pipeline.shipped import name_of
 from pipeline.sweep.notes import SceneNote, SceneWarning
 from pipeline.table import TableError
@@ -19,18 +17,10 @@ from tribo import InputError, TriboError
 
 
 class Fault(NamedTuple):
-    """A fault in an entry of a scene: its key path, what is wrong, and what to do instead.
-
-    `file` is given if the key is not enough to find the entry.
-    """
+    """A fault in an entry of a scene: its key path, what is wrong, and what to do instead."""
 
     key: str
     problem: str
-    file: Path | None = None
-
-
-class TooManyFaultsError(Exception):
-    """A scene has as many faults as are listed, so the rest of it is not read."""
 
 
 class Faults(list[Fault]):
@@ -42,13 +32,8 @@ class Faults(list[Fault]):
         self.warnings: list[SceneWarning] = []
 
     def refuse(self, key: str, problem: str) -> None:
-        """Add a fault of the entry at a key path; `problem` also says what to do.
-
-        Raises a `TooManyFaultsError` if this is the last fault to list.
-        """
+        """Add a fault of the entry at a key path; `problem` also says what to do."""
         self.append(Fault(key, problem))
-        if len(self) >= MAX_FAULTS:
-            raise TooManyFaultsError
 
     def note(self, key: str, text: str) -> None:
         """Add a note on the entry at the key path `key`."""
@@ -65,10 +50,6 @@ class Faults(list[Fault]):
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 
-    def touches(self, path: str) -> bool:
-        """True if there is a fault in the entry at a path, within it, or in the table around it."""
-        return any(are_nested(fault.key, path) for fault in self)
-
     def raise_first(self) -> None:
         """Raise the first fault, if there is one, as an `InputError`."""
         if self:
@@ -83,8 +64,8 @@ class SceneFileError(TriboError):
     path : Path
         Scene file.
     faults : list of str
-        Every fault, or the first 100, one line each: key, file if it is not the scene file, what
-        is wrong, and what is allowed.
+        Every fault, one line each: key, the scene that the entry is inherited from, what is wrong,
+        and what is allowed.
 
     Examples
     --------

@@ -11,10 +11,8 @@ from importlib import resources
 from typing import Any
 
 from pipeline.messages import key_path, quoted
-from pipeline.scene.declared_tables import table_of
 from pipeline.scene.entries import entry_at
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import MaterialTable
 from pipeline.sweep.notes import FromLibrary
 
 Entries = dict[str, Any]
@@ -36,54 +34,39 @@ def library() -> dict[str, Any]:
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
     """Add values of the library to a scene's entries; return the entries, and the added values."""
-    library_values: list[FromLibrary] = []
-    entries = dict(entries)
+    added_values: list[FromLibrary] = []
+    entries, tables = dict(entries), entries.get("materials", {})
     if isinstance(oil := entries.get("oil"), str):
-        entries["oil"] = _completed(oil, "oils", "oil", "oil", {}, library_values, faults)
-    tables = entries.get("materials", {})
+        entries["oil"] = _completed({}, oil, "oils", "oil", added_values, faults)
     if not isinstance(tables, dict):
-        return entries, tuple(library_values)
+        return entries, tuple(added_values)
     for body in ("pin", "disk"):
         name = entry_at(entries, f"{body}.material")
         if isinstance(name, str) and name in library()["materials"] and name not in tables:
             tables = {name: dict[str, Any](), **tables}
-    if tables:
-        entries["materials"] = {
-            name: _completed_material(table, name, library_values, faults)
-            for name, table in tables.items()
-        }
-    return entries, tuple(library_values)
-
-
-def _completed_material(
-    table: Any, name: str, library_values: list[FromLibrary], faults: Faults
-) -> Any:
-    """The table of a material with the entries that it lacks, from the library."""
-    if not isinstance(table, dict):
-        return table
-    # Without `like`, an incomplete table is completed by the material of the same name.
-    is_complete = table.keys() >= {*table_of(MaterialTable).needed}
-    same_name = name if name in library()["materials"] and not is_complete else None
-    like, path = table.get("like", same_name), key_path("materials", name)
-    if not isinstance(like, str) or not like:
-        return table
-    return _completed(like, "materials", path, f"{path}.like", table, library_values, faults)
+    materials = {}
+    for name, table in tables.items():
+        materials[name], like = table, None
+        if isinstance(table, dict):
+            like = table.get("like", None if table else name)
+        if like and isinstance(like, str):
+            path = key_path("materials", name)
+            materials[name] = _completed(table, like, "materials", path, added_values, faults)
+    return entries | ({"materials": materials} if materials else {}), tuple(added_values)
 
 
 def _completed(
-    name: str, kind: str, path: str, entry: str, table: Entries, library_values: list[FromLibrary],
-    faults: Faults,
-) -> Entries:  # fmt: skip
-    """The table at `path`, completed by the library's `name`, which stands in `entry`."""
-    library_tables = library()[kind]
-    if name not in library_tables:
-        names = ", ".join(map(quoted, library_tables))
-        faults.refuse(entry, f"{quoted(name)} is not in the library; available {kind}: {names}")
-        name = next(iter(library_tables))  # so that its entries do not count as missing
-    added_values = {}
-    for key, (value, source) in library_tables[name].items():
-        if key not in table:
-            added_values[key] = value
-            text = " and ".join(value) if isinstance(value, list) else str(value)
-            library_values.append(FromLibrary(f"{path}.{key}", text, library()["sources"][source]))
-    return added_values | table
+    table: Entries, name: str, kind: str, path: str, added_values: list[FromLibrary], faults: Faults
+) -> Entries:
+    """The table at `path`, completed by entries of the library's `name`."""
+    tables, sources = library()[kind], library()["sources"]
+    if name not in tables:
+        names = ", ".join(map(quoted, tables))
+        problem = f"{quoted(name)} is not in the library; available {kind}: {names}"
+        faults.refuse(f"{path}.like" if table else path, problem)
+        return table
+    added = {key: pair for key, pair in tables[name].items() if key not in table}
+    for key, (value, source) in added.items():
+        text = " and ".join(value) if isinstance(value, list) else str(value)
+        added_values.append(FromLibrary(f"{path}.{key}", text, sources[source]))
+    return {key: value for key, (value, _) in added.items()} | table

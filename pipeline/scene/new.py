@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import shutil
-import tomllib
-from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 
 from pipeline.arguments import typed_arguments
 from pipeline.messages import did_you_mean
 from pipeline.paths import reason_of, user_path
-from pipeline.scene.entries import Entries, entry_at
 from pipeline.shipped import shipped_scenes
 from tribo import InputError
 
@@ -60,10 +58,9 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     copies = list[tuple[Path, Path]]()
     if like is not None:
         text = shipped[like].read_text(encoding="utf-8")
-        names, folder = [*_files_of(tomllib.loads(text))], shipped[like].parent
-        if (folder / f"{like}.py").exists():  # the script that prints its rows
-            names.append(f"{like}.py")
-        copies = [(folder / name, path.parent / Path(name).name) for name in names]
+        folder, names = shipped[like].parent, [*re.findall(r'"([\w.]+)"', text), f"{like}.py"]
+        originals = (folder / name for name in names)  # files that it names, and its script
+        copies = [(file, path.parent / file.name) for file in originals if file.is_file()]
     files = [path, *(copy for _, copy in copies)]
     for file in files:
         if file.exists() or file.is_symlink():
@@ -75,15 +72,3 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     except OSError as error:
         raise InputError(f"{path} cannot be written: {reason_of(error, path)}") from error
     return files
-
-
-def _files_of(entries: Entries) -> Iterator[str]:
-    """Yield the names of the files that the entries of a scene name."""
-    tables = [entry_at(entries, path) or {} for path in ("disk.roughness", "loading")]
-    along = entry_at(entries, "sweep.along")
-    if isinstance(along, str):
-        tables.insert(0, {"file": along})
-    elif isinstance(along, dict):
-        tables.insert(0, along)
-    tables += entries.get("tests", [])
-    yield from (str(table["file"]) for table in tables if "file" in table)

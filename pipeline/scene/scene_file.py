@@ -3,38 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 import tribo
 from pipeline.arguments import in_count, in_load_or_velocity, plain_value, typed_arguments
-from pipeline.messages import did_you_mean, quoted
+from pipeline.messages import did_you_mean
 from pipeline.progress import Report, silent
 from pipeline.scene.build import Files, build
 from pipeline.scene.cases import listed_cases, read_cases, with_first_case
-from pipeline.scene.declared_tables import table_of
-from pipeline.scene.entries import (
-    MAX_LEVELS,
-    Entries,
-    are_nested,
-    entry_at,
-    flat,
-    is_within,
-    replace_value,
-    replace_values,
-    too_deep_key,
-)
-from pipeline.scene.faults import Fault, Faults, SceneFileError, TooManyFaultsError
+from pipeline.scene.entries import Entries, replace_value, replace_values
+from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
+from pipeline.scene.kinds import Table
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
 from pipeline.scene.tests import read_tests, with_listed_tests
-from pipeline.scene.toml import override_entries, read_document, text_of
+from pipeline.scene.toml import Document, override, read_document, text_of
 from pipeline.shipped import scene_path
 from pipeline.sweep import plan
 from pipeline.sweep.case_table import SEED_ENTRY
@@ -42,9 +30,7 @@ from pipeline.sweep.notes import SceneWarning
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.sweep import Point, Sweep
 
-FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
-"""Entries that may name a file, relative to the scene's folder."""
-_ROW_AXES = "sweep.loads", "sweep.velocities"
+_MAX_LEVELS = 10  # tables in tables
 PresetName = Literal["standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
@@ -85,17 +71,36 @@ def load_scene(
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, faults, preset = scene_path(path), Faults(), plain_value("preset", preset)
-    replaced = _path_overrides(overrides or {}, preset, path, faults)
-    document = override_entries(read_document(path, faults), replaced, faults)
-    folders = {key: document.file_of(key).parent for key in FILES}
-    source = Source(path.stem, document.entries, Files(folders))
+    settings = {} if preset is None else {"fidelity.preset": preset}
     try:
+        document = _overridden(read_document(path), settings | dict(overrides or {}), faults)
+        source = Source(path.stem, document.entries, Files(document.folders))
         sweep = source.read(faults)
-    except (tribo.InputError, tribo.InvariantError) as error:
-        raise SceneFileError(path, [_with_path(str(error), source.entries)]) from error
+    except (tribo.InputError, tribo.InvariantError, RecursionError) as error:
+        raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
         raise SceneFileError(path, [*map(document.line, faults)])
     return sweep
+
+
+def _overridden(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
+    """The document with values by key path, before which ``fidelity.`` may be left out."""
+    values, settings = dict(overrides), Table(FidelityTable).keys
+    document = document.without(plain_value("without", values.pop("without", None)))
+    table: Entries = {}
+    for name, value in values.items():
+        key = f"fidelity.{name}" if name in settings else name
+        if not ("." in key or (key in Table(SceneFile).keys and key != "extends")):
+            hint = did_you_mean(key, [*settings, *scene_entries()])
+            faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
+        elif key.count(".") >= _MAX_LEVELS:
+            faults.refuse(key[:80], f"no entry has more than {_MAX_LEVELS} parts")
+        elif value is None:
+            faults.refuse(key, f'is None; to leave it out, set without = ["{key}"]')
+        else:
+            with faults.at(key):
+                table = replace_value(table, key, plain_value(key, value))
+    return override(document, table)
 
 
 @dataclass(frozen=True)
@@ -111,28 +116,21 @@ class Source:
 
         An `InputError` is raised for the first fault that only a case of the sweep shows.
         """
-        with suppress(TooManyFaultsError):
-            return self._read(faults)
-        return None
-
-    def _read(self, faults: Faults) -> Sweep | None:
-        entries = with_listed_tests(self.entries, self.files, faults)
-        entries, along = with_first_case(entries, self.files, faults)
+        entries, rows = with_first_case(self.entries, self.files, faults)
+        if rows is None:  # faulty rows give no loads and velocities
+            return None
+        entries = with_listed_tests(entries, self.files, faults)
         scene = build(entries, self.files, faults)
-        faults[:] = [self._at_list(fault, along) for fault in faults]
-        if faults.touches("sweep.along"):  # faulty rows give no loads and velocities
-            missing = [path for path in _ROW_AXES if entry_at(entries, path) is None]
-            faults[:] = [fault for fault in faults if fault.key not in missing]
         if scene is None:
             return None
-        cases = listed_cases(scene, along)
+        cases = listed_cases(scene, rows)
         seeds = cases.table.column("realization")
         if seeds and isinstance(scene.case.scene.roughness, tribo.SelfAffineRoughness):
             seed = seeds[0]  # the scene itself has the first surface, as with areas of a scan
             entries = replace_values(entries, {SEED_ENTRY: seed})
             scene = replace(scene, case=scene.case.on_surface(seed))
         tests = read_tests(entries, self.files, scene, faults)
-        key = "sweep.along" if along else "sweep.over"
+        key = "sweep.along" if rows else "sweep.over"
         declared = scene.tables.sweep
         sweep = Sweep(
             name=self.name,
@@ -155,25 +153,15 @@ class Source:
         sweep.require_few_points()
         return sweep
 
-    def _at_list(self, fault: Fault, along: list[dict[str, Any]]) -> Fault:
-        """A fault of an entry that only ``over`` or ``along`` sets, at the key of this list."""
-        over = entry_at(self.entries, "sweep.over")
-        lists = {path: "over" for path, _ in flat(over)} if isinstance(over, dict) else {}
-        lists |= dict.fromkeys(along[0] if along else (), "along")
-        for path, list_name in lists.items():
-            if is_within(fault.key, path) and entry_at(self.entries, path) is None:
-                return fault._replace(key=f"sweep.{list_name}.{quoted(path)}")
-        return fault
-
     def changed(self, path: str, value: Any) -> Sweep:
         """The sweep with another value of an entry; `InputError` for the first fault."""
-        if too_deep_key({path: []}):
-            raise tribo.InputError(f"{path[:80]}: no entry has more than {MAX_LEVELS} parts")
+        if path.count(".") >= _MAX_LEVELS:
+            raise tribo.InputError(f"{path[:80]}: no entry has more than {_MAX_LEVELS} parts")
         values = {path: plain_value(path, value)}
         source = replace(self, entries=replace_values(self.entries, values))
         sweep = source.read(faults := Faults())
-        faults.raise_first()
-        assert sweep
+        if faults or sweep is None:
+            raise tribo.InputError(f"{faults[0].key}: {faults[0].problem}")
         return sweep
 
     def warnings(self, sweep: Sweep) -> tuple[SceneWarning, ...]:
@@ -181,61 +169,9 @@ class Source:
         return warnings_of_all(sweep)
 
 
-def _with_path(message: str, entries: Entries) -> str:
-    """Put the full paths of entries before an error message that begins with their name."""
-    name = message.partition(" ")[0]
-    paths = [path for path, _ in flat(entries) if path.endswith(f".{name}")]
-    if name in entries:
-        paths = [name]
-    return f"{' and '.join(paths)}: {message}" if paths else message
-
-
 def sweep_of(scene: SceneLike) -> Sweep:
     """Read a sweep from a path, with the errors of `load_scene`; return a sweep unchanged."""
     return scene if isinstance(scene, Sweep) else load_scene(scene)
-
-
-def _path_overrides(
-    overrides: Mapping[str, Any], preset: str | None, path: Path, faults: Faults
-) -> dict[str, Any]:
-    """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
-    entries: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
-    numerical_settings = table_of(FidelityTable).keys
-    for name, value in overrides.items():
-        key = f"fidelity.{name}" if name in numerical_settings else name
-        if not ("." in key or (key in table_of(SceneFile).keys and key != "extends")):
-            hint = did_you_mean(key, [*numerical_settings, *scene_entries()])
-            problem = f"unknown key{hint}; give an entry such as wear.pattern or title"
-            faults.append(Fault(key, problem))
-            continue
-        if deep_key := too_deep_key({key: []}):
-            faults.append(Fault(deep_key, f"no entry has more than {MAX_LEVELS} parts"))
-            continue
-        try:
-            if value is None:
-                raise tribo.InputError(f'is None; to leave it out, set without = ["{key}"]')
-            plain_entry = plain_value(key, value)
-            for entry_path in _paths_in(key, plain_entry):
-                if _is_set(entry_path, entries):
-                    raise tribo.InputError(f"{entry_path} is given twice; give it once")
-            entries[key] = plain_entry
-        except tribo.InputError as error:
-            faults.append(Fault(key, str(error).removeprefix(f"{key} "), path))
-    return entries
-
-
-def _paths_in(path: str, value: Any) -> list[str]:
-    """Paths of the entries in a value at a path: that path, or those in a table."""
-    return [entry_path for entry_path, _ in flat(replace_value({}, path, value))] or [path]
-
-
-def _is_set(path: str, entries: Entries) -> bool:
-    """True if `entries`, by path, have the entry at a path, a table around it, or one within it."""
-    return any(
-        are_nested(path, set_path)
-        for key, value in entries.items()
-        for set_path in _paths_in(key, value)
-    )
 
 
 @typed_arguments

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from pipeline.messages import key_path
 from pipeline.scene.contact_estimate import (
@@ -53,24 +53,15 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
         for warning in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
             by_entry.setdefault((warning.code, warning.path), {})[label] = warning
-    of_cases = (_in_cases(by_label, len(checked_cases)) for by_label in by_entry.values())
+    of_cases = list[SceneWarning]()
+    for by_label in by_entry.values():
+        first, *others = by_label.values()
+        cases = tuple(by_label) if len(by_label) < len(checked_cases) else ()
+        differs = any(warning.values != first.values for warning in others)
+        of_cases.append(
+            first._replace(cases=cases, of_case=next(iter(by_label)) if differs else "")
+        )
     return *of_columns, *of_entries, *of_cases
-
-
-def _in_cases(by_label: Mapping[str, SceneWarning], case_count: int) -> SceneWarning:
-    """The first of the warnings in `by_label`, which says in which of `case_count` cases it is."""
-    labels, first = [*by_label], next(iter(by_label.values()))
-    cases = tuple(labels) if len(by_label) < case_count else ()
-    is_shared = all(_has_equal_values(first, warning) for warning in by_label.values())
-    return first._replace(cases=cases, of_case="" if is_shared else labels[0])
-
-
-def _has_equal_values(first: SceneWarning, second: SceneWarning) -> bool:
-    """True if the values of two warnings of one code are equal within rounding."""
-    return all(
-        a == b or (isinstance(a, float) and isinstance(b, float) and math.isclose(a, b))
-        for a, b in zip(first.values, second.values, strict=True)
-    )
 
 
 def _unusual_values(sweep: Sweep) -> Warnings:

@@ -11,8 +11,7 @@ import sys
 
 import tribo
 from pipeline.messages import quoted
-from pipeline.scene.declared_tables import List, number_in
-from pipeline.scene.kinds import Quantity
+from pipeline.scene.kinds import List, Quantity, number_in
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.scene.declared_tables import Either, Entry, List, Table, Tables, table_of
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Kind
+from pipeline.scene.kinds import Either, Entry, Kind, List, Table, Tables
 
 
 class Section(NamedTuple):
@@ -51,7 +50,7 @@ class Section(NamedTuple):
         return f"{self.path}.{key}" if self.path else key
 
 
-_SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", is_needed=True)
+_SCENE = Entry(Table(SceneFile), "The file itself, above its first table.", is_needed=True)
 
 
 def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:

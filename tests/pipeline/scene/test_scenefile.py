@@ -155,9 +155,9 @@ FAULTS = {  # scene, other entries, and the keys that are named
     "empty": ("", {}, "pin disk window loading friction temperature sweep"),
     "slips": (TEXT, {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3},
               "incremnts realizations title waer"),
-    "pixels": (TEXT, {"window.pixels": [33, 33], "pin.radius": "2 N"}, "window.pixels pin.radius"),
-    "elements": (TEXT, {"pixels_per_element": 7, "pin.lenght": "1 mm"}, "window.pixels pin.lenght"),
-    "disk": (TEXT, {"disk.diameter": "20 mm", "pin.radius": "2 N"}, "disk.width pin.radius"),
+    "conflicts": (TEXT, {"window.pixels": [33, 33], "disk.diameter": "20 mm",
+                         "temperature.critical": "20 degC"},
+                  "window.pixels disk.width temperature.critical"),
 }  # fmt: skip
 
 
@@ -209,7 +209,7 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     counted = EXTENDS + '[sweep]\nvelocities = { to = "4 m/s", count = 3 }'
     assert load_scene(write(own=counted)).velocities == (1.0, 2.5, 4.0)
     fault, *_ = faults_of(write(own=EXTENDS + '[disk.roughness]\nfile = "scan.npy"'))
-    assert fault.startswith("disk.roughness.ra (in ")
+    assert fault.startswith("disk.roughness.ra (from ")
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
 
 
@@ -236,27 +236,8 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     assert load_scene("first_try").scene.motion is not None
 
 
-@pytest.mark.parametrize("text", ["x." * 500, "..." * 500, "a . b " * 300])
-def test_points_in_text_and_comments_are_no_parts_of_a_key(tmp_path, text):
-    rest = f'# {text} "\n[fidelity]\npreset = "standard"\n'
-    for quote in ('"', "'", '"""', "'''"):
-        head = f'extends = "first_try"\ntitle = {quote}{text}{quote}\n'
-        (tmp_path / "a.toml").write_text(head + rest)
-        assert load_scene(tmp_path / "a.toml").title == text
-
-
-def test_a_scene_with_many_faults_lists_the_first_hundred_of_them(tmp_path):
+def test_a_scene_with_many_faults_lists_the_first_and_counts_the_others(tmp_path):
     test = '[[tests]]\nlod = "1 N"\nvelocty = "1 m/s"\n'
-    (tmp_path / "a.toml").write_text('extends = "first_try"\n' + 10_000 * test)
-    with pytest.raises(SceneFileError, match="100 faults or more") as error:
+    (tmp_path / "a.toml").write_text('extends = "first_try"\n' + 4000 * test)
+    with pytest.raises(SceneFileError, match=r"(?s)12000 faults.*and 11982 more"):
         load_scene(tmp_path / "a.toml")
-    assert len(error.value.faults) == 100
-
-
-def test_scenes_that_extend_one_another_are_limited_together(tmp_path):
-    for k in range(3):
-        text = f'extends = "{f"{k + 1}.toml" if k < 2 else "first_try"}"\n# {"x" * 400_000}\n'
-        (tmp_path / f"{k}.toml").write_text(text)
-    assert load_scene(tmp_path / "1.toml").loads
-    with pytest.raises(SceneFileError, match=r"cannot be read: it has 0\.4 MB; at most 0\.2"):
-        load_scene(tmp_path / "0.toml")

@@ -1,6 +1,5 @@
 """Materials, oils and quantities: what a scene names, from text to SI, and back to text."""
 
-import math
 import re
 
 import pytest
@@ -35,7 +34,7 @@ def test_own_entries_go_before_those_of_the_library(read):
 
 
 def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
-    part = '[materials."AISI 52100"]\nhardness = "700 HV"\n\n[pin]'
+    part = '[materials."AISI 52100"]\nlike = "AISI 52100"\nhardness = "700 HV"\n\n[pin]'
     assert read(text=NO_TABLE.replace("[pin]", part, 1)).scene.disk.hardness == 700 * 9.80665e6
     elastic = re.sub("hardness = .*\n", "", TABLE).replace("steel", '"AISI 52100"')
     sweep = read(text=NO_TABLE + elastic)
@@ -100,13 +99,3 @@ def test_every_unit_in_which_values_are_shown_has_a_size():
     assert [(name, unit) for name, unit in UNITS.items() if unit and unit not in SIZES] == []
     assert display(418.15, "°C") == "145 °C"
     assert display(6.6e9, "GPa") == "6.6 GPa"
-
-
-@pytest.mark.parametrize(
-    ("dimension", "velocity"), [("radius", 2 * math.pi), ("diameter", math.pi)]
-)
-def test_turns_at_a_radius_or_diameter_are_a_velocity(dimension, velocity):
-    for turns in ("60 rpm", "1 Hz"):
-        assert to_si(f"{turns} at {dimension} 1 m", like="1 m/s") == pytest.approx(
-            velocity, rel=1e-14
-        )
