@@ -21,7 +21,6 @@ import numpy as np
 from pipeline import load_scene
 from pipeline.surface import scan, window
 from pipeline.table import read_table
-from tests.helpers import instruments
 from tests.helpers.campaigns import conclude
 from tribo import TriboError
 
@@ -29,7 +28,6 @@ WORKFLOWS = Path(__file__).parents[1] / "workflows"
 LEFT = Path("results/fuzz")
 SECONDS, MEGABYTES, LETTERS = 5.0, 1000, 2000  # of CPU for a file, of this process, of a message
 WORDS = (b"nan", b"inf", b"-9999", b"1e400", b"\n\n", b",,", b"\0", b"#", b"1e9", b'"', b"[", b"=")
-SIDES = 0.5e-6, 1e-6
 
 
 def scans():
@@ -39,10 +37,6 @@ def scans():
     text = "\n".join(map(" ".join, rows))
     head = "# Channel: z\n# Width: 15 um\n# Height: 24 um\n# Value units: um\n"
     return {
-        "a.x3p": instruments.x3p(heights, SIDES),
-        "a.gwy": instruments.gwy([("z", heights, "m")], SIDES),
-        "a.sur": instruments.sur(heights, SIDES),
-        "a.al3d": instruments.al3d(heights, SIDES),
         "a.npy": (WORKFLOWS / "scan.npy").read_bytes(),
         "a.csv": "\n".join(map(",".join, rows)).encode(),
         "head.txt": (head + text).encode(),
@@ -51,8 +45,7 @@ def scans():
 
 
 def read_scan(path, rng):
-    scale = (1e-6, (5e-7, 5e-7)) if rng.random() < 0.6 else ()
-    window.filled(scan.read_scan(path, *scale), 0.1)
+    window.filled(scan.read_scan(path, 1e-6)[0], 0.1)
 
 
 def tables():

@@ -262,9 +262,10 @@ def _scanned(
     files: Files, path: Path, table: Any, window: Window, areas: Sequence[int]
 ) -> tuple[Array, list[str]]:
     """Heights (nx, ny) [m] of the first of `areas` of a scan, and notes on them."""
-    scan_options = table.height_unit, table.pixel_size
-    scan = files.read_once((path, *scan_options), partial(read_scan, path, *scan_options))
-    return window_heights(scan, vars(table), window.pixels, window.pixel_size, areas)
+    scan_key = path, table.height_unit
+    scan, scan_notes = files.read_once(scan_key, partial(read_scan, *scan_key))
+    heights, notes = window_heights(scan, vars(table), window.pixels, window.pixel_size, areas)
+    return heights, [*scan_notes, *notes]
 
 
 def oil_of(table: OilTable) -> tribo.Oil:

@@ -167,12 +167,9 @@ class RandomSurface(Declared):
 class MeasuredSurfaceTable(Declared):
     mark = "file"
     file: str = entry(Text(),
-        "File of heights, relative to the scene's folder, with x from column to column: .npy, "
-        "text, or the format of an instrument (extra `surfaces`).")
-    height_unit: float | None = entry(UnitOfLength(),
-        "Unit of the heights, if the file has none or a wrong one.", None)
-    pixel_size: tuple[float, float] | None = entry(List(Quantity("0.8 um"), length=2),
-        "Pixel sides along x and y, if the file has none or wrong ones.", None)
+        "File of heights, relative to the scene's folder, with x from column to column: .npy or "
+        "text. Its pixels are those of the window.")
+    height_unit: float = entry(UnitOfLength(), "Unit of the heights.")
     level: bool = entry(Flag(),
         "True to remove tilt, and a curvature that is higher than Rq.", False)
     missing: float = entry(Share(at_least=0, below=1),
@@ -188,7 +185,7 @@ class Window(Declared):
     pixels: tuple[int, int] = entry(List(Integer(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y.")
     pixel_size: tuple[float, float] = entry(List(Quantity("0.95 um"), length=2),
-        "Sides of a pixel along x and y; those of a measured surface.")
+        "Sides of a pixel along x and y, also of a measured surface.")
 
 _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; that of a record is by default its peak."

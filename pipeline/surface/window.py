@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.quantities import display, display_sides
-from pipeline.surface.scan import Scan
+from pipeline.quantities import display
 from tribo import InputError
 from tribo.surface.areal import remove_form
 from tribo.types import Array, Indices
@@ -30,7 +29,7 @@ def areas_of(shape: tuple[int, ...], pixels: tuple[int, int], is_mirrored: bool)
 
 
 def window_heights(
-    scan: Scan,
+    scan: Array,
     table: Mapping[str, Any],
     pixels: tuple[int, int],
     sides: tuple[float, float],
@@ -41,20 +40,14 @@ def window_heights(
     `table` has the entries of ``disk.roughness``; `pixels` and `sides` [m] are those of the window.
     The areas lie side by side in the middle of the scan, and are numbered from 0, along x first.
     """
-    if not np.allclose(scan.pixel_size, sides, rtol=0.01):
-        raise InputError(
-            f"its pixels are {display_sides(scan.pixel_size)}; give those, window.pixel_size"
-        )
-    heights, notes = _area(scan.heights, pixels, table["mirror"], areas)
-    notes = [*scan.notes, *notes]
+    heights, notes = _area(scan, pixels, table["mirror"], areas)
     if table["level"]:
         heights, _, radii = remove_form(heights, sides)
         if radius_words := form_words(radii):
             notes.append(f"curvature removed: R {radius_words}")
-    area = Scan(heights, scan.pixel_size)
-    if area.missing:
-        heights = filled(area, table["missing"])
-        notes.append(f"{area.missing_words} and were filled from their surroundings")
+    if np.isnan(heights).any():
+        notes.append(f"{_missing_words(heights)} and were filled from their surroundings")
+        heights = filled(heights, table["missing"])
     if heights.shape != pixels:
         notes.append(
             f"{heights.shape[0]} × {heights.shape[1]} heights were mirrored to fill the window of "
@@ -97,25 +90,28 @@ def _area(
     ]
 
 
-def filled(scan: Scan, max_share: float) -> Array:
-    """Heights [m] with the missing ones as the mean of their neighbours (Laplace's equation).
+def _missing_words(heights: Array) -> str:
+    """Number and share of missing heights in words."""
+    missing = int(np.isnan(heights).sum())
+    share = 100 * missing / heights.size
+    return f"{missing} of {heights.size} heights ({share:.2g} %) are missing"
 
-    An `InputError` if the share of missing heights is above `max_share`.
+
+def filled(heights: Array, max_share: float) -> Array:
+    """Heights [m] in which each missing one is the mean of its two to four neighbours.
+
+    This is Laplace's equation. An `InputError` is raised if the share of missing heights is above
+    `max_share`.
     """
-    if scan.missing > max_share * scan.heights.size:
-        first = np.argwhere(np.isnan(scan.heights))[0].tolist()
-        raise InputError(
-            f"{scan.missing_words}, the first at x {first[0]}, y {first[1]} (counted from 0); "
-            f"at most {100 * max_share:.2g} % are filled; measure again, or allow more (missing)"
-        )
-    return _harmonic(scan.heights) if scan.missing else scan.heights
-
-
-def _harmonic(heights: Array) -> Array:
-    """Heights in which each missing one is the mean of its two to four neighbours."""
     from scipy import sparse  # slow to import
 
     is_hole = np.isnan(heights)
+    if is_hole.sum() > max_share * heights.size:
+        first = np.argwhere(is_hole)[0].tolist()
+        raise InputError(
+            f"{_missing_words(heights)}, the first at x {first[0]}, y {first[1]} (counted from 0); "
+            f"at most {100 * max_share:.2g} % are filled; measure again, or allow more (missing)"
+        )
     x, y = np.nonzero(is_hole)
     hole_numbers = np.full(heights.shape, -1)
     hole_numbers[x, y] = np.arange(len(x))

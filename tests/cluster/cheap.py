@@ -47,7 +47,6 @@ def scene_of(points, scan=0, folder=Path()):
             "without": [f"disk.roughness.{key}" for key in RANDOM],
             "disk.roughness.file": str(file),
             "disk.roughness.height_unit": "um",
-            "disk.roughness.pixel_size": sides,
             "window.pixels": [scan, scan],
             "window.pixel_size": sides,
             "fidelity.pixels_per_element": scan // 20,

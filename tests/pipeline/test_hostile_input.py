@@ -19,7 +19,6 @@ from pipeline.surface.scan import read_scan
     ("name", "read"),
     [
         ("a.npy", lambda file: read_scan(file, 1.0)),
-        ("a.x3p", read_scan),
         ("a.csv", OperatingPoints.read),
         ("a.toml", load_scene),
     ],

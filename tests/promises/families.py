@@ -353,7 +353,6 @@ def measure(entries, kind):
     for key in [key for key in entries if key.startswith("disk.roughness")]:
         del entries[key]
     entries |= {"disk.roughness.file": "heights.npy", "disk.roughness.height_unit": "um"}
-    entries["disk.roughness.pixel_size"] = entries["window.pixel_size"]
     entries["title"] = f"{kind} surface of seed {seed}, Ra {ra:g} µm"
 
     def write(path):

@@ -114,7 +114,7 @@ def roughness(surface, window, path, count):
     np.save(path, 1e6 * heights.T)
     return {
         "without": ["disk.roughness"], "disk.roughness.file": str(path),
-        "disk.roughness.height_unit": "um", "disk.roughness.pixel_size": sides,
+        "disk.roughness.height_unit": "um",
     }  # fmt: skip
 
 

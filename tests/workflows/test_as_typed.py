@@ -14,7 +14,6 @@ import pytest
 
 import tribo
 from pipeline.cli import main
-from tests.helpers import instruments
 
 ROOT = Path(__file__).parents[2]
 DIAGRAM = "make diagram"
@@ -39,7 +38,6 @@ def copy(tmp_path):
     rng = np.random.default_rng(0)
     heights = rng.normal(scale=0.3, size=(560, 640)) + np.linspace(0, 5, 560)[:, None]  # tilted
     np.save(tmp_path / "disk.npy", heights)
-    (tmp_path / "scan.x3p").write_bytes(instruments.x3p(1e-6 * heights[:96, :64], (1e-6, 1e-6)))
     return tmp_path
 
 

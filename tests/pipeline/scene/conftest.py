@@ -15,7 +15,7 @@ TEXT = "".join([
     PAPER[PAPER.index("[[tests]]") :],
 ])  # fmt: skip
 ROUGHNESS = TEXT[TEXT.index("ra =") : TEXT.index("[window]")]
-MEASURED_SURFACE = 'file = "surface.npy"\nheight_unit = "um"\npixel_size = ["0.8 um", "0.95 um"]\n'
+MEASURED_SURFACE = 'file = "surface.npy"\nheight_unit = "um"\n'
 
 
 @pytest.fixture

@@ -391,10 +391,10 @@ def test_a_scan_is_one_matrix_or_is_refused(tmp_path, mark):
         refused.append("".join(f"{line}{mark}{mark}{line}\n" for line in lines))
     for content, is_read in [*((c, True) for c in read), *((c, False) for c in refused)]:
         (tmp_path / "a.txt").write_text(content, encoding="utf-8")
-        scan = read_or_refused(read_scan, tmp_path / "a.txt", 1e-6, (1e-6, 1e-6))
+        scan = read_or_refused(read_scan, tmp_path / "a.txt", 1e-6)
         assert (scan is not None) == is_read, content[:80]
         if scan is not None:
-            np.testing.assert_allclose(scan.heights.T, 1e-6 * HEIGHTS, rtol=1e-6)
+            np.testing.assert_allclose(scan[0].T, 1e-6 * HEIGHTS, rtol=1e-6)
 
 
 def test_what_is_no_single_number_is_named_by_its_argument():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from pipeline import SceneFileError, load_scene
-from pipeline.surface.scan import Scan
 from pipeline.surface.window import filled
 from tribo.surface.areal import remove_form
 
@@ -20,7 +19,6 @@ def scene(tmp_path):
         np.save(tmp_path / "a.npy", heights.T)
         table = {
             "file": str(tmp_path / "a.npy"), "height_unit": "m",
-            "pixel_size": ["0.8 um", "0.95 um"],
         } | table  # fmt: skip
         entries = {
             "window.pixels": list(pixels), "window.pixel_size": ["0.8 um", "0.95 um"],
@@ -37,7 +35,7 @@ def test_a_scene_takes_an_area_levelled_and_filled(scene):
     holed[10, 12] = holed[20, 20] = np.nan
     sweep = scene((40, 32), holed, level=True)
     part, *_ = remove_form(holed[4:44, 4:36], SIDES)  # from the middle
-    expected = filled(Scan(part, SIDES), 0.1)
+    expected = filled(part, 0.1)
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
     assert expected[6, 8] == pytest.approx(expected[[5, 7, 6, 6], [8, 8, 7, 9]].mean())
     assert any("2 of 1280 heights (0.16 %) are missing and were filled" in note.words
@@ -53,7 +51,7 @@ def test_missing_heights_are_the_mean_of_their_neighbours(share):
     for heights in (x**2 - y**2, x * y):
         holed = heights.copy()
         holed[1:-1, 1:-1][np.random.default_rng(3).random((28, 18)) < share] = np.nan
-        np.testing.assert_allclose(filled(Scan(holed, SIDES), 1.0), heights, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(filled(holed, 1.0), heights, rtol=1e-9, atol=1e-9)
 
 
 def test_realizations_of_a_scan_are_its_areas(scene):
@@ -75,8 +73,7 @@ def test_realizations_of_a_scan_are_its_areas(scene):
 def test_a_scan_of_another_size_is_refused_or_mirrored(scene):
     for pixels, table, words in (
         ((40, 48), {}, "48 × 40 heights along x and y, the window 40 × 48; give fewer"),
-        ((48, 40), {"pixel_size": ["1 um", "0.95 um"]}, "give those, window.pixel_size"),
-        ((48, 40), {"pixel_size": None}, "does not have the sides of a pixel"),
+        ((48, 40), {"height_unit": None}, "disk.roughness.height_unit: missing"),
     ):
         with pytest.raises(SceneFileError, match=words):
             scene(pixels, **table)
