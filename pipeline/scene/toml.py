@@ -21,7 +21,11 @@ from pipeline.shipped import name_of, scene_path, shipped_scenes
 
 FILES = ("disk.roughness.file", "loading.file", "sweep.along", "tests")
 """Entries that may name a file, relative to the folder of the scene that sets them."""
-_MAX_BYTES = 200_000  # of a scene, of which each long key takes a second
+_MAX_BYTES = 200_000  # of a scene; those that come with the program have 3000
+_LONG_KEY = re.compile(
+    r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}"""
+)
+"""A dotted key of 20 parts: time and memory of the parser grow with the square of this number."""
 _MAX_CHAIN = 20  # scenes that extend one another
 
 
@@ -123,7 +127,10 @@ def _toml(path: Path) -> dict[str, Any]:
         advice = hint or "; give a scene file (TOML), or a shipped scene (irg new --list)"
         raise SceneFileError(path, [f"cannot be read: {reason}{advice}"]) from error
     try:
-        tables = tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
+        if key := _LONG_KEY.search(text):
+            raise ValueError(f"more than 20 parts are joined by points: {quoted(key[0][:40])}")
+        tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also text that is not UTF-8
         fault = f"is not valid TOML in UTF-8: {error}; correct it"
         raise SceneFileError(path, [fault]) from error

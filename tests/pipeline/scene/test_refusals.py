@@ -282,6 +282,10 @@ TEXTS = {
     ),
     "overrides": (lambda: load_scene("first_try", overrides="a=1"), "overrides is 'a=1'; give a"),
     "chain": (chain, "a scene may not extend itself, and at most 20 others"),
+    "dotted": (
+        toml(b"a = 1\n[b]\n" + b".".join([b'"a b"'] * 30_000) + b" = 1\n"),
+        "joined by points",
+    ),
     "without extends": (toml(b'without = ["pin"]\n'), 'nothing to remove: "without" needs'),
     "no radius": (lambda: scene(without="pin.radius"), "pin.radius: missing; required: a length"),
     "changed": (lambda: scene().changed("pin.radius", "3 N"), 'pin.radius: "3 N" cannot be conv'),
