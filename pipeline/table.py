@@ -151,7 +151,7 @@ class Table:
         heading = quoted(column.heading)
         return (
             f"the column {heading} {reason}is unknown{hint}; rename it to {choices}, to {NAME} if "
-            f"it has names, or ignore it: ignore = [{heading}] (in a command --ignore {heading})"
+            f"it has names, or ignore it: ignore = [{heading}] (--ignore {heading})"
         )
 
     def _cells(self, column: Column, is_omissible: bool, faults: list[str]) -> Iterator[str]:
@@ -178,18 +178,12 @@ class Table:
         """Why the marks in a number are not decimal marks of the table; empty if they are."""
         marks = {*number} & {",", "."}
         if self.decimal is None and not self.has_commas and MAYBE_THOUSANDS.fullmatch(number):
-            return (
-                "may be a thousand times as much, by the mark in it; state the decimal mark: "
-                'decimal = "." or "," (in a command --decimal ".")'
-            )
+            return 'may be a thousand times as much; set decimal = "." or "," (--decimal ".")'
         if marks <= {self.decimal or "."}:
             return ""
         if self.decimal == ",":
             return "has a point, though decimals have commas; write the number that you mean"
-        return (
-            'has a comma; write decimals with points, or state the mark of a file: decimal = "," '
-            '(in a command --decimal ",")'
-        )
+        return 'has a comma; write a point, or set decimal = "," (--decimal ",")'
 
     def numbers(self, units: Mapping[str, str]) -> dict[str, Array]:
         """Values in SI of the columns named in `units`, whose headings or cells have units."""

@@ -59,7 +59,7 @@ def test_a_table_of_western_excel_is_read(tmp_path):
         (f"{HEADS},motion.slide_roll_ratio\n300,1.5,0.1\n", "slide_roll_ratio. has numbers"),
         (
             "load [N];velocity [mm/s]\n1.200;1.500\n",
-            r"1\.200 may be a thousand times as much, by the mark in it; state the decimal mark",
+            r"1\.200 may be a thousand times as much; set decimal = ",
         ),
         (f'{HEADS}\n300,"1.5\n', "row 2: unexpected end of data"),
         (f"{HEADS}\n300,1.\0005\n", "is binary"),
@@ -72,7 +72,7 @@ def test_a_table_of_western_excel_is_read(tmp_path):
         ("load [N],speed [m/s]\n300,1.5\n", r"no column velocity in"),
         ("load [N],velocty [m/s]\n300,1.5\n", r'did you mean "velocity"'),
         (f"{HEADS},surface speed [m/s]\n300,1.5,3\n", r'"surface speed \[m/s\]" has numbers'),
-        (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma; write decimals with p"),
+        (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma; write a point, or set"),
         ("PK\x03\x04\x00\x00", "is binary, such as a workbook; save the table as .csv"),
         (HEADS, "has no rows below its headings"),
         ("\x00\x01\x02\x03" * 99, "is binary"),
