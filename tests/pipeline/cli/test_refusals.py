@@ -107,7 +107,7 @@ REFUSALS = {
     "nothing": (irg("run"), "SCENE.toml"),
     "a command": (irg("boundry", "a.zarr"), "invalid choice: 'boundry' (choose from "),
     "a kind": (irg("plot", "a.zarr", "--kind", "row"), "invalid choice: 'row' (choose from "),
-    "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "write 8.5 cm"),
+    "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "write decimals with a point"),
     "of another": (irg("status", "a.zarr", "--friction", "0.1"),
                    "irg: unrecognized arguments: --friction 0.1; see irg --help"),
     "both": (irg("run", "a.toml", "--workers", "2", "--scheduler", "tcp://a:1"), "not allowed"),

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 import zarr
 
-import pipeline
 import tribo
 from pipeline import StoreError, StoreMismatchError, open_sweep, summary, verify_store
 from pipeline.store.create import writing
@@ -191,9 +190,6 @@ def test_surfaces_are_added_to_those_that_are_there_and_the_first_keeps_the_fiel
         with pytest.raises(KeyError, match="not a valid dimension"):
             of_one_surface.sel(realization=7)
     assert verify_store(path).is_clean
-    pipeline.plot(ds, "fields", load="150 N", velocity="0.5 m/s")
-    with pytest.raises(tribo.InputError, match="a store keeps those of one surface realization"):
-        pipeline.plot(ds.sel(realization=7), "fields", load="150 N", velocity="0.5 m/s")
 
 
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):

@@ -113,7 +113,6 @@ REFUSALS = {
     "field less": (data(warnings=[{"is": "SceneWarning"}]), "this version needs SceneWarning.code"),
     "field more": (data(warnings=[{"is": "SceneWarning", "code": "unusual", "later": 1}]),
                    "this version has no SceneWarning.later"),
-    "many loads": (data(loads=[*range(1, 5002)]), "has 5001 loads; at most 5000 can be kept"),
     "no data": (lambda: sweep_of_plain({}, {}), "this version needs 'base', which is missing"),
     "bias": (lambda: replace(tiny.sweep().base, model_bias=1.2), "model bias 1.2 and scatter"),
     "scatter": (lambda: replace(tiny.sweep().base, model_scatter=0.0), "scatter 0.0 are out of"),
