@@ -66,7 +66,6 @@ slow: .venv/test      ## the long checks: pages as typed, the site, a notebook, 
 
 promises: .venv/test  ## judge presets, stated errors and accuracies that are asked for on random scenes, in some hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.moving_disk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.realizations

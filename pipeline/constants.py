@@ -160,11 +160,6 @@ Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 
 # Verdicts and tests
 
-SHARP_ENDS = 0.09, 0.23
-"""How much lower the critical velocity is at the sharp ends of a pin, which are not modelled.
-
-Judged by `python -m pytest tests/pipeline/answers/test_answers.py`.
-"""
 VERDICT_PROBABILITIES = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: the verdict is mild up to the first, severe from the last.
 

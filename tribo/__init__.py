@@ -17,7 +17,7 @@ Requires only NumPy and SciPy. Quantities are in SI::
 
 The public names, in the order of work:
 
-- bodies: `Material`, `contact_modulus`, `Pin`, `Cylinder`, `Ball`, `Crowned`, `PINS`
+- bodies: `Material`, `contact_modulus`, `Pin`, `Cylinder`, `Ball`, `Crowned`, `Relief`, `PINS`
 - surface: `Grid`, `Surface`, `SelfAffineRoughness`, `MeasuredRoughness`
 - load, motion and wear: `Ramp`, `Stages`, `MeasuredLoad`, `Motion`, `Wear`, `WearLaw`
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
@@ -52,6 +52,7 @@ from .simulation import Cylinder as Cylinder
 from .simulation import Fidelity as Fidelity
 from .simulation import Motion as Motion
 from .simulation import Pin as Pin
+from .simulation import Relief as Relief
 from .simulation import Scene as Scene
 from .simulation import State as State
 from .simulation import Track as Track

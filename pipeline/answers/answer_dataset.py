@@ -27,10 +27,9 @@ from pipeline.answers.scene_wording import (
 )
 from pipeline.answers.specimen import specimen_of
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
-from pipeline.constants import SHARP_ENDS
 from pipeline.messages import join_notes
 from pipeline.store.schema import PLANE
-from pipeline.sweep.sweep import cold_tracks, has_sharp_ends
+from pipeline.sweep.sweep import cold_tracks
 from tribo import Corrections, Track
 from tribo.simulation.corrections import NEEDED
 
@@ -208,9 +207,8 @@ def model_error(evidence: Evidence) -> str:
 
 def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
     """Yield the effects that are not included and may be unsafe."""
-    if has_sharp_ends(model.case.sweep):
-        low, high = (100 * share for share in SHARP_ENDS)
-        yield f"sharp pin ends (severe wear at {low:.0f} to {high:.0f} % lower velocity)"
+    if model.case.sweep.scene.pixels.periodic[1]:
+        yield "pin ends"
     tracks = cold_tracks(model.case.sweep)
     known = {name: track for name, track in tracks.items() if track}
     if known:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pipeline.constants import SHARP_ENDS
 from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _DEFAULT_FRACTION = 0.1  # critical area fraction that is not printed
-_IN_ANSWERS = ("sharp_ends", "cold_tracks", "narrow_window")  # which answers state elsewhere
+_IN_ANSWERS = ("cold_tracks", "narrow_window")  # which answers state elsewhere
 _DISPLAY_UNITS = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
 
@@ -146,12 +145,6 @@ def _describe_warning(warning: SceneWarning) -> str:
                 f"heat from earlier revolutions of {tracks} is not included; it warms the contact "
                 f"further: set {entries} and width, or track_length, or enter the bulk "
                 "temperature of the warm tracks"
-            )
-        case "sharp_ends":
-            return (
-                "the pin's sharp ends are not modelled; severe wear starts there at "
-                f"{100 * SHARP_ENDS[0]:g} to {100 * SHARP_ENDS[1]:g} % lower velocity (irg help "
-                "physics)"
             )
 
 

@@ -108,6 +108,8 @@ def _meaning_rows(
     yield "contact", f"{hertz}; {wear_state} and {texture}: width {width}"
     nx, ny = scene.grid.shape
     yield "window", f"{display_sides(contact.window)}, {nx} × {ny} elements; {memory}"
+    if scene.pixels.periodic[1]:
+        yield "", "repeats along y; pin ends: not modelled"
     yield "surface", _surface_words(contact.surface) if contact.surface else "smooth"
     time, distance = _span_text(contact.duration, "s"), _span_text(contact.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"

@@ -9,8 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from scipy.fft import next_fast_len
+
 import tribo
 from pipeline.paths import user_path
+from pipeline.quantities import display
 from pipeline.scene.checks import disc_of, misfits, track_length, track_misfits
 from pipeline.scene.entries import Entries, entry_at, replace_values
 from pipeline.scene.faults import Faults
@@ -39,7 +42,7 @@ from pipeline.sweep.notes import FromLibrary
 from pipeline.table import read_table
 from tribo.loading.record import find_fault
 from tribo.simulation import widen_window
-from tribo.simulation.pins import sizes_of
+from tribo.simulation.pins import Relief, sizes_of
 from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
@@ -90,6 +93,8 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     for path, problem in misfits(tables, fidelity):
         faults.refuse(path, problem)
     part = partial(_part, faults)
+    if not faults:
+        tables = replace(tables, window=window_of(tables.window, tables.pin, fidelity, faults))
     scene_parts = {
         "pixels": part("window", grid_of, tables.window, tables.pin),
         "motion": part("motion", motion_of, tables.motion, tables.pin, tables.disk),
@@ -160,6 +165,8 @@ def scene_of(tables: Any, **parts: Any) -> tribo.Scene:
     pin, friction = tables.pin, tables.friction
     pin_class: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
+    if pin.relief:
+        sizes["relief"] = Relief(**vars(pin.relief))
     return tribo.Scene(
         pin=pin_class(**sizes, material=material_of(tables.materials[pin.material])),
         disk=material_of(tables.materials[tables.disk.material]),
@@ -175,10 +182,29 @@ def material_of(table: MaterialTable) -> tribo.Material:
     )
 
 
+def window_of(window: Window, pin: Any, fidelity: tribo.Fidelity, faults: Faults) -> Window:
+    """The window; under a pin with free ends as long as the pin, in pixels of about the same size.
+
+    The pixels are smaller along y by at most a few per mille, so that their number suits coarser
+    elements and the transforms. A note on them is added to `faults`.
+    """
+    if pin.ends != "free":
+        return window
+    (nx, _), (dx, dy) = window.pixels, window.pixel_size
+    block = fidelity.pixels_per_element * max(2, fidelity.history_coarsening)
+    count = block * int(next_fast_len(math.ceil(pin.length / dy / block * (1 - 1e-9))))
+    size = pin.length / count
+    faults.note(
+        "pin.ends",
+        f"free: {count} pixels of {display(size, 'µm', 4)} along y, as long as the pin",
+    )
+    return replace(window, pixels=(nx, count), pixel_size=(dx, size))
+
+
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
-    """Pixels of the window as a grid, periodic along y if the pin has a length."""
-    is_line = "length" in sizes_of(pin.shape)
-    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, is_line))
+    """Pixels of the window as a grid, periodic along y under a cylinder without free ends."""
+    repeats = "length" in sizes_of(pin.shape) and pin.ends != "free"
+    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, repeats))
 
 
 def motion_of(table: MotionTable, pin: Any, disk: Any) -> tribo.Motion:

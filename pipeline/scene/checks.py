@@ -11,7 +11,7 @@ import tribo
 from pipeline.messages import did_you_mean, quoted
 from pipeline.quantities import display
 from pipeline.scene.contact_estimate import expect_contacts
-from pipeline.scene.format import Body, SceneFile, StagesTable, stages_of
+from pipeline.scene.format import Body, PinTable, SceneFile, StagesTable, stages_of
 from pipeline.scene.library import library
 from pipeline.sweep.case import Case
 from tribo.simulation.pins import sizes_of
@@ -31,6 +31,7 @@ def misfits(scene: SceneFile, fidelity: tribo.Fidelity) -> Misfits:
     yield from _unknown_materials(scene)
     yield from _unfit_window(scene, fidelity)
     yield from _unfit_sizes(scene)
+    yield from _unfit_ends(scene.pin)
     for name, body in (("pin", scene.pin), ("disk", scene.disk)):
         yield from _unfit_disc(scene, name, body)
         yield from _unfit_track(scene, name, body)
@@ -72,7 +73,7 @@ def _unfit_window(scene: SceneFile, fidelity: tribo.Fidelity) -> Misfits:
         )
         yield "window.pixels", problem
     length, side = scene.pin.length, pixels[1] * scene.window.pixel_size[1]
-    if length and length < side * (1 - _ROUNDING):
+    if length and length < side * (1 - _ROUNDING) and scene.pin.ends != "free":
         problem = (
             f"{display(length, 'mm')} is shorter than the window, {display(side, 'mm')} along y; "
             "give at least that"
@@ -89,6 +90,21 @@ def _unfit_sizes(scene: SceneFile) -> Misfits:
         if size not in sizes_of(shape) and is_given:
             shapes = " or ".join(f'"{name}"' for name in tribo.PINS if size in sizes_of(name))
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
+
+
+def _unfit_ends(pin: PinTable) -> Misfits:
+    """Find free ends of a pin that has none, and a relief that does not fit the ends."""
+    if pin.ends and "length" not in sizes_of(pin.shape):
+        yield "pin.ends", f'a {pin.shape} has no ends; leave it out, or give shape = "cylinder"'
+    elif pin.relief and not pin.ends:
+        problem = 'has no effect in a window that repeats along y; give ends = "free" as well'
+        yield "pin.relief", problem
+    elif pin.relief and pin.length and pin.relief.length > pin.length / 2:
+        problem = (
+            f"{display(pin.relief.length, 'mm')} is more than half of pin.length, "
+            f"{display(pin.length, 'mm')}; give at most half"
+        )
+        yield "pin.relief.length", problem
 
 
 def _unfit_disc(scene: SceneFile, name: str, body: Body) -> Misfits:

@@ -143,6 +143,10 @@ class Body(Declared):
     width: float | None = entry(Quantity("20 mm"),
         "Width of the disc; needed with `diameter`.", None)
 
+class ReliefTable(Declared):
+    depth: float = entry(Quantity("2 um"), "Drop of the surface at the end of the pin.")
+    length: float = entry(Quantity("0.3 mm"), "Part of the pin that is relieved, at each end.")
+
 class _Shape(Declared):
     shape: str = entry(OneOf(tuple(tribo.PINS)), "Shape of the pin.")
     radius: float = entry(Quantity("2 mm", usual=USUAL["radius"].ends),
@@ -153,7 +157,12 @@ class _Shape(Declared):
         "Radius across sliding; needed for a crowned pin.", None)
 
 class PinTable(Body, _Shape):
-    pass
+    ends: str | None = entry(OneOf(("free",)),
+        'With "free", the window is as long as a cylinder, with as many pixels along y as this '
+        "needs, and the pin has two ends. Without it, the window repeats along y, without ends.",
+        None)
+    relief: ReliefTable | None = entry(Table(ReliefTable),
+        'Relief of both free ends, a parabola; sharp without the table.', None)
 
 class RandomSurface(Declared):
     ra: float = entry(Quantity("0.27 um", usual=USUAL["ra"].ends),

@@ -14,7 +14,7 @@ from pipeline.scene.contact_estimate import (
 from pipeline.scene.format import number_at
 from pipeline.sweep.case import SpecimenTest
 from pipeline.sweep.notes import SceneWarning, unusual_warning
-from pipeline.sweep.sweep import Sweep, cold_tracks, has_sharp_ends
+from pipeline.sweep.sweep import Sweep, cold_tracks
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.usual_values import USUAL
 
@@ -34,8 +34,6 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
     if sweep.scene.wear is None:
         warnings.append(SceneWarning("no_wear", "wear"))
     warnings += [*_far_tests(sweep), *_fresh_specimens(sweep), *_cold_tracks(sweep)]
-    if has_sharp_ends(sweep):
-        warnings.append(SceneWarning("sharp_ends", "pin.length"))
     return tuple(dict.fromkeys(warnings))  # pin and disk may be of one material
 
 

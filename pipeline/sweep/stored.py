@@ -49,7 +49,8 @@ _CLASSES: dict[str, type] = {
         MissingSurface, Conditions, tribo.Corrections, tribo.Track, tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
-        tribo.Fidelity, tribo.Oil, *tribo.PINS.values(), UserLaw, UserSurface, SurfaceSummary,
+        tribo.Fidelity, tribo.Oil, *tribo.PINS.values(), tribo.Relief, UserLaw, UserSurface,
+        SurfaceSummary,
     )
 }  # fmt: skip
 """Classes whose objects a store may contain; no others are built from its data."""

@@ -374,9 +374,3 @@ def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
         for name, (material, length) in bodies.items()
         if getattr(corrections, name) is None
     }
-
-
-def has_sharp_ends(sweep: Sweep) -> bool:
-    """True for a cylinder, at whose sharp ends severe wear begins earlier, unless it turns."""
-    pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.velocities)
-    return sweep.scene.pin.length is not None and not pin_turns

@@ -78,10 +78,12 @@ outcome = "transition"
 def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, True), **fidelity):
     """Scene with 48 × 16 elements under the paper's pin, with a ramp in 10 increments."""
     choices = {"pixels_per_element": 1, "increments": 10, "contact_tolerance": 1e-6} | fidelity
+    pixels = tribo.Grid((48, 16), (8e-6, 8e-6), periodic)
+    length = 3.4e-3 if periodic[1] else pixels.size[1]
     return tribo.Scene(
-        pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+        pin=tribo.Cylinder(radius=2e-3, length=length, material=STEEL),
         disk=STEEL,
-        pixels=tribo.Grid((48, 16), (8e-6, 8e-6), periodic),
+        pixels=pixels,
         loading=tribo.Ramp(rate=150.0, reference_load=750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), seed=0)
         if roughness

@@ -21,6 +21,7 @@ from tribo.simulation.pins import Ball as Ball
 from tribo.simulation.pins import Crowned as Crowned
 from tribo.simulation.pins import Cylinder as Cylinder
 from tribo.simulation.pins import Pin as Pin
+from tribo.simulation.pins import Relief as Relief
 from tribo.simulation.point import add_temperature as add_temperature
 from tribo.simulation.point import judge as judge
 from tribo.simulation.point import simulate as simulate

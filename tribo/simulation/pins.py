@@ -2,19 +2,20 @@
 
 To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. If it has a size
 that no other shape has, add an entry for this size to the scene file (`pipeline.scene.format`).
-A shape with the size ``length`` is a line contact: a scene file computes it without free ends.
+A shape with the size ``length`` is a line contact. Its window repeats along y, or is as long as the
+pin, whose ends are then free.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
 from tribo.analytic import HertzContact, hertz_contact, worn_line_width, worn_point_width
-from tribo.errors import require_instance, require_positive
+from tribo.errors import InputError, require_instance, require_positive
 from tribo.material import Material, minimum_line_film, minimum_point_film
 from tribo.numerics import Grid
 from tribo.types import Array
@@ -25,6 +26,25 @@ class WornContact(NamedTuple):
 
     width: float  # along x [m]
     depth: float  # greatest depth [m]
+
+
+class Relief(NamedTuple):
+    """Relief of both ends of a cylinder: its radius decreases towards them as a parabola.
+
+    Examples
+    --------
+    >>> relief = Relief(depth=2e-6, length=0.3e-3)
+    >>> float(relief.drop(np.array([0.0, 0.15e-3, 0.4e-3]))[1])
+    5e-07
+    """
+
+    depth: float  # drop at the end of the pin [m]
+    length: float  # part of the pin that is relieved, at each end [m]
+
+    def drop(self, distance: Array) -> Array:
+        """Drop of the surface [m] at a `distance` from the end of the pin [m]."""
+        share = np.clip(1 - distance / self.length, 0.0, None)
+        return np.asarray(self.depth * share**2)
 
 
 class OilEntry(NamedTuple):
@@ -95,9 +115,12 @@ class Cylinder:
     Parameters
     ----------
     radius, length : float
-        Radius and length of the cylinder [m]. The load is spread evenly over the length.
+        Radius and length of the cylinder [m]. In a window that repeats along y, the load is spread
+        evenly over the length.
     material : Material
         Material of the cylinder.
+    relief : Relief, optional
+        Relief of both ends; sharp if not given. It needs a window with free ends.
 
     Examples
     --------
@@ -110,19 +133,35 @@ class Cylinder:
     radius: float
     length: float
     material: Material
+    relief: Relief | None = None
 
     def __post_init__(self) -> None:
         require_instance(Material, material=self.material)
         require_positive(radius=self.radius, length=self.length)
+        if self.relief is None:
+            return
+        require_instance(Relief, relief=self.relief)
+        require_positive(**{f"relief.{name}": size for name, size in self.relief._asdict().items()})
+        if self.relief.length > self.length / 2:
+            raise InputError(
+                f"relief.length is {self.relief.length:g} m; it must be at most half the length of "
+                f"the cylinder, {self.length / 2:g} m"
+            )
 
     def profile(self, grid: Grid) -> Array:
-        """Height of the pin above a plane that it touches, x²/(2R) [m], shape ``grid.shape``."""
-        x = grid.coordinates(0)[:, None]
-        return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
+        """Height of the pin above a plane that it touches [m], shape ``grid.shape``.
+
+        It is x²/(2R), to which a relief adds its drop towards the ends.
+        """
+        x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
+        height: Array = x**2 / (2 * self.radius)
+        if self.relief:
+            height = height + self.relief.drop(self.length / 2 - np.abs(y))
+        return np.broadcast_to(height, grid.shape)
 
     def windows(self, grid: Grid) -> float:
-        """Number of windows like `grid` on the pin, side by side along its length."""
-        return self.length / grid.size[1]
+        """Number of windows like `grid` on the pin, side by side; 1 if its ends are free."""
+        return self.length / grid.size[1] if grid.periodic[1] else 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
@@ -270,7 +309,7 @@ PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Cro
 
 
 def sizes_of(shape: str | Pin) -> tuple[str, ...]:
-    """Names of the sizes of a pin, given as an object or by the name of its shape.
+    """Names of the sizes that a pin needs, given as an object or by the name of its shape.
 
     Examples
     --------
@@ -278,4 +317,5 @@ def sizes_of(shape: str | Pin) -> tuple[str, ...]:
     (('radius', 'length'), ('radius', 'crown_radius'))
     """
     pin = PINS[shape] if isinstance(shape, str) else shape
-    return tuple(size.name for size in fields(pin) if size.name != "material")
+    needed = (size.name for size in fields(pin) if size.default is MISSING)
+    return tuple(name for name in needed if name != "material")

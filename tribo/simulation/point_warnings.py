@@ -173,11 +173,12 @@ def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def touched_edges(scene: Scene, state: State) -> list[str]:
-    """Edges of the window that the contact reaches, such as "x edge"."""
+    """Edges of the window that the contact reaches, such as "x edge"; not the ends of the pin."""
+    axes = ("x", "y") if scene.pin.length is None else ("x",)
     return [
         f"{name} edge"
-        for name, axis in (("x", 0), ("y", 1))
-        if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
+        for axis, name in enumerate(axes)
+        if np.take(state.pressure, (0, -1), axis=axis).any()
     ]
 
 

@@ -40,7 +40,8 @@ class Scene:
     disk : Material
         Material of the body that moves along +x.
     pixels : Grid
-        The window of the contact, and the pixels on which the disk's roughness is given.
+        The window of the contact, and the pixels on which the disk's roughness is given. Under a
+        cylinder it repeats along y, or it is free and as long as the cylinder.
     loading : Ramp, Stages or MeasuredLoad
         Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
@@ -92,6 +93,7 @@ class Scene:
             raise InputError(
                 f"the window is periodic along y; under a {shape} pin both axes must be free"
             )
+        self._require_length()
         if not isinstance(self.roughness, SelfAffineRoughness | UnknownHeights):
             self.heights()
         if self.motion and self.wears_by_law:
@@ -103,6 +105,23 @@ class Scene:
             raise InputError(
                 f"pin_track_length is {self.track_length:g} m; it must be at least that of the "
                 f"window along x, {self.pixels.size[0]:g} m"
+            )
+
+    def _require_length(self) -> None:
+        """Raise an `InputError` if the window does not fit the ends of the pin."""
+        length, side = self.pin.length, self.pixels.size[1]
+        if length is None:
+            return
+        if self.pixels.periodic[1]:
+            if getattr(self.pin, "relief", None):
+                raise InputError(
+                    "the pin has relieved ends, and the window repeats along y, without ends; give "
+                    "a window that is free along y and as long as the pin"
+                )
+        elif abs(side / length - 1) > 1e-6:
+            raise InputError(
+                f"the window is free along y and {side:g} m long, the pin {length:g} m; give a "
+                "window as long as the pin, or one that is periodic along y"
             )
 
     def _require_types(self) -> None:

@@ -21,6 +21,7 @@ from tribo import InputError
 
 from .checkerboard import fig2
 from .contra import contra
+from .ends import ends
 from .errata import errata
 from .gallery import pages
 from .held_load import fig5
@@ -50,7 +51,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
         *(errata, fig2, fig4, fig5, fig6, fig8, fig10),
-        *(table4, table6, heldout, rivals, inverse, steel, spacing, contra),
+        *(table4, table6, heldout, rivals, inverse, steel, spacing, ends, contra),
     )
 }
 

@@ -188,9 +188,7 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, is_warned):
 # Missing entries, and tests with another loading history
 
 ROLLING = {"motion": {"slide_roll_ratio": 0.5, "pin_track_length": "314 mm"}}
-BALL_OF = {"without": ["pin.length"], "pin.shape": "ball"}
 COLD = "heat from earlier revolutions of the "
-SHARP = "pin.length: the pin's sharp ends are not modelled; severe"
 LEFT_OUT = [
     (
         ROLLING,
@@ -205,9 +203,6 @@ LEFT_OUT = [
     ),
     ({"motion": {"slide_roll_ratio": 2}}, "cold_tracks", None),
     (ROLLING | {"pin.track_length": "314 mm", "disk.track_length": "314 mm"}, "cold_tracks", None),
-    ({}, "sharp_ends", SHARP),
-    (BALL_OF, "sharp_ends", None),
-    (ROLLING, "sharp_ends", None),
 ]
 
 
