@@ -42,10 +42,11 @@ SMALLER = {
 }
 """Texts in shipped scenes that are replaced by ones that take less time."""
 SMALL = {"preset": "standard", "surfaces": 2, "workers": 1}
-BEYOND = "contra", "heldout", "inverse", "rivals", "spacing", "steel"
+BEYOND = "contra", "ends", "heldout", "inverse", "rivals", "spacing", "steel"
 """Results beyond the paper's figures and tables, 4 to 10 s each: by ``-m slow`` alone."""
 ONE_SURFACE = (
     "contra",
+    "ends",
     "spacing",
     "steel",
     "fig6",
@@ -114,6 +115,7 @@ def small(folder, scenes):
             "_BLOCK": 1,
             "_DRAWN": tribo.Fidelity(pixels_per_element=2, increments=20),
         },
+        "ends": {"_POINTS": ((400.0, 2.25),)},
         "heldout": {
             "_LENGTHS": {"white oil": (4.0, 5.0), "oil A": (4.0,)},
             "_FACTORS": (-0.3, 0.3),

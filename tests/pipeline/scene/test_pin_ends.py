@@ -1,0 +1,66 @@
+"""The whole pin with its ends, as a scene file has it."""
+
+import json
+
+import pytest
+
+import pipeline
+import tribo
+from pipeline import SceneFileError, load_scene
+from tests.helpers.stored import parse_sweep, sweep_text
+
+RELIEF = {"depth": "2 um", "length": "0.3 mm"}
+SHORT = {
+    "pin.length": "0.5 mm", "disk.roughness.correlation_length": "16 um",
+    "window": {"pixels": [96, 96], "pixel_size": ["5 um", "5.1 um"]},
+    "sweep.loads": ["60 N"], "sweep.velocities": ["2 m/s"],
+}  # fmt: skip
+
+
+def test_free_ends_make_the_window_as_long_as_the_pin():
+    window, pin = load_scene("first_try").scene, load_scene("whole_pin").scene
+    assert pin.pixels.periodic == (False, False)
+    assert pin.pixels.size[1] == pytest.approx(3.4e-3, rel=1e-12)
+    assert pin.pixels.size[0] == window.pixels.size[0]
+    assert 0.99 < pin.pixels.spacing[1] / window.pixels.spacing[1] <= 1
+    assert pin.pin.windows(pin.pixels) == 1
+    assert (pin.pin.relief, pin.wear) == (None, window.wear)
+    relieved = load_scene("whole_pin", overrides={"pin.relief": RELIEF})
+    assert relieved.scene.pin.relief == tribo.Relief(2e-6, 0.3e-3)
+    assert parse_sweep(sweep_text(relieved), {}).scene == relieved.scene
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "path", "message"),
+    [
+        ("first_try", {"pin.relief": RELIEF}, "pin.relief", 'give ends = "free" as well'),
+        ("whole_pin", {"pin.relief": {**RELIEF, "length": "2 mm"}}, "pin.relief.length", "half"),
+        ("ball_on_disk", {"pin.ends": "free"}, "pin.ends", "a ball has no ends"),
+        ("whole_pin", {"pin.ends": "sharp"}, "pin.ends", '"free"'),
+    ],
+)
+def test_ends_that_do_not_fit_are_refused(scene, changes, path, message):
+    with pytest.raises(SceneFileError) as error:
+        load_scene(scene, overrides=changes)
+    (line,) = [line for line in str(error.value).splitlines() if path in line]
+    assert message in line
+
+
+def test_only_a_window_that_repeats_leaves_the_ends_out(irg, tmp_path):
+    outputs = {}
+    for name in ("first_try", "whole_pin"):
+        sweep = load_scene(name, overrides={"without": ["tests"], **SHORT})
+        store = tmp_path / f"{name}.zarr"
+        pipeline.run_sweep(sweep, store, workers=1)
+        (row,) = json.loads(json.dumps(irg("margin", store, "--load", "60 N", "--velocity",
+                                           "2 m/s", "--json")))  # fmt: skip
+        outputs[name] = row["not_included"]
+    assert "pin ends" in outputs["first_try"]
+    assert "pin ends" not in outputs["whole_pin"]
+
+
+def test_a_check_says_what_is_computed_of_the_ends(irg):
+    free = irg("check", "whole_pin")
+    assert "pin.ends: free: 3584 pixels of 0.9487 µm along y, as long as the pin" in free
+    assert "288 × 1792 elements" in free
+    assert "not modelled" not in free
