@@ -1,7 +1,5 @@
 """A cylinder in a window as long as it is, with free ends."""
 
-import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -81,33 +79,3 @@ def test_a_pin_under_free_ends_wears_by_the_disk_at_many_positions():
     depth = state.wear_depth[rows] - state.wear_depth[rows].mean(axis=1, keepdims=True)
     heights = SCENE.heights()[rows] - SCENE.heights()[rows].mean(axis=1, keepdims=True)
     assert abs(np.corrcoef(depth.ravel(), heights.ravel())[0, 1]) < 0.3
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"pin": replace(SHARP, length=1e-3)}, "give a window as long as the pin"),
-        (
-            {"pin": replace(SHARP, relief=tribo.Relief(2e-6, 1e-4)),
-             "pixels": replace(WINDOW, periodic=(False, True))},
-            "the window repeats along y, without ends",
-        ),
-    ],
-)  # fmt: skip
-def test_a_window_that_does_not_fit_the_ends_is_refused(changes, message):
-    with pytest.raises(tribo.InputError, match=re.escape(message)):
-        replace(SCENE, **changes)
-
-
-@pytest.mark.parametrize(
-    ("relief", "message"),
-    [
-        (tribo.Relief(2e-6, 0.4e-3), "at most half the length"),
-        (tribo.Relief(0.0, 1e-4), "relief.depth is 0.0"),
-        (tribo.Relief(2e-6, math.nan), "relief.length is nan"),
-        ((2e-6, 1e-4), "relief"),
-    ],
-)
-def test_a_relief_that_cannot_be_is_refused(relief, message):
-    with pytest.raises(tribo.InputError, match=re.escape(message)):
-        replace(SHARP, relief=relief)
