@@ -15,16 +15,16 @@ from tribo import simulate
 from tribo.simulation.temperature import refined_scene
 from tribo.types import Array
 
-from .recomputed import Report, cells, texts
+from .recomputed import Report, texts
 from .study import Study
 
 _POINTS = ((200.0, 3.5), (400.0, 2.25))  # N, m/s: near the boundary of `first_try`
 _SURFACES, _PINS = 8, 4  # surfaces of a window, and one pin for so many of them
 _RATES = ("1.2e-6 mm^3/(N m)", "1.2e-7 mm^3/(N m)")
-_RELIEF = {"depth": "2 um", "length": "0.3 mm"}
+_RELIEF = {"pin.relief.depth": "2 um", "pin.relief.length": "0.3 mm"}
 _ENDS: Mapping[str, Mapping[str, Any]] = {
     "sharp": {},
-    "relieved": {"pin.relief": _RELIEF},
+    "relieved": _RELIEF,
 }
 _END = 0.456e-3  # length of an end [m]: that of the window of `first_try`
 _STEP = 0.1  # of ln(velocity), for the exponent of the rise
@@ -35,42 +35,73 @@ def ends(study: Study) -> Report:
     """Report on critical velocities of the whole pin and of its ends, by wear rate and relief."""
     seeds = study.seeds(_SURFACES)
     pins = seeds[: math.ceil(len(seeds) / _PINS)]
-    names, changes = list[tuple[str, ...]](), list[list[list[float]]]()
-    rows = [(point, rate) for point in _POINTS for rate in _RATES]
-    for (load, velocity), rate in study.stages(rows, lambda row: f"{row[0][0]:g} N, {row[1]}"):
-        entries = {"without": ["tests"], "wear.specific_wear_rate": rate}
-        window = study.scene("first_try", entries)
-        rise, faster = (
-            math.exp(np.mean([math.log(_rises(window, seed, load, v)[0]) for seed in seeds]))
-            for v in (velocity, velocity * math.exp(_STEP))
-        )
-        exponent = math.log(faster / rise) / _STEP
+    names, changes, window_errors = list[tuple[str, ...]](), list[list[list[float]]](), []
+    cases = [(*point, rate) for point in _POINTS for rate in _RATES]
+    for load, velocity, rate in study.stages(cases, lambda case: f"{case[0]:g} N, {case[2]}"):
+        rise, exponent, error = _window(study, seeds, load, velocity, rate)
+        window_errors.append(error)
         for name, relief in _ENDS.items():
             pin = study.scene("whole_pin", {"wear.specific_wear_rate": rate, **relief})
             ratios = np.array([_rises(pin, seed, load, velocity) for seed in pins]) / rise
             names.append((f"{load:g} N", rate.replace("^3", "³"), name))
             changes.append((ratios ** (-1 / exponent) - 1).T.tolist())
-    velocities = np.array(changes)  # (case, part, surface)
-    worn = [name[1] == names[0][1] for name in names]
+    return _report(names, changes, max(window_errors), len(pins), len(seeds))
+
+
+def _window(
+    study: Study, seeds: Sequence[int], load: float, velocity: float, rate: str
+) -> tuple[float, float, float]:
+    """Rise [K] of the window that repeats, its exponent, and the standard error of its velocity.
+
+    The rise is a mean over surfaces. The exponent is d ln(rise)/d ln(velocity).
+    """
+    window = study.scene("first_try", {"without": ["tests"], "wear.specific_wear_rate": rate})
+    logs, faster = (
+        np.log([_rises(window, seed, load, v)[0] for seed in seeds])
+        for v in (velocity, velocity * math.exp(_STEP))
+    )
+    exponent = float(np.mean(faster - logs)) / _STEP
+    scatter = float(logs.std(ddof=1)) if len(seeds) > 1 else math.nan
+    return math.exp(float(logs.mean())), exponent, scatter / math.sqrt(len(seeds)) / exponent
+
+
+def _report(
+    names: Sequence[tuple[str, ...]],
+    changes: Sequence[Sequence[Sequence[float]]],
+    window_error: float,
+    pin_count: int,
+    surface_count: int,
+) -> Report:
+    """Report on relative changes of critical velocities (case, part of the pin, surface)."""
+    velocities = np.array(changes)
+    means = velocities.mean(axis=-1)
+    worn = np.array([name[1] == names[0][1] for name in names])
     return Report.from_values(
         "ends",
         {
             "side": 1e3 * _END,
-            "pins": len(pins),
-            **_RELIEF,
-            "surfaces": len(seeds),
-            "worn_whole": velocities[worn, 0].mean(axis=-1),
-            "worn_end": velocities[worn, 1].mean(axis=-1),
-            "hardly_worn_end": velocities[np.invert(worn), 1].mean(axis=-1),
+            "pins": pin_count,
+            "relief": [*_RELIEF.values()],
+            "surfaces": surface_count,
+            "window_error": window_error,
+            "worn_whole": means[worn, 0],
+            "worn_end": means[worn, 1],
+            "hardly_worn_end": means[~worn, 1],
         },
-        verdicts={"window": bool(np.abs(velocities[worn, 0].mean(axis=-1)).max() < _ALLOWED)},
+        verdicts={"window": bool(np.abs(means[worn, 0]).max() < _ALLOWED)},
         table=texts(
-            ("load", "wear rate", "ends", "whole pin", f"last {1e3 * _END:.2f} mm of both ends"),
-            [(*name, *cells(row, "+.0f%")) for name, row in zip(names, changes, strict=True)],
+            ("load", "wear rate", "ends", "whole pin", f"last {1e3 * _END:.2f} mm"),
+            [(*name, *map(_percent, parts)) for name, parts in zip(names, changes, strict=True)],
         ),
         data={"case": names, "change_of_critical_velocity": changes},
         figure=_draw(names, velocities),
     )
+
+
+def _percent(changes: Sequence[float]) -> str:
+    """Mean of relative changes in percent, with their standard deviation if there are several."""
+    deviation = f" ± {100 * np.std(changes, ddof=1):.1f}" if len(changes) > 1 else ""
+    return f"{100 * np.mean(changes):+.1f}{deviation} %".replace("-", "−")
 
 
 def _rises(sweep: Sweep, seed: int, load: float, velocity: float) -> tuple[float, float]:
