@@ -62,6 +62,7 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, contact, case_estimates, required),
         *(("library", f"{text}, from {source}") for text, source in library_tables(sweep.sources)),
+        *([("note", sweep.note)] if sweep.note else []),
         *(("note", note.text) for note in sweep.notes),
         *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
         *_cost_rows(sweep, cost),

@@ -33,6 +33,12 @@ def test_a_check_says_what_a_scene_means(check):
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
 
 
+@pytest.mark.parametrize("options", [(), ("--set", "model.rise=0")])
+def test_a_check_of_a_reciprocating_contact_says_the_word_and_the_size(check, options):
+    output = " ".join(check(*options, scene="srv").split())
+    assert "reciprocation is not modelled: heat of earlier strokes adds 11 to 14 %" in output
+
+
 def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check):
     """Points A and E of the gears: Hertz contact of cylinders and flank velocities by hand."""
     document = check("--json", scene="gear_mesh")
