@@ -6,15 +6,18 @@ window is taken to repeat itself along both axes.
 Along a periodic y, all points of a pin at rest at the same x wear equally, by the mean pressure
 along y. One window has too few independent grooves along y for this mean: it keeps the ridges of
 the window, and the pin would wear into their negative, which a moving disk does not allow. So the
-disk is cut into 16 strips along y, each of which is moved along x to another position:
+disk is cut into 32 strips along y, each of which is moved along x to another position:
 
-    z(x − s_n, y) in strip n,  s_n = {(16 m + n) φ} L_x,                                  (1)
+    z(x − s_n, y) in strip n,  s_n = {n φ + m √2} L_x,                                    (1)
 
-with the heights z, the length L_x of the window, the golden ratio φ, whose multiples are even in
-their fractional parts { }, and the number m of the stage. The mean along y is then one over 16
-positions. They are other positions in each stage, so that the pin wears into the negative of none,
-and follow no direction, which a lay could have. Pressure and temperature are evaluated with the
-disk itself, which has worn nothing.
+with the heights z, the length L_x of the window, the number m of the stage, and the golden ratio φ,
+whose multiples are even in their fractional parts { }. The mean along y is then one over 32
+positions, which follow no direction that a lay could have. A strip comes back to within 1 % of the
+window only after 70 stages. Pressure and temperature are evaluated with the disk itself, which has
+worn nothing.
+
+The wear of the last stages remains in the pin as an imprint of their positions, and changes the
+rise at random. More parts of a step, as the preset `fine` has, average over more positions.
 
 If y is free, as under a ball, the pin's shape varies along both axes. A step is then cut into
 parts, and in each stage of each part the whole disk lies elsewhere.
@@ -32,12 +35,10 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
-    DENSE_PARTS,
     FEW_POSITIONS,
     FEW_POSITIONS_PART_FACTOR,
     FEWEST_POSITIONS,
     MAX_PART_IMPRINT,
-    MOST_PARTS_OF_STEP,
     MOST_PARTS_OF_WEAR,
     MOST_POSITIONS,
     PATCHES,
@@ -57,8 +58,8 @@ from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
 _PLASTIC_NUMBER = 1.32471795724474602596  # root of x³ = x + 1, whose powers fill a square evenly
 _POSITION_STEPS = 1 / _PLASTIC_NUMBER, 1 / _PLASTIC_NUMBER**2
-_GOLDEN_RATIO = (math.sqrt(5) - 1) / 2  # whose multiples fill a length evenly
-_MAX_STEP_PARTS = MOST_PARTS_OF_STEP * DENSE_PARTS
+# Multiples of both ratios fill a length evenly; those of the second one return late to the first.
+_GOLDEN_RATIO, _SILVER_RATIO = (math.sqrt(5) - 1) / 2, math.sqrt(2)
 
 
 class Pass(NamedTuple):
@@ -135,7 +136,7 @@ def passes(
         if not scene.wears_by_strips:
             yield from map(Pass, stages)
             return
-        part = _MAX_STEP_PARTS * load_step.index + load_step.part
+        part = scene.fidelity.parts * load_step.index + load_step.part
         for number, stage in enumerate(stages, len(stages) * part):
             yield Pass(stage, strip_shifts=_strip_shifts(scene, number, velocity))
         if observed:
@@ -162,10 +163,10 @@ def _strip_shifts(scene: Scene, stage_number: int, velocity: float) -> tuple[int
 
     The strips are moved along the sliding `velocity`.
     """
-    direction, first = (1 if velocity > 0 else -1), STRIPS * stage_number
+    direction, begin = (1 if velocity > 0 else -1), stage_number * _SILVER_RATIO
     return tuple(
-        direction * int(scene.grid.shape[0] * (number * _GOLDEN_RATIO % 1))
-        for number in range(first, first + STRIPS)
+        direction * int(scene.grid.shape[0] * ((number * _GOLDEN_RATIO + begin) % 1))
+        for number in range(STRIPS)
     )
 
 

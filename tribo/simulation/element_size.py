@@ -127,6 +127,8 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     coarsening_limit = 1 if isinstance(scene.loading, Stages) else HISTORY_COARSENING
     parts = min(DENSE_PARTS, math.ceil(STEPS_TIMES_IMPRINT / fidelity.increments))
     parts = parts if expected.is_smooth or summits.are_flat else 1
+    if scene.wears_by_strips:
+        parts = max(parts, fidelity.parts)
     # With few elements, a loose tolerance or a long step must not miss any of them.
     share = min(1.0, expected.touching / size**2 / FULL_TOLERANCE_ELEMENTS)
     tolerance = fidelity.contact_tolerance

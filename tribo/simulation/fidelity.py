@@ -14,8 +14,8 @@ from tribo.errors import InputError, require_integer, require_number
 class Fidelity:
     """Numerical choices of a simulation.
 
-    `pixels_per_element`, `increments`, `fewest_elements` and `contact_tolerance` are the choices of
-    a preset. `tribo.simulation.fit_elements` sets the others for each point.
+    `pixels_per_element`, `increments`, `fewest_elements`, `contact_tolerance` and `parts` are the
+    choices of a preset. `tribo.simulation.fit_elements` sets the others for each point.
 
     Parameters
     ----------
@@ -42,10 +42,12 @@ class Fidelity:
     imprint : float
         Largest depth to which the roughness may wear itself into the pin within a part of a step,
         divided by the height of the roughness. Steps are divided into as many parts as this needs,
-        at most 4; 0 for no parts. With 25 steps or more they are not divided. Local wear and ridges
-        along y leave such imprints.
+        at most 4; 0 for no parts. With 25 steps or more they are not divided. Local wear leaves
+        such imprints.
     parts : int
-        Least number of parts of each step of a rising load.
+        Number of parts of each step of a rising load. `fit_elements` uses it where a pin wears
+        under strips of the disk, see `tribo.simulation.disk_positions`: there more parts lower the
+        random error.
 
     Examples
     --------
@@ -103,10 +105,10 @@ class Fidelity:
 
 PRESETS: dict[str, Fidelity] = {
     "standard": Fidelity(
-        pixels_per_element=2, increments=8, fewest_elements=100, contact_tolerance=0.12
+        pixels_per_element=2, increments=8, fewest_elements=100, contact_tolerance=0.12, parts=2
     ),
     "fine": Fidelity(
-        pixels_per_element=1, increments=16, fewest_elements=300, contact_tolerance=0.06
+        pixels_per_element=1, increments=16, fewest_elements=300, contact_tolerance=0.06, parts=4
     ),
     "reference": Fidelity(pixels_per_element=1, increments=100, contact_tolerance=1e-5),
 }

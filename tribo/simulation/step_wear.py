@@ -2,10 +2,10 @@
 
 The rate is constant, or that of a user's law. A step is cut into parts if it would leave too deep
 an imprint of the roughness in the pin. A pin that wears point by point becomes the negative of the
-area that it faces. A pin that wears by mean pressures along y takes an imprint of long ridges along
-y in each part of a step. Most of this happens within a few steps. The depth of a step's imprint
-depends only on the velocity and the wear rate, and the rate on the state before the step. So loads
-that share a ramp have the same parts of its steps.
+area that it faces. Most of this happens within a few steps. The depth of a step's imprint depends
+only on the velocity and the wear rate, and the rate on the state before the step. So loads that
+share a ramp have the same parts of its steps. Under strips of the disk, all steps of a preset have
+equally many parts, so that the rise does not jump between two velocities.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def step_parts(
 
 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
-    if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
+    if not (scene.fidelity.imprint and distance) or scene.sweeps_over or scene.wears_by_strips:
         return 1
     wear = step_wear(scene, before, distance, velocity)
     if wear is None:

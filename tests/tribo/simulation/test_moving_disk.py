@@ -9,9 +9,11 @@ import tribo
 from tests.helpers.scenes import STEEL
 from tests.promises.moving_disk import FAMILIES, decisive, errors, family_points, oblique_heights
 from tribo.contact import solve_contact
-from tribo.simulation import RampCache, heat
+from tribo.simulation import RampCache, fit_elements, heat
 from tribo.simulation.cache import elastic_bodies
-from tribo.simulation.disk_positions import further_positions, separation_at
+from tribo.simulation.disk_positions import further_positions, passes, separation_at
+from tribo.simulation.loading_step import start
+from tribo.simulation.step_wear import step_parts
 
 LOAD, VELOCITY = 300.0, 1.5
 PIXELS = tribo.Grid((128, 96), (4e-6, 4e-6))
@@ -86,7 +88,7 @@ def test_the_worn_volume_is_exact_and_even_along_y(surface):
     assert volume == pytest.approx(1.2e-15 * VELOCITY * impulse, rel=1e-9)
 
 
-@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"imprint": 0.5}])
+@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"parts": 3}])
 def test_a_point_is_the_same_alone_and_after_others(fidelity):
     scene, ramp_cache = scene_of(**fidelity), RampCache()
     end(scene, ramp_cache, 450.0)
@@ -104,6 +106,48 @@ def test_strips_lie_at_other_positions_in_each_stage_and_keep_all_heights():
         strip = slice(6 * number, 6 * number + 6)
         expected = np.roll(heights[:, strip], shift, axis=0)
         assert moved[:, strip] == pytest.approx(expected, abs=1e-12)
+
+
+def strip_shifts(scene, velocity=VELOCITY):
+    """Shifts of the strips in all stages of a ramp to 600 N, in elements (stages, strips)."""
+    begin = start(scene)
+    return np.array(
+        [
+            contact.strip_shifts
+            for load_step in scene.load_steps(600.0)
+            for part in step_parts(scene, begin, load_step, velocity)
+            for contact in passes(scene, begin, part, scene.wear, velocity, False, "sdirk2")
+        ]
+    )
+
+
+def test_no_strip_returns_to_an_element_within_64_stages():
+    shifts = strip_shifts(scene_of(parts=4))
+    assert shifts.shape == (64, 32)
+    assert all(len(set(strip)) == 64 for strip in shifts.T.tolist())
+
+
+def test_strips_of_a_few_stages_fill_the_window_evenly():
+    shifts = strip_shifts(scene_of(parts=4))
+    for first in range(60):
+        positions = np.sort(shifts[first : first + 4].ravel())  # 128 in 128 elements
+        assert np.diff(positions, append=positions[0] + 128).max() <= 4
+
+
+def test_a_step_has_as_many_contacts_at_any_velocity():
+    """With other numbers of parts, the rise would jump between two velocities."""
+    scene = scene_of("across", imprint=0.1, parts=2)
+    counts = {len(strip_shifts(scene, velocity)) for velocity in (0.1, 1.5, 1.515, 6.0)}
+    assert counts == {32}
+
+
+@pytest.mark.parametrize(("preset", "parts"), [("standard", 2), ("fine", 4)])
+def test_a_finer_preset_has_more_parts_under_strips(preset, parts):
+    scene = scene_of()
+    scene = replace(scene, fidelity=tribo.PRESETS[preset])
+    assert fit_elements(scene, LOAD).fidelity.parts == parts
+    rolling = replace(scene, motion=tribo.Motion(slide_roll_ratio=1.0))
+    assert fit_elements(rolling, LOAD).fidelity.parts == 1
 
 
 def test_a_contact_of_many_summits_needs_fewer_positions():
