@@ -8,11 +8,13 @@ from tribo import WarningKind
 
 # Errors of a rise
 
-PRESET_BOUNDS = {"standard": 0.011, "fine": 0.0055, "reference": 0.005}
+PRESET_BOUNDS = {"standard": 0.011, "fine": 0.0065, "reference": 0.005}
 """Relative error of the critical velocity that each preset promises, see CHOOSING.md.
 
-The error of 99 % of 985 points without a warning is below 1.00 and 0.53 %, with the wear of a
-window that stands still. A pin that wears under strips of the disk errs at random by up to 2 %.
+The error of 99 % of 985 points without a warning is below 1.00 % with `standard`. With `fine` it is
+below 0.52 % at 99 % of 790 points of 80 scenes; if the scenes are drawn again, this quantile is
+below 0.64 % in 95 % of the draws. The random error of a pin that wears under strips of the disk is a part of
+its own, `POSITION_SHARES`.
 
 Judged by `python -m tests.promises.front`.
 """
@@ -41,6 +43,11 @@ LARGE_AREA_FRACTION = 0.3
 """Critical area fraction from which on `LARGE_FRACTION_BOUNDS` applies.
 
 Judged by `python -m tests.promises.errors`.
+"""
+POSITION_SHARES = {"standard": 0.5, "fine": 0.35, "reference": 0.35}
+"""Random error by the positions of the disk's strips, over the error by surface sampling.
+
+Judged by `python -m tests.promises.positions`.
 """
 RISE_EXPONENT = 0.65
 """Relative error of a rise over that of the critical velocity: rises grow as velocity^0.5 to 0.7.

@@ -108,7 +108,7 @@ PRESETS: dict[str, Fidelity] = {
         pixels_per_element=2, increments=8, fewest_elements=100, contact_tolerance=0.12, parts=2
     ),
     "fine": Fidelity(
-        pixels_per_element=1, increments=16, fewest_elements=300, contact_tolerance=0.06, parts=4
+        pixels_per_element=1, increments=16, fewest_elements=300, contact_tolerance=0.03, parts=4
     ),
     "reference": Fidelity(pixels_per_element=1, increments=100, contact_tolerance=1e-5),
 }
