@@ -57,6 +57,10 @@ _PARTS = {
     "interpolation": ("interpolation", "simulate more points nearby"),
     "discretization": ("discretization", "use a finer preset"),
     "warnings": ("warnings", "follow the warnings of its points"),
+    "positions": (
+        "positions of the disk",
+        "use a finer preset, or simulate more surface realizations (sweep.realizations)",
+    ),
     "surface": (
         "surface sampling",
         "simulate more surface realizations (sweep.realizations)",

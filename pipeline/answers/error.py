@@ -6,6 +6,9 @@
   velocity to the power of `RISE_EXPONENT`. Where it grows more slowly, the same error of the rise
   is a larger one of the velocity.
 - Warnings of neighbouring points.
+- Positions: a pin at rest under a line contact wears by strips of the disk at some positions, and
+  others would give another rise. The error falls with the number of realizations. It is no property
+  of the surface, and counts also for a scan, whose surface is fixed.
 - Surface: other realizations of it have other summits.
 
 Each part is a bound that holds at 95 % or more of all loads and velocities. The parts are
@@ -30,6 +33,8 @@ from pipeline.constants import (
     LARGE_AREA_FRACTION,
     LARGE_FRACTION_BOUNDS,
     MIN_CURVATURE,
+    POSITION_LIMIT,
+    POSITION_SHARE,
     PRESET_BOUNDS,
     RISE_EXPONENT,
     ROUGHNESS_DEVIATION,
@@ -49,10 +54,11 @@ PARTS = {
     "interpolation": "interpolation between points",
     "discretization": "discretization (preset)",
     "warnings": "allowance for warnings",
+    "positions": "positions of the moving disk",
     "surface": "surface sampling",
 }
 """Meaning of each part, by its name, in their order."""
-INTERPOLATION, PRESET, _, SURFACE = range(len(PARTS))
+INTERPOLATION, PRESET, _, POSITIONS, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03
 """Like `ROUGHNESS_ERROR`, but between loads, for a single realization.
 
@@ -68,17 +74,19 @@ _DURATIONS, _WARM_ERRORS = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 def rise_errors(
     specimen: Specimen, preset_error: float | None, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors of the rise at k points by part (4, k).
+    """Relative errors of the rise at k points by part (5, k).
 
     `preset_error` is the relative error of critical velocities due to the preset; None if unknown.
     """
     field, point_errors = specimen.field, warned_errors(specimen.flags, specimen.durations)
     along, between = interpolation_errors(specimen, loads, velocities)
+    surface = surface_sampling_errors(specimen, loads, velocities)
     return np.stack(np.broadcast_arrays(
         np.hypot(along.sum(axis=0), between),
         np.nan if preset_error is None else RISE_EXPONENT * preset_error,
         field.bilinear(point_errors, loads, velocities),
-        surface_sampling_errors(specimen, loads, velocities),
+        position_errors(specimen, surface, loads, velocities),
+        surface,
     ))  # fmt: skip
 
 
@@ -94,8 +102,20 @@ def surface_sampling_errors(specimen: Specimen, loads: Array, velocities: Array)
     return np.asarray(np.sqrt(np.square(sides).sum(axis=0) + 2 * correlation * sides.prod(axis=0)))
 
 
+def position_errors(specimen: Specimen, surface: Array, loads: Array, velocities: Array) -> Array:
+    """Relative errors of the rise by positions of the disk at k points.
+
+    They are a share of the errors by `surface` sampling (k,), or the largest error if that is less
+    or surface sampling is unknown. The mean of n realizations errs by 1/√n of the largest error.
+    """
+    count = np.maximum(specimen.realizations, 1)[:, None]
+    limits = specimen.position_limit / np.sqrt(count) * np.ones(len(specimen.field.velocities))
+    limit = specimen.field.bilinear(limits, loads, velocities)
+    return np.asarray(np.fmin(POSITION_SHARE * surface, limit))
+
+
 def velocity_errors(field: Field, parts: Array, loads: Array, velocities: Array) -> Array:
-    """Relative errors of critical velocities by part (4, k), from the `parts` of the rise.
+    """Relative errors of critical velocities by part (5, k), from the `parts` of the rise.
 
     The error of a velocity is that of the rise over the exponent d ln(rise)/d ln(velocity). By the
     preset it is at least the error that the preset promises for velocities.
@@ -290,6 +310,11 @@ def preset_bound(preset: str, share: float) -> float | None:
     elif share >= LARGE_AREA_FRACTION:
         bounds = LARGE_FRACTION_BOUNDS
     return bounds.get(preset, PRESET_BOUNDS.get(preset))
+
+
+def position_limit(sweep: Sweep) -> float:
+    """Largest relative error of a rise by positions of the disk; 0 without strips."""
+    return POSITION_LIMIT if sweep.scene.wears_by_strips else 0.0
 
 
 def has_unknown_preset_error(sweep: Sweep) -> bool:

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.special import chdtri, stdtrit
 
 from pipeline.answers.case_results import CaseResults
+from pipeline.answers.error import position_limit
 from pipeline.answers.field import Field
 from pipeline.constants import CORRELATION_LENGTHS
 from pipeline.sweep.case import Conditions
@@ -70,6 +71,7 @@ class Specimen(NamedTuple):
     is_highest: bool  # True if the highest temperature governs, that of the hottest realization
     # Degrees of freedom of the deviation that one realization states (n_load,); 0 if unknown.
     freedom: Array
+    position_limit: float = 0.0  # largest error of a rise by positions of the disk
 
     @property
     def realizations(self) -> Indices:
@@ -92,9 +94,10 @@ def specimen_of(case: CaseResults, conditions: Conditions) -> Specimen:
     kinds = np.bitwise_or.reduce(case.warning_flags[usable], 0)
     durations = case.durations[usable].max(axis=0)
     is_highest = conditions.critical_area_fraction == 0
-    return merge_realizations(
+    specimen = merge_realizations(
         case.loads, case.velocities, y, sampling, kinds, durations, is_highest, freedom
     )
+    return specimen._replace(position_limit=position_limit(case.sweep))
 
 
 def merge_realizations(

@@ -32,6 +32,7 @@ _ADVICE = {
     "interpolation": "give more sweep.velocities",
     "discretization": "run it into another store, which may have a finer preset",
     "warnings": "follow the warnings that irg status prints",
+    "positions": "use more areas of the surface (sweep.realizations), or a larger --accuracy",
     "surface": "there are too few surface realizations: set a larger --accuracy",
 }
 """How to reduce an error that is too large, by its largest part."""

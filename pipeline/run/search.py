@@ -10,6 +10,7 @@ together, because a realization at one load improves the means at the others.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +20,7 @@ import numpy as np
 
 from pipeline.answers.error import (
     INTERPOLATION,
+    POSITIONS,
     PRESET,
     SURFACE,
     exponents,
@@ -31,7 +33,7 @@ from pipeline.answers.specimen import (
     precision_of,
     realizations_share,
 )
-from pipeline.constants import CROSSING_BUDGET, LOAD_BUDGET, VELOCITY_BUDGET
+from pipeline.constants import CROSSING_BUDGET, LOAD_BUDGET, POSITION_SHARE, VELOCITY_BUDGET
 from pipeline.run.line_search import Line
 from tribo.types import Array, Indices, Mask
 
@@ -105,7 +107,7 @@ class Search:
 
     @cached_property
     def errors(self) -> Array:
-        """Relative errors of `critical` by part (4, n_load), see `velocity_errors`."""
+        """Relative errors of `critical` by part (5, n_load), see `velocity_errors`."""
         parts = rise_errors(self.specimen, self.preset_error, self.loads, self.critical)
         return velocity_errors(self.specimen.field, parts, self.loads, self.critical)
 
@@ -117,15 +119,17 @@ class Search:
 
     @cached_property
     def error_budget(self) -> Array:
-        """Error that the preset leaves for interpolation and surface sampling (n_load,)."""
+        """Error that the preset leaves for interpolation and realizations (n_load,)."""
         preset = self.errors[PRESET]
         preset = np.where(np.isnan(preset), self.preset_error or 0.0, preset)
-        return np.sqrt(np.maximum(self.goal.accuracy**2 - preset**2, 0.0))
+        fixed = 0.0 if self.goal.counts_surface else np.nan_to_num(self.errors[POSITIONS])
+        return np.sqrt(np.maximum(self.goal.accuracy**2 - preset**2 - fixed**2, 0.0))
 
     @property
     def reducible(self) -> Array:
         """Part of the error that further points reduce (n_load,); NaN without a crossing."""
-        parts = [INTERPOLATION, SURFACE] if self.goal.counts_surface else [INTERPOLATION]
+        by_realizations = [POSITIONS, SURFACE] if self.goal.counts_surface else []
+        parts = [INTERPOLATION, *by_realizations]
         return np.asarray(np.sqrt(np.square(self.errors[parts]).sum(axis=0)))
 
     def next_points(self) -> list[PointIndex]:
@@ -232,8 +236,9 @@ class Search:
             for load in loads
             if np.isfinite(self.critical[load]) and self.specimen.realizations[load] > 1
         ]
+        removed = [POSITIONS, SURFACE] if self.goal.counts_surface else [SURFACE]
         other_errors = np.sqrt(
-            np.square(np.delete(self.errors[:, crossing], SURFACE, axis=0)).sum(axis=0)
+            np.square(np.delete(self.errors[:, crossing], removed, axis=0)).sum(axis=0)
         )
         if not (other_errors < self.goal.accuracy).all():
             return True
@@ -252,11 +257,15 @@ class Search:
     def _deviations(self) -> Array:
         """Error of each critical velocity by that of each load (n_load, n_load), per its bound.
 
-        The bound at a load is in units of the deviation of a realization. An unknown deviation
-        counts as 0, so that it leaves the errors of other loads known.
+        The bound at a load is in units of the deviation of a realization, and includes the error by
+        positions of the disk. An unknown deviation counts as 0, so that it leaves the errors of
+        other loads known.
         """
         field, point = self.specimen.field, (self.loads, self.critical)
-        only = np.eye(len(self.loads))[..., None] * np.nan_to_num(self.specimen.mean.deviation)
+        deviation = self.specimen.mean.deviation
+        if self.specimen.position_limit:
+            deviation = math.hypot(1, POSITION_SHARE) * deviation
+        only = np.eye(len(self.loads))[..., None] * np.nan_to_num(deviation)
         errors = [field.bilinear(deviation, *point) for deviation in only]
         return np.asarray(np.transpose(errors) / exponents(field, *point)[:, None])
 

@@ -262,7 +262,7 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     parts = np.array([getattr(margin, f"temperature_error_{part}") for part in PARTS])
     parts = parts / rise / synthetic.VELOCITY_EXPONENT
     parts[1] = margin.temperature_error_discretization / rise / RISE_EXPONENT
-    assert boundary["velocity_error_surface"].item() == pytest.approx(parts[3], rel=1e-9)
+    assert boundary["velocity_error_surface"].item() == pytest.approx(parts[4], rel=1e-9)
     assert boundary["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
 
