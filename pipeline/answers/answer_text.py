@@ -372,14 +372,22 @@ def ruling_lines(answer: xr.Dataset) -> Iterator[str]:
 
 def error_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines on the numerical error of a boundary and on the model error."""
-    errors, surface = (answer[name].values for name in ("velocity_error", "velocity_error_surface"))
+    names = "velocity_error", "velocity_error_surface", "velocity_error_positions"
+    errors, surface, positions = (answer[name].values for name in names)
     is_critical = answer["critical_velocity"].notnull().values
     few_grooves = np.count_nonzero(is_critical & np.isnan(surface))
     if not is_critical.any():
         yield "no numerical error, as no critical velocity lies within the sweep"
     elif np.isfinite(errors).any():
-        sampling = f", surface sampling {_percents(surface)}" if np.nanmax(surface) else ""
-        yield f"numerical error (95 %): ± {_percents(errors)} of the critical velocity{sampling}"
+        parts = [
+            f", {name} {_percents(part)}"
+            for name, part in (("surface sampling", surface), (_PARTS["positions"][0], positions))
+            if np.nanmax(part)
+        ]
+        yield (
+            f"numerical error (95 %): ± {_percents(errors)} of the critical velocity"
+            f"{''.join(parts)}"
+        )
     elif not few_grooves:
         yield "numerical error of the critical velocity: unknown"
     if few_grooves:

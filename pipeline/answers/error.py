@@ -328,10 +328,16 @@ def preset_error_text(sweep: Sweep) -> str:
     error = preset_error_of(sweep)
     if error is None:
         return "custom numerical settings: the error of critical velocities is unknown"
-    return (
+    text = (
         f"preset {_preset(sweep)}: discretization error at most {100 * error:g} % of critical "
         "velocities, more where the rise hardly grows with velocity (irg help choosing)"
     )
+    if limit := position_limit(sweep):
+        text += (
+            f"; random error by positions of the disk at most {100 * limit:g} % of the rise of one "
+            "realization"
+        )
+    return text
 
 
 def _preset(sweep: Sweep) -> str | None:
