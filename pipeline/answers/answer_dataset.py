@@ -26,6 +26,7 @@ from pipeline.answers.scene_wording import (
     warning_lines,
 )
 from pipeline.answers.specimen import specimen_of
+from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import ORIGINS, VERDICTS, Flag, VerdictModel
 from pipeline.messages import join_notes
 from pipeline.store.schema import PLANE
@@ -51,19 +52,16 @@ _VARIABLES = {
     "critical_velocity": ("m/s", "lowest velocity at which severe wear is computed"),
     "critical_load": ("N", "lowest load at which severe wear is computed"),
     "critical_friction": ("1", "lowest coefficient of friction at which severe wear is computed"),
-    "friction_safety_factor": ("1", "critical over operating coefficient of friction"),
-    "velocity_safety_factor": ("1", "critical over operating velocity"),
-    "load_safety_factor": ("1", "critical over operating load"),
+    "mild_velocity": ("m/s", "highest velocity up to which the verdict is mild"),
+    "mild_load": ("N", "highest load up to which the verdict is mild"),
+    "mild_friction": ("1", "highest coefficient of friction up to which the verdict is mild"),
+    "severe_velocity": ("m/s", "lowest velocity from which the verdict is severe"),
+    "severe_load": ("N", "lowest load from which the verdict is severe"),
+    "friction_safety_factor": ("1", "mild limit of friction over operating friction"),
+    "velocity_safety_factor": ("1", "mild limit of velocity over operating velocity"),
+    "load_safety_factor": ("1", "mild limit of load over operating load"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
-    "critical_velocity_p05": (
-        "m/s",
-        "velocity at which severe wear is 5 % probable, or from which tests rule out mild",
-    ),
-    "critical_velocity_p95": (
-        "m/s",
-        "velocity at which severe wear is 95 % probable, or up to which tests rule it out",
-    ),
-    "ruled_out_by": ("", "tests that lower critical_velocity_p05, or raise critical_velocity_p95"),
+    "ruled_out_by": ("", "tests that decide mild_velocity or severe_velocity"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
         f"velocity_error_{part}": ("1", f"part of the relative numerical error: {meaning}")
@@ -88,11 +86,14 @@ _VARIABLES = {
     "velocity": ("m/s", "sliding velocity"),
 }
 """Unit and long name of each variable of an answer."""
+_LIMITS = "mild_velocity", "mild_load", "mild_friction", "severe_velocity", "severe_load"
+_VARIABLES |= {f"{name}_side": ("", f"where {name} lies") for name in _LIMITS}
 _CODES = {
     "verdict": VERDICTS,
     "origin": ORIGINS,
     "outcome_along_velocity": tuple(outcome.name.lower() for outcome in Outcome),
     "outcome_along_load": tuple(outcome.name.lower() for outcome in Outcome),
+    **{f"{name}_side": tuple(side.name.lower() for side in Side) for name in _LIMITS},
 }
 """Names of the codes 0, 1, 2 … of a variable."""
 ATTRIBUTES = (
@@ -127,7 +128,12 @@ def answer_dataset(
         if isinstance(text, str):
             texts = text, *(str(other[name]) for other in further)
             attributes[name] = join_notes(filter(None, texts))
-    return with_attributes(xr.Dataset(data, axes)).assign_attrs(attributes)
+    answer = with_attributes(xr.Dataset(data, axes)).assign_attrs(attributes)
+    for axis, ends in models[0].ranges.items():
+        for name in (f"mild_{axis}", f"severe_{axis}"):
+            if name in answer:
+                answer[name].attrs["valid_range"] = [*ends]
+    return answer
 
 
 def with_attributes(ds: xr.Dataset) -> xr.Dataset:

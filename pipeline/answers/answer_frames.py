@@ -14,8 +14,10 @@ from pipeline.answers.answer_text import (
     error_of,
     flag_names,
     format_error,
+    format_limit,
     format_value,
     probability_text,
+    side_text,
 )
 from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.scene_wording import usual_unit, value_words
@@ -31,12 +33,15 @@ _MARGIN_VARIABLES = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
-_WITH_ERROR_DIGITS = re.compile("critical_.*|governing_temperature|temperature_margin|.*_factor")
+_WITH_ERROR_DIGITS = re.compile(
+    "(critical|mild|severe)_(velocity|load|friction)(_p50)?|governing_temperature|temperature_margin|.*_factor"
+)
 """Variables whose digits depend on the numerical error."""
 _NUMBER_STARTS = tuple("0123456789+-−.")
 _HEADINGS = {
-    "critical_velocity_p50": "with tests, 50 %", "critical_velocity_p05": "5 %",
-    "critical_velocity_p95": "95 %", "velocity_error": "numerical error",
+    "critical_velocity_p50": "50 % severe", "velocity_error": "numerical error",
+    "mild_velocity": "mild up to", "mild_load": "mild up to",
+    "severe_velocity": "severe from", "severe_load": "severe from",
     "velocity_error_surface": "surface sampling error", "outcome_along_velocity": "outcome",
     "outcome_along_load": "outcome", "loo_probability": "leave-one-out probability",
 }  # fmt: skip
@@ -148,16 +153,21 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
     """Rows of `pipeline.boundary` by load or by velocity, for a reader.
 
-    Parts of the error and the tests in ``ruled_out_by`` are left out; lines state them.
+    The limits by the verdict, and between them the boundary at which severe wear is 50 % probable.
     """
-    names = dict.fromkeys(
-        [
-            f"critical_{'velocity' if by == 'load' else 'load'}",
-            *(str(name) for name in answer if answer[name].dims[-1:] == (by,)),
+    axis = "velocity" if by == "load" else "load"
+    names = [f"mild_{axis}", f"critical_{axis}", f"severe_{axis}"]
+    if by == "load":
+        names[1:2] = ["critical_velocity_p50"] if has_counted_tests(answer) else names[1:2]
+        names.append("velocity_error")
+    frame = _rounded_frame(answer, *names)
+    for name in (f"mild_{axis}", f"severe_{axis}"):
+        limits = answer_frame(answer, name, f"{name}_side").iloc[:, -2:]
+        frame[_heading(name, answer)] = [
+            side_text(name, side) if np.isnan(value) else format_limit(value, name[:4] == "mild")
+            for value, side in limits.itertuples(index=False, name=None)
         ]
-    )
-    omitted = re.compile("velocity_error_.*|ruled_out_by")
-    return _rounded_frame(answer, *(name for name in names if not omitted.fullmatch(name)))
+    return frame
 
 
 def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
@@ -190,8 +200,8 @@ def _heading(name: str, answer: xr.Dataset) -> str:
     if unit == "1":
         unit = "%" if is_error or name == "loo_probability" else ""
     title = _HEADINGS.get(name, name.replace("_", " "))
-    if name == "critical_velocity_p50" and not has_counted_tests(answer):
-        title = "50 %"
+    if name in ("mild_velocity", "mild_load") and "temperature_error" in answer:
+        title = name.replace("_", " ")  # margins have both
     return f"{title} [{unit}]" if unit else title
 
 

@@ -37,16 +37,18 @@ _OUTCOMES = {
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
 _TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
-_OF_FRICTION = "critical_friction", "friction_safety_factor"  # inversely proportional to the rise
+_OF_FRICTION = (
+    "critical_friction",
+    "mild_friction",
+    "friction_safety_factor",
+)  # inversely proportional to the rise
 _MAX_REASONS = 6
-_HEADLINES = {
-    "sure": "{verdict}: probability of severe wear {probability}, {distance}",
-    "range": "{verdict}: probability of severe wear {probability} ({low} to {high}), {distance}",
-    "unknown": (
-        "{verdict}: probability of severe wear {probability}, numerical error unknown, {distance}"
-    ),
+_PROBABILITIES = {
+    "sure": "probability of severe wear {probability}, {distance}",
+    "range": "probability of severe wear {probability} ({low} to {high}), {distance}",
+    "unknown": "probability of severe wear {probability}, numerical error unknown, {distance}",
 }
-"""First line on a point, by what is known of the range of the probability."""
+"""Probability at a point, by what is known of its range."""
 _ORIGINS = {
     "simulated": "{} °C, simulated at this point",
     "interpolated": "{} °C, interpolated between simulated points",
@@ -233,6 +235,10 @@ def margin_lines(point: xr.Dataset) -> Iterator[str]:
         yield f"Unknown: {point['reason'].item()}"
         return
     yield headline(point)
+    if advice := to_decide(point):
+        yield f"to decide it: {advice}"
+    if line := probability_line(point):
+        yield line
     yield from not_included_lines(point)
     yield from (f"  {name:22}  {text}" for name, text in margin_facts(point))
     yield from edge_warnings(point)
@@ -258,11 +264,69 @@ def temperature_error_line(answer: xr.Dataset) -> str:
     return f"numerical error (95 %): ± {' to '.join(ends)} K of the governing temperature"
 
 
+def side_text(name: str, side: str) -> str:
+    """Text on a limit that lies outside the sweep, such as "all" for one above it."""
+    is_mild = name.startswith("mild")
+    texts = {"above": ("none", "all"), "below": ("all", "none")}
+    return texts[side][is_mild] if side in texts else ""
+
+
 def headline(point: xr.Dataset) -> str:
-    """The verdict on one point, and the probability of severe wear."""
-    verdict = verdict_text(point)
+    """The verdict on one point, up to where wear is mild, and the safety factors."""
+    verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
+    at = f"{load:.4g} N and {velocity:.4g} m/s"
     if verdict == "outside the model":
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
+    limits = [*filter(None, (limit_text(point, axis) for axis in ("load", "velocity")))]
+    if not limits:
+        return f"{verdict.capitalize()} at {at}"
+    return f"{verdict.capitalize()} at {at}; {', and '.join(limits)}"
+
+
+def limit_text(point: xr.Dataset, axis: str) -> str:
+    """The mild limit along `axis` with its safety factor, as text; empty without a line."""
+    line = {"load": "at this velocity", "velocity": "at this load", "friction": "here"}[axis]
+    low, high = point[f"mild_{axis}"].attrs.get("valid_range", (math.nan, math.nan))
+    side = str(code_text(point[f"mild_{axis}_side"])[()])
+    unit = f" {UNITS[axis]}".rstrip()
+    if side == "above":
+        least = high / point[axis].item()
+        return (
+            f"mild up to the highest simulated {axis}, {high:.4g}{unit}, {line} "
+            f"(factor at least {format_limit(least)})"
+        )
+    if side == "below":
+        return f"not mild from the lowest simulated {axis}, {low:.4g}{unit}, {line}"
+    if side == "none":
+        return ""
+    limit, factor = point[f"mild_{axis}"].item(), point[f"{axis}_safety_factor"].item()
+    factor_text = f" (factor {format_limit(factor)})" if math.isfinite(factor) else ""
+    return f"mild up to {format_limit(limit)}{unit} {line}{factor_text}"
+
+
+def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
+    """Write a limit with 3 digits, rounded to its own side: mild downwards, severe upwards.
+
+    Examples
+    --------
+    >>> format_limit(2.2957), format_limit(2.2911, is_mild=False), format_limit(402.9)
+    ('2.29', '2.30', '402')
+    """
+    if not (math.isfinite(value) and value > 0):
+        return f"{value:g}"
+    last = math.floor(math.log10(value)) - digits + 1
+    parts, scale = (value * 10**-last, 10**-last) if last < 0 else (value / 10**last, 10.0**-last)
+    whole = math.floor(parts + 1e-9) if is_mild else math.ceil(parts - 1e-9)
+    return f"{whole / scale:.{max(-last, 0)}f}"
+
+
+def probability_line(point: xr.Dataset) -> str:
+    """The probability of severe wear at one point, and its distance from the critical temperature.
+
+    Empty without a probability.
+    """
+    if math.isnan(point["probability"].item()):
+        return ""
     ends = point["probability_low"].item(), point["probability_high"].item()
     probability = probability_text(point["probability"].item())
     low, high = probability_text(ends[0], math.floor), probability_text(ends[1], math.ceil)
@@ -273,8 +337,8 @@ def headline(point: xr.Dataset) -> str:
     distance = f"{margin} K below the critical temperature"
     if margin.startswith("-"):
         distance = f"{margin[1:]} K above the critical temperature"
-    return _HEADLINES[known].format(
-        verdict=verdict.capitalize(), probability=probability, low=low, high=high, distance=distance
+    return _PROBABILITIES[known].format(
+        probability=probability, low=low, high=high, distance=distance
     )
 
 
@@ -295,21 +359,14 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
         if not outcome:
             continue
         is_known = not math.isnan(point[f"critical_{axis}"].item())
-        yield f"critical {axis}", _critical(point, axis) if is_known else outcome
+        value = f"{format_variable(point, f'critical_{axis}')} {UNITS[axis]}"
+        yield f"computed {axis}", f"severe from {value}" if is_known else outcome
         if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
             yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
-    yield "critical friction", _critical(point, "friction")
+    if friction := limit_text(point, "friction"):
+        yield "friction", friction
     if point["reason"].item():
         yield "verdict withheld", point["reason"].item()
-    if advice := to_decide(point):
-        yield "to decide", advice
-
-
-def _critical(point: xr.Dataset, name: str) -> str:
-    """A critical value, with its safety factor if the point has a verdict."""
-    value = f"{format_variable(point, f'critical_{name}')} {UNITS[name]}".rstrip()
-    factor = format_variable(point, f"{name}_safety_factor")
-    return f"{value}, safety factor {factor}" if factor else value
 
 
 def _error_parts(point: xr.Dataset) -> dict[str, float]:

@@ -24,13 +24,22 @@ from pipeline.answers.condition_values import (
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import Outcome
 from pipeline.answers.results import cases_of, dataset_of
-from pipeline.answers.verdict_model import OUTSIDE, VerdictModel, verdict_model
+from pipeline.answers.verdict_limits import Side, friction_limits, line_limits
+from pipeline.answers.verdict_model import (
+    MILD,
+    OUTSIDE,
+    SEVERE,
+    UNKNOWN,
+    VerdictModel,
+    verdict_model,
+)
 from pipeline.arguments import in_si, typed_arguments
 from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from tribo import InputError
+from tribo.types import Array, Indices
 
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
 
@@ -65,9 +74,11 @@ def margin(
     -------
     Dataset
         The verdict on the next specimen, its probability, temperatures, numerical errors and their
-        parts, critical velocity, load and friction with their safety factors, and flags; each with
-        ``units`` and ``long_name``, and codes with ``flag_meanings``. Attributes state what applies
-        to all points.
+        parts; ``mild_load``, ``mild_velocity`` and ``mild_friction``, up to which the verdict is
+        mild, and their safety factors, these limits over the values of the point; the code
+        ``mild_…_side`` of a limit outside the sweep, which is NaN; computed critical velocity, load
+        and friction; flags. Each has ``units`` and ``long_name``, and codes ``flag_meanings``.
+        Attributes state what applies to all points.
 
     Examples
     --------
@@ -191,11 +202,29 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     columns["critical_velocity_p50"] = np.full(is_known.shape, np.nan)
     if model.evidence.specimens and is_known.any():
         columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
-    for axis in ("velocity", "load"):
-        factor = columns[f"critical_{axis}"] / getattr(points, axis)
-        is_outside = columns["verdict"] == OUTSIDE
-        columns[f"{axis}_safety_factor"] = np.where(is_outside, np.nan, factor)
+    columns |= _mild_limits(model, points, columns["verdict"], columns["critical_friction"])
     return columns | points._asdict()
+
+
+def _mild_limits(
+    model: VerdictModel, points: QueryPoints, verdicts: Indices, critical_friction: Array
+) -> dict[str, Any]:
+    """Mild limits of load, velocity and friction at k points, and their safety factors."""
+    is_known = verdicts != UNKNOWN
+    known = points.take(is_known), verdicts[is_known]
+    limits = {axis: line_limits(model, axis, MILD, *known) for axis in ("velocity", "load")}
+    limits["friction"] = friction_limits(model, known[0], critical_friction[is_known])
+    columns = dict[str, Any]()
+    for name, (values, sides) in limits.items():
+        mild_limits = np.full(is_known.shape, np.nan)
+        mild_limits[is_known] = values
+        columns[f"mild_{name}"] = mild_limits
+        columns[f"mild_{name}_side"] = np.full(is_known.shape, Side.NONE, np.int8)
+        columns[f"mild_{name}_side"][is_known] = sides
+        with np.errstate(divide="ignore"):
+            factor = mild_limits / getattr(points, name)
+        columns[f"{name}_safety_factor"] = np.where(verdicts == OUTSIDE, np.nan, factor)
+    return columns
 
 
 @typed_arguments
@@ -213,12 +242,14 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     Returns
     -------
     Dataset
+        ``mild_velocity(load)``, the highest velocity up to which the verdict is mild, and
+        ``severe_velocity(load)``, the lowest from which it is severe; ``mild_load(velocity)`` and
+        ``severe_load(velocity)``; for each the code ``…_side`` of a limit outside the sweep, which
+        is NaN; ``ruled_out_by(load)``, the tests that decide a limit. Furthermore
         ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
-        ``velocity_error(load)`` and its parts; ``critical_velocity_p05``, ``_p50`` and ``_p95``
-        with tests, NaN outside the velocities of the sweep; ``ruled_out_by(load)``, the tests that
-        lower the first of these or raise the last; the outcomes ``outcome_along_velocity(load)``
-        and ``outcome_along_load(velocity)``. Varied entries, and conditions given as lists, are
-        further dimensions.
+        ``velocity_error(load)`` and its parts; ``critical_velocity_p50`` with tests; the outcomes
+        ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``. Varied entries, and
+        conditions given as lists, are further dimensions.
 
     Examples
     --------
@@ -252,20 +283,32 @@ def _boundary_of_case(case: CaseResults, overrides: Mapping[str, xr.DataArray]) 
 
 
 def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
-    """Critical velocities at the loads of points, their errors, and those with tests."""
+    """Limits by the verdict at the loads of points, critical velocities, and their errors."""
     columns = model.critical("velocity", points)
     parts = model.velocity_errors(points.load, columns["critical_velocity"])
-    decided = model.decided_velocities(points)
+    mild, severe = (
+        line_limits(model, "velocity", verdict, points, None) for verdict in (MILD, SEVERE)
+    )
     return {
+        "mild_velocity": mild.values,
+        "mild_velocity_side": mild.sides,
         **columns,
+        "critical_velocity_p50": model.velocity_of_probability(points),
+        "severe_velocity": severe.values,
+        "severe_velocity_side": severe.sides,
         "velocity_error": total(parts),
         **{f"velocity_error_{part}": error for part, error in zip(PARTS, parts, strict=True)},
-        "critical_velocity_p05": decided.pop("critical_velocity_p05"),
-        "critical_velocity_p50": model.velocity_of_probability(points),
-        **decided,
+        "ruled_out_by": model.ruling_tests(points, mild.values, severe.values),
     }
 
 
 def _along_load(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
-    """Critical loads at the velocities of points."""
-    return model.critical("load", points)
+    """Critical loads at the velocities of points, and limits by the verdict."""
+    mild, severe = (line_limits(model, "load", verdict, points, None) for verdict in (MILD, SEVERE))
+    return {
+        "mild_load": mild.values,
+        "mild_load_side": mild.sides,
+        **model.critical("load", points),
+        "severe_load": severe.values,
+        "severe_load_side": severe.sides,
+    }

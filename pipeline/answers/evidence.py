@@ -182,6 +182,12 @@ class Evidence:
                 )
         return reasons
 
+    def rules_out(self, verdict: str, points: QueryPoints) -> Mask:
+        """True at points (k,) that cannot be `verdict`, "mild" or "severe"."""
+        masks = (row.rules_out(verdict, points) for row in self.rows)
+        withheld = np.full(points.load.shape, bool(self.withheld[verdict]))
+        return functools.reduce(np.logical_or, masks, withheld)
+
     def objections(self, verdict: str, points: QueryPoints) -> list[str]:
         """Reason why each point (k,) cannot be `verdict`, "mild" or "severe"; empty if it can."""
         if self.withheld[verdict]:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import IntFlag
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,6 @@ from pipeline.answers.error import (
     PARTS,
     preset_error_of,
     rise_errors,
-    surface_sampling_errors,
     total,
     velocity_errors,
 )
@@ -79,6 +78,27 @@ def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions
     if conditions.critical_temperature is None and case.sweep.base.critical_from_tests:
         return verdict_model(case, conditions).conditions
     return conditions
+
+
+class Places(NamedTuple):
+    """What is known of operating points (k,), whatever their friction; NaN for invalid values."""
+
+    load: Array
+    velocity: Array
+    rise: Array  # ln(rise), NaN if unknown
+    errors: Array  # relative, by part (4, k)
+    is_outside: Mask  # the film carries more load than the model allows
+    is_film_unknown: Mask
+
+
+class Judgement(NamedTuple):
+    """Verdicts on operating points (k,)."""
+
+    verdict: Indices
+    ruled_out: Indices  # code of the verdict that tests rule out or withhold; else −1
+    probabilities: Array  # (3, k): lower bound, value, upper bound
+    log_ratio: Array
+    error: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,35 +162,58 @@ class VerdictModel:
                 excess[is_member] = film(points.load[is_member], points.velocity[is_member])
         return np.nan_to_num(excess, nan=-1.0) > 0, np.isnan(excess)
 
-    def points(self, points: QueryPoints) -> dict[str, Any]:
-        """Answers on points by name, each (k,), except those along lines through them."""
+    def places(self, points: QueryPoints) -> Places:
+        """What is known of points (k,), whatever their friction."""
         plane = np.stack([points.load, points.velocity])
+        low, high = np.transpose([self.ranges["load"], self.ranges["velocity"]])[..., None]
+        is_inside = ((low <= plane) & (plane <= high) & (plane > 0)).all(axis=0)
         is_valid = (np.isfinite(plane) & (plane > 0)).all(axis=0)
         load, velocity = np.where(is_valid, plane, np.nan)
         rise = self.field(load, velocity)
-        reasons = self._reasons(points, rise)
-        is_known = np.asarray(reasons == "", bool)
-        rise = np.where(is_known, rise, np.nan)
-        log_ratio = rise - self.limits(points)
         errors = rise_errors(self.specimen, self.preset_error, load, velocity)
-        errors = np.where(is_known, errors, np.nan)
-        error = total(errors)
-        probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
         is_outside, is_film_unknown = self.films(points._replace(load=load, velocity=velocity))
+        return Places(
+            load, velocity, np.where(is_inside, rise, np.nan),
+            np.where(is_inside & ~np.isnan(rise), errors, np.nan), is_outside, is_film_unknown,
+        )  # fmt: skip
+
+    def judge(self, points: QueryPoints, places: Places) -> Judgement:
+        """Verdicts on points (k,), which are at `places`."""
+        log_ratio = places.rise - self.limits(points)
+        error = total(places.errors)
+        probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
         verdict = np.select(
             (
-                ~is_known,
-                is_outside,
+                np.isnan(places.rise),
+                places.is_outside,
                 probabilities[2] <= VERDICT_PROBABILITIES[0],
                 probabilities[0] >= VERDICT_PROBABILITIES[-1],
             ),
             (UNKNOWN, OUTSIDE, MILD, SEVERE),
             UNDECIDED,
         )
+        ruled_out = np.full(verdict.shape, -1)
         for code in (MILD, SEVERE):
             judged = np.flatnonzero(verdict == code)
-            reasons[judged] = self.evidence.objections(VERDICTS[code], points.take(judged))
-        is_ruled_out = (reasons != "") & is_known
+            is_ruled_out = self.evidence.rules_out(VERDICTS[code], points.take(judged))
+            ruled_out[judged[is_ruled_out]] = code
+        verdict = np.where(ruled_out >= 0, UNDECIDED, verdict)
+        return Judgement(verdict, ruled_out, probabilities, log_ratio, error)
+
+    def verdicts(self, points: QueryPoints) -> Indices:
+        """Codes of the verdicts on points (k,)."""
+        return self.judge(points, self.places(points)).verdict
+
+    def points(self, points: QueryPoints) -> dict[str, Any]:
+        """Answers on points by name, each (k,), except those along lines through them."""
+        places = self.places(points)
+        load, velocity, rise, errors, is_outside, is_film_unknown = places
+        verdict, ruled_out, probabilities, log_ratio, error = self.judge(points, places)
+        is_known = ~np.isnan(rise)
+        reasons = self._reasons(points, rise)
+        for code in (MILD, SEVERE):
+            k = np.flatnonzero(ruled_out == code)
+            reasons[k] = self.evidence.objections(VERDICTS[code], points.take(k))
         flags = self._at_edge(load, velocity) * Flag.CONTACT_AT_EDGE
         flags += is_film_unknown * Flag.FILM_UNKNOWN
         has_no_verdict = is_outside | ~is_known
@@ -184,7 +227,7 @@ class VerdictModel:
             for part, part_error in zip(PARTS, errors, strict=True)
         }
         return {
-            "verdict": np.where(is_ruled_out, UNDECIDED, verdict).astype(np.int8),
+            "verdict": verdict.astype(np.int8),
             "probability": probability,
             "probability_low": low,
             "probability_high": high,
@@ -194,9 +237,10 @@ class VerdictModel:
             "temperature_error": temperature_rise * error,
             **parts,
             "critical_friction": (critical - points.bulk_temperature) / rise_per_friction,
-            "friction_safety_factor": np.where(has_no_verdict, np.nan, np.exp(-log_ratio)),
             "origin": np.where(is_known, self._origins(points, load, velocity), -1).astype(np.int8),
-            "warning_flags": (is_known * flags + is_ruled_out * Flag.RULED_OUT).astype(np.int16),
+            "warning_flags": (is_known * flags + (ruled_out >= 0) * Flag.RULED_OUT).astype(
+                np.int16
+            ),
             "reason": reasons,
         }
 
@@ -283,37 +327,22 @@ class VerdictModel:
         bulks = points.bulk_temperature
         return self.limits(points) + self.evidence.log_rise_ratio_quantiles(probability, bulks)
 
-    def decided_velocities(self, points: QueryPoints) -> dict[str, Any]:
-        """Velocities (k,) [m/s] at the loads of points, up to and from which a verdict is possible.
+    def ruling_tests(self, points: QueryPoints, mild: Array, severe: Array) -> Any:
+        """Tests that decide the `mild` or `severe` limits of velocity (k,) at the loads of points.
 
-        ``critical_velocity_p05`` is lowered to a test that rules out mild wear, and ``_p95`` is
-        raised to one that rules out severe wear; ``ruled_out_by`` states the test. A velocity is
-        NaN outside the sweep, or if the verdict is withheld at all velocities.
+        The notes are empty without such a test.
         """
-        columns, notes = dict[str, Any](), np.full(points.load.shape, "", object)
-        low, high = self.ranges["velocity"]
-        for verdict, sign, probability, words in (
-            ("mild", 1, VERDICT_PROBABILITIES[0], "mild wear from"),
-            ("severe", -1, VERDICT_PROBABILITIES[-1], "severe wear up to"),
+        notes = np.full(points.load.shape, "", object)
+        for verdict, limits, words in (
+            ("mild", mild, "mild wear from"),
+            ("severe", severe, "severe wear up to"),
         ):
-            velocities = self.velocity_of_probability(points, probability)
-            # Without a known error of the surface, no verdict is possible at any velocity.
-            errors = surface_sampling_errors(self.specimen, points.load, velocities)
-            velocities = np.where(np.isnan(errors), np.nan, velocities)
-            limits, names = self.evidence.velocity_limits(verdict, points)
-            excess = self.field(points.load, np.clip(limits, low, high))
-            excess -= self._levels(points, probability)
-            # At the limit, the probability alone would still give the verdict.
-            is_limited = (sign * excess <= 0) | (sign * limits < sign * velocities)
-            is_limited &= limits < math.inf if verdict == "mild" else limits > 0
-            limits_inside = np.where((low <= limits) & (limits <= high), limits, np.nan)
-            columns[f"critical_velocity_p{100 * probability:02.0f}"] = np.where(
-                is_limited, limits_inside, velocities
-            )
-            for k in np.flatnonzero(is_limited & (names != "")).tolist():
-                text = f"{names[k]} rules out {words} {limits[k]:g} m/s"
+            velocities, names = self.evidence.velocity_limits(verdict, points)
+            is_decided = np.isclose(limits, velocities, rtol=1e-6) & (names != "")
+            for k in np.flatnonzero(is_decided).tolist():
+                text = f"{names[k]} rules out {words} {velocities[k]:g} m/s"
                 notes[k] = f"{notes[k]} | {text}" if notes[k] else text
-        return columns | {"ruled_out_by": notes}
+        return notes
 
     def velocity_errors(self, loads: Array, velocities: Array) -> Array:
         """Relative errors of critical velocities by part (4, k)."""

@@ -27,7 +27,7 @@ from tribo import InputError
 
 TESTS = {"mild": ("o", "white"), "severe": ("o", BLACK), "transition": ("D", BLACK)}
 """Marker and face colour of a test, by its outcome."""
-UNDECIDED_LABEL = "undecided: severe wear 5 to 95 % probable"
+UNDECIDED_LABEL = "undecided: neither mild nor severe wear is sure"
 """Label in legends."""
 _MAX_AXIS_RATIO = 1.5  # factor on the ends of the sweep beyond which tests are not drawn
 

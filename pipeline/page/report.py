@@ -33,9 +33,11 @@ from pipeline.answers.answer_text import (
     edge_warnings,
     error_lines,
     headline,
+    limit_text,
     margin_facts,
     model_error_line,
     not_included_lines,
+    probability_line,
     reason_lines,
     ruling_lines,
     temperature_error_line,
@@ -220,7 +222,8 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
     if verdict not in HEADLINES:
         raise InputError(reason)
     load, velocity = margin["load"].item(), margin["velocity"].item()
-    lines = [_probability_sentence(margin), *not_included_lines(margin)]
+    limits = (limit_text(margin, axis) for axis in (*PLANE, "friction"))
+    lines = [*filter(None, limits), _probability_sentence(margin), *not_included_lines(margin)]
     if reason:
         lines.append(f"The verdict is withheld: {reason}")
     if advice := to_decide(margin):
@@ -283,9 +286,7 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
 
 def _probability_sentence(margin: xr.Dataset) -> str:
     """Sentence on the probability at one operating point; the headline has its verdict."""
-    verdict, _, rest = headline(margin).partition(": ")
-    subject = "probability of severe wear "
-    return (rest or verdict).replace(subject, f"the {subject}is ", 1)
+    return probability_line(margin) or headline(margin)
 
 
 def _plane_sections(
@@ -305,7 +306,7 @@ def _plane_sections(
         if all(low <= value <= high for value, (low, high) in zip(point, ends, strict=True))
     ]
     loads, velocities = ([point[axis] for point in inside] for axis in (0, 1))
-    table_caption = "Critical velocity as computed, and where severe wear is 5, 50, 95 % probable"
+    table_caption = "Velocities up to which the verdict is mild, and from which it is severe"
     table = _table(boundary_frame(boundary), table_caption)
     sections: list[Section] = [("Boundary", [table])]
     if min(boundary.sizes[axis] for axis in PLANE) > 1:

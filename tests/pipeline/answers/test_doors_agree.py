@@ -12,6 +12,7 @@ from matplotlib.text import Text
 
 import pipeline
 import tribo
+from pipeline.answers.verdict_model import MILD, SEVERE
 from tests.helpers import synthetic
 from tests.helpers.answer_at import named
 from tests.helpers.entries import bare_test
@@ -24,7 +25,7 @@ SMALL = {"loads": LOADS, "velocities": VELOCITIES}
 NUMBERS = (
     "probability", "probability_low", "probability_high", "governing_temperature",
     "temperature_margin", "temperature_error", "critical_velocity", "critical_load",
-    "critical_velocity_p50",
+    "critical_velocity_p50", "mild_velocity", "mild_load", "mild_friction", "load_safety_factor",
 )  # fmt: skip
 VERDICTS = {"mild", "undecided", "severe", "outside the model", "unknown"}
 
@@ -101,7 +102,9 @@ def columns(rows, *names):
     heads = {head.partition(" [")[0]: head for head in rows[0]}
     for name in names:
         head = heads[
-            {"critical_velocity_p50": "with tests, 50 %"}.get(name, name.replace("_", " "))
+            {
+                "critical_velocity_p50": "50 % severe",
+            }.get(name, name.replace("_", " "))
         ]
         values = np.array([row[head] or np.nan for row in rows], float)
         yield name, values + 273.15 * (name == "governing_temperature")
@@ -163,15 +166,13 @@ def test_boundary_figure_and_margin_draw_one_line(margin_case, irg):
     known = along["log_rise_ratio"].notnull()
     for variable in ("critical_velocity", "outcome_along_velocity"):
         same(along[variable].where(known), boundary[variable].where(known).transpose(*along.dims))
-    shares = xr.DataArray([0.05, 0.5, 0.95], dims="share")
-    ends = [boundary[f"critical_velocity_p{100 * share:02.0f}"] for share in shares.values]
-    ends = xr.concat(ends, "share", combine_attrs="override")
-    probability = pipeline.margin(ds, ends["load"], ends)["probability"]
-    is_equal = (abs(probability - shares) < 1e-6) | probability.isnull()
-    # A test may rule a verdict out earlier than the probability does.
-    is_decided = (shares != 0.5) & (abs(probability - 0.5) > 0.45 - 1e-6)
-    assert (is_equal | (is_decided & (boundary["ruled_out_by"] != ""))).all()
-    assert (is_equal & probability.notnull()).any()
+    half = boundary["critical_velocity_p50"]
+    probability = pipeline.margin(ds, half["load"], half)["probability"]
+    assert (abs(probability.dropna("load") - 0.5) < 1e-6).all()
+    for verdict, code in (("mild", MILD), ("severe", SEVERE)):
+        limit = boundary[f"{verdict}_velocity"]
+        verdicts = pipeline.margin(ds, limit["load"], limit)["verdict"]
+        assert (verdicts == code).where(limit.notnull(), True).all()
 
 
 def test_every_door_names_the_test_that_limits_the_boundary(monkeypatch, irg, undrawn):

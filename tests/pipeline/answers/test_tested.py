@@ -13,6 +13,7 @@ from pipeline.answers.answer_text import (
 )
 from pipeline.answers.field import Outcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
+from pipeline.answers.verdict_limits import Side
 from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named
@@ -170,9 +171,8 @@ def test_the_boundary_is_limited_by_the_tests_that_rule_verdicts_out_in_margins(
     assert (free["ruled_out_by"] == "").all()
     for load in (450.0, 600.0):
         at_load, named_text = answer.sel(load=load), answer["ruled_out_by"].sel(load=load).item()
-        assert (
-            at_load["critical_velocity_p05"] == 0.75 < free["critical_velocity_p05"].sel(load=load)
-        )
+        assert at_load["mild_velocity"] < 0.75 < free["mild_velocity"].sel(load=load)
+        assert at_load["mild_velocity"].item() == pytest.approx(0.75, rel=1e-6)
         assert velocities_of_verdict(ds, load, "mild").max() == pytest.approx(0.74)
         assert named_text == "test weak (severe, 300 N, 0.75 m/s) rules out mild wear from 0.75 m/s"
     assert answer["ruled_out_by"].sel(load=200.0).item() == ""  # the test was at a higher load
@@ -183,7 +183,7 @@ def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():
     severe = [at(0.2, "severe", number=f"m{k}") for k in range(40)]
     ds = swept(*severe, bare_test(700.0, 3.8, outcome="mild", number="strong"))
     answer = pipeline.boundary(ds).sel(load=600.0)
-    assert answer["critical_velocity_p95"] == 3.8
+    assert answer["severe_velocity"].item() == pytest.approx(3.8, rel=1e-6)
     assert velocities_of_verdict(ds, 600.0, "severe").min() == pytest.approx(3.81)
     expected = "test strong (mild, 700 N, 3.8 m/s) rules out severe wear up to 3.8 m/s"
     assert expected in answer["ruled_out_by"].item()
@@ -192,8 +192,9 @@ def test_a_mild_test_limits_the_velocity_from_which_the_boundary_is_severe():
 def test_a_verdict_that_is_withheld_everywhere_has_no_velocity_on_the_boundary():
     ds = synthetic.with_tests(swept(at(0.0, "severe")), status=PENDING)
     answer = pipeline.boundary(ds)
-    assert np.isnan(answer["critical_velocity_p05"]).all()
-    assert np.isfinite(answer["critical_velocity_p95"]).any()
+    assert np.isnan(answer["mild_velocity"]).all()
+    assert (answer["mild_velocity_side"] == Side.BELOW).all()
+    assert np.isfinite(answer["severe_velocity"]).any()
     (line,) = withheld_lines(answer)
     assert line.startswith("some verdicts are withheld: test 1 (severe, ")
 

@@ -1,0 +1,156 @@
+"""Mild and severe limits: where the verdict changes along a line of load, velocity or friction.
+
+The mild limit is the largest value up to which the verdict is mild, the severe limit the smallest
+from which it is severe. Both are found by bisection of the verdict itself, so they contain all that
+it contains: errors, tests, films, and places without an answer. The verdict at a limit is the one
+that the limit is named after.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from pipeline.answers.condition_values import QueryPoints
+from pipeline.answers.verdict_model import MILD, SEVERE, VerdictModel
+from tribo.types import Array, Indices
+
+Side = IntEnum("Side", "INSIDE ABOVE BELOW NONE", start=0)
+"""Codes of where a limit lies: inside the sweep, above or below it, or nowhere.
+
+A limit is nowhere on a line of a single simulated value, or of places without a verdict.
+"""
+_PARTS_OF_GAP = 12  # between two simulated values
+_BISECTIONS = 24  # of the ratio of neighbouring nodes, to 1e-8 of a limit
+_LOG_FRICTIONS = 25.0  # largest |ln(limit over computed critical friction)|
+_BATCH_SIZE = 4000
+
+
+class Limits(NamedTuple):
+    """Limits on k lines, NaN outside the sweep, with codes of `Side`."""
+
+    values: Array
+    sides: Indices
+
+
+def line_limits(
+    model: VerdictModel, axis: str, verdict: int, points: QueryPoints, verdicts: Indices | None
+) -> Limits:
+    """Limits of a `verdict`, mild or severe, along the `axis` load or velocity through k points.
+
+    A line begins at its lowest place with a verdict for mild wear, at its highest for severe wear.
+    With the `verdicts` at the points, a point inside a separate stretch of `verdict` has the
+    limit of this stretch, so that a limit never contradicts the verdict at its point.
+    """
+    positions = getattr(points, axis)
+    if verdicts is None:
+        positions, verdicts = np.full(positions.shape, np.nan), np.full(positions.shape, -1)
+    simulated = model.field.loads if axis == "load" else model.field.velocities
+    nodes = _nodes(np.union1d(simulated, model.ranges[axis]))
+    if len(nodes) < 2 or not positions.size:
+        shape = positions.shape
+        return Limits(np.full(shape, np.nan), np.full(shape, Side.NONE, np.int8))
+    across = points.load if axis == "velocity" else points.velocity
+    line_keys = np.stack([across, points.friction, points.bulk_temperature])
+    _, first, line = np.unique(line_keys, axis=1, return_index=True, return_inverse=True)
+    lines, line = points.take(first), line.ravel()
+    if verdict == SEVERE:
+        nodes = nodes[::-1]  # from the highest value downwards
+    codes = _codes(model, axis, lines, nodes)
+    lower, upper, sides = _brackets(nodes, codes[line], positions, verdicts, verdict)
+    values, is_inside = np.full(positions.shape, np.nan), sides == Side.INSIDE
+    if is_inside.any():
+        keys = np.stack([line, lower, upper])[:, is_inside]
+        brackets, inverse = np.unique(keys, axis=1, return_inverse=True)
+        line_points = lines.take(brackets[0].astype(int))
+        found = _bisect(model, axis, verdict, line_points, brackets[1], brackets[2])
+        values[is_inside] = found[inverse.ravel()]
+    if verdict == SEVERE:
+        sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, Side.NONE])
+    return Limits(values, sides.astype(np.int8))
+
+
+def _nodes(simulated: Array) -> Array:
+    """Ascending values on a line: the simulated ones, and others between, dense next to these.
+
+    The interpolation error is 0 at simulated values, and steep next to them.
+    """
+    u = np.arange(_PARTS_OF_GAP) / _PARTS_OF_GAP
+    fractions = u**3 * (10 - 15 * u + 6 * u**2)
+    inner = simulated[:-1, None] + np.diff(simulated)[:, None] * fractions
+    return np.append(inner.ravel(), simulated[-1:])
+
+
+def _codes(model: VerdictModel, axis: str, lines: QueryPoints, nodes: Array) -> Indices:
+    """Verdicts (k, m) at m nodes on each of k lines."""
+    count = len(lines.load)
+    indices, at = np.repeat(np.arange(count), len(nodes)), np.tile(nodes, count)
+    codes = np.empty(len(at), int)
+    for batch in np.array_split(np.arange(len(at)), -(-len(at) // _BATCH_SIZE)):
+        codes[batch] = model.verdicts(lines.take(indices[batch])._replace(**{axis: at[batch]}))
+    return codes.reshape(count, -1)
+
+
+def _brackets(
+    nodes: Array, codes: Indices, positions: Array, verdicts: Indices, verdict: int
+) -> tuple[Array, Array, Indices]:
+    """Neighbours (k,) of each limit: the last value with `verdict`, and the first without it.
+
+    The third array has sides as seen along `nodes`: ABOVE if the line ends with `verdict`.
+    `positions` and `verdicts` are those of points on the lines.
+    """
+    index, sign = np.arange(len(nodes)), np.sign(nodes[-1] - nodes[0])
+    has_verdict = codes <= SEVERE
+    start = np.where(has_verdict.any(axis=1), has_verdict.argmax(axis=1), len(nodes))
+    is_point_in = verdicts == verdict
+    with np.errstate(invalid="ignore"):
+        next_node = (sign * nodes <= sign * positions[:, None]).sum(axis=1)
+        is_past_start = sign * positions > sign * nodes[np.minimum(start, len(nodes) - 1)]
+    start = np.where(is_point_in, next_node, start)
+    is_stop = (codes != verdict) & (index >= start[:, None])
+    stop = np.where(is_stop.any(axis=1), is_stop.argmax(axis=1), len(nodes))
+    edge = np.append(nodes, sign * np.inf)[stop]
+    # A point without the verdict may lie between two nodes with it.
+    is_blocking = ~is_point_in & (verdicts >= 0) & is_past_start
+    edge = np.where(is_blocking & (sign * positions < sign * edge), positions, edge)
+    before = np.maximum((sign * nodes < sign * edge[:, None]).sum(axis=1) - 1, 0)
+    last = nodes[before]
+    last = np.where(is_point_in & (sign * positions > sign * last), positions, last)
+    sides = np.full(len(stop), Side.INSIDE)
+    sides[~np.isfinite(edge)] = Side.ABOVE
+    sides[(stop == start) & ~is_point_in] = Side.BELOW
+    sides[~has_verdict.any(axis=1) & ~is_point_in] = Side.NONE
+    return last, edge, sides
+
+
+def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -> Limits:
+    """Mild limits of friction at k points, whose computed `critical` frictions are known."""
+    places = model.places(points)
+
+    def is_mild(friction: Array) -> Array:
+        return np.asarray(model.judge(points._replace(friction=friction), places).verdict == MILD)
+
+    lower, upper = (critical * np.exp(sign * _LOG_FRICTIONS) for sign in (-1, 1))
+    is_below, is_above = ~is_mild(lower), is_mild(upper)
+    at_point = is_mild(points.friction)
+    lower = np.where(at_point, np.maximum(lower, points.friction), lower)
+    upper = np.where(at_point, upper, np.minimum(upper, points.friction))
+    for _ in range(2 * _BISECTIONS):
+        middle = np.sqrt(lower * upper)
+        is_lower = is_mild(middle)
+        lower, upper = np.where(is_lower, middle, lower), np.where(is_lower, upper, middle)
+    sides = np.select((np.isnan(critical), is_below, is_above), (Side.NONE, Side.BELOW, Side.ABOVE))
+    return Limits(np.where(sides == Side.INSIDE, lower, np.nan), sides.astype(np.int8))
+
+
+def _bisect(
+    model: VerdictModel, axis: str, verdict: int, lines: QueryPoints, last: Array, edge: Array
+) -> Array:
+    """Last values (k,) with `verdict` on lines, between those with it and those without it."""
+    for _ in range(_BISECTIONS):
+        middle = np.sqrt(last * edge)
+        is_in = model.verdicts(lines._replace(**{axis: middle})) == verdict
+        last, edge = np.where(is_in, middle, last), np.where(is_in, edge, middle)
+    return last

@@ -1,0 +1,134 @@
+"""Mild and severe limits, compared with verdicts on both of their sides."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+import tribo
+from pipeline.answers.verdict_limits import Side
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN
+from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
+from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
+from tests.pipeline.test_film import filmed
+
+LOADS, VELOCITIES = (200.0, 300.0, 400.0, 600.0, 750.0), (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
+SMALL = {"loads": LOADS, "velocities": VELOCITIES}
+LIMIT = synthetic.limit()
+RULINGS = (
+    bare_test(300.0, 0.75, outcome="severe", number="weak"),
+    bare_test(700.0, 3.8, outcome="mild", number="strong"),
+    *(
+        bare_test(400.0, float(synthetic.critical_velocity(400.0, 1.05 * LIMIT)), number=f"t{k}")
+        for k in range(12)
+    ),
+)
+
+
+def kinked(load, velocity, quantile=1.0):
+    """Rise with a step of 8 % at 1.4 m/s, which makes the interpolation error large there."""
+    return synthetic.rise(load, velocity, quantile) * (1 + 0.08 * np.tanh(12 * (velocity - 1.4)))
+
+
+SCENES = {
+    "tests": lambda: synthetic.sweep(**SMALL),
+    "without tests": lambda: synthetic.sweep(tests=(), **SMALL),
+    "rulings": lambda: synthetic.sweep(tests=RULINGS, **SMALL),
+    "film": lambda: filmed(**SMALL),
+    "film at every place": lambda: filmed(inlet=1e9, **SMALL),
+    "stages": lambda: synthetic.sweep(loading=tribo.Stages(LOADS, (5.0,) * 5, 150.0), **SMALL),
+    "failed points": lambda: synthetic.sweep(
+        status={(400.0, 1.5): FAILED, (600.0, 1.0): FAILED, (200.0, 0.5): FAILED}, **SMALL
+    ),
+    "failed load": lambda: synthetic.sweep(
+        status={(600.0, v): FAILED for v in VELOCITIES[:-2]} | {(750.0, 4.0): FAILED}, **SMALL
+    ),
+    "pending mild test": lambda: synthetic.with_tests(
+        synthetic.sweep(
+            tests=(*synthetic.MEASURED, bare_test(300.0, 2.0, outcome="mild")), **SMALL
+        ),
+        status=[*[DONE] * 4, PENDING],
+    ),
+    "uneven": lambda: synthetic.sweep(rise=synthetic.uneven(4), **SMALL),
+    "falling": lambda: synthetic.sweep(rise=synthetic.falling, tests=(), **SMALL),
+    "kinked": lambda: synthetic.sweep(rise=kinked, **SMALL),
+    "unknown error": lambda: synthetic.sweep(preset=None, **SMALL),
+    "critical temperature from tests": lambda: synthetic.sweep(
+        tests=(*synthetic.MEASURED, bare_test(300.0, 0.8, outcome="mild")),
+        conditions=synthetic.CONDITIONS | {"critical_temperature": None},
+        critical_from_tests=True,
+        **SMALL,
+    ),
+}
+COUNT = 75  # random places in each scene
+
+
+def places(seed, count=COUNT):
+    """Random loads, velocities, friction coefficients and bulk temperatures."""
+    rng = np.random.default_rng(seed)
+    values = rng.uniform([200, 0.5, 0.07, 290], [750, 4.0, 0.16, 340], (count, 4)).T
+    names = *PLANE, "friction", "bulk_temperature"
+    return {k: xr.DataArray(column, dims="place") for k, column in zip(names, values, strict=True)}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_wear_is_mild_just_below_a_mild_limit_and_not_just_above(name):
+    ds, at = SCENES[name](), places([*SCENES].index(name))
+    margin = pipeline.margin(ds, **at)
+    verdict = margin["verdict"].values
+    for axis in (*PLANE, "friction"):
+        limit, side = margin[f"mild_{axis}"], margin[f"mild_{axis}_side"].values
+        factor = margin[f"{axis}_safety_factor"].values
+        is_inside = side == Side.INSIDE
+        assert (np.isfinite(limit.values) == is_inside).all()
+        below, above = (
+            pipeline.margin(ds, **at | {axis: limit.fillna(0.1) * (1 + sign * 1e-3)})[
+                "verdict"
+            ].values
+            for sign in (-1, 1)
+        )
+        low = -math.inf if axis == "friction" else float(ds[axis].min())
+        is_tested = is_inside & (limit.values * (1 - 1e-3) > low)
+        assert (below[is_tested] == MILD).all(), (axis, limit.values[is_tested & (below != MILD)])
+        assert (above[is_inside] != MILD).all(), (axis, limit.values[is_inside & (above == MILD)])
+        # A limit never contradicts the verdict at its point.
+        has_factor = np.isfinite(factor)
+        assert ((factor >= 1 - 1e-9) == (verdict == MILD))[has_factor].all()
+        assert (has_factor | (side == Side.ABOVE))[verdict == MILD].all()
+        assert not (side == Side.ABOVE)[np.isin(verdict, (UNDECIDED, SEVERE))].any()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_all_places_from_the_lowest_to_a_mild_limit_are_mild_and_from_a_severe_one_severe(name):
+    ds = SCENES[name]()
+    boundary = pipeline.boundary(ds)
+    for axis, other in (("velocity", "load"), ("load", "velocity")):
+        ends = float(ds[axis].min()), float(ds[axis].max())
+        line = boundary[other].drop_vars(other)
+        values = xr.DataArray(np.linspace(*ends, 45), dims=axis)
+        verdicts = pipeline.margin(ds, **{axis: values, other: line})["verdict"]
+        for code, kind in ((MILD, "mild"), (SEVERE, "severe")):
+            limit, side = (
+                boundary[f"{kind}_{axis}{end}"].drop_vars(other).fillna(math.inf)
+                for end in ("", "_side")
+            )
+            is_in = values < limit if kind == "mild" else values > limit
+            is_in |= side == (Side.ABOVE if kind == "mild" else Side.BELOW)
+            is_in &= (side != Side.BELOW) | (kind == "severe")
+            is_right = verdicts.isin((code, OUTSIDE, UNKNOWN))
+            assert (is_right | ~is_in).all()
+            assert (verdicts.isin((OUTSIDE, UNKNOWN)) | (side != Side.NONE)).all()
+            sign = 1 if kind == "mild" else -1
+            within, beyond = (
+                pipeline.margin(
+                    ds, **{axis: np.clip(limit.values * factor, *ends), other: line.values}
+                )["verdict"]
+                == code
+                for factor in (1 - 1e-3 * sign, 1 + 1e-3 * sign)
+            )
+            is_inside = (side == Side.INSIDE).values
+            assert within.values[is_inside].all()
+            assert not beyond.values[is_inside].any()
