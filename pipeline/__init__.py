@@ -21,6 +21,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - answers: `boundary`, `margin`, `compare_tests`, `points`, `points_with_warnings`, `infer`,
   `temperatures`, `Conditions`
 - accuracy: `trade`
+- inputs: `sensitivity`
 - figures and report: `plot`, `report`
 - quantities: `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`

@@ -11,6 +11,7 @@ from .figures.plot import plot as plot
 from .page.report import report as report
 from .run.estimate import estimate as estimate
 from .run.run_sweep import run_sweep as run_sweep
+from .run.sensitivity import sensitivity as sensitivity
 from .run.trade import trade as trade
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError

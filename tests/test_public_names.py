@@ -66,7 +66,7 @@ def test_help_on_tribo_has_all_public_names_and_an_example_that_runs():
 # Examples
 
 # These take minutes, or a cluster of their own.
-LONG = {"trade"}  # it measures for a minute or more
+LONG = {"sensitivity", "trade"}  # it measures for a minute or more
 PUBLIC = [
     (module.__name__, name)
     for module, names in ((pipeline, pipeline.__all__), (tribo, vars(tribo)))

@@ -208,7 +208,8 @@ def model_error(evidence: Evidence) -> str:
     ends = (100 * math.expm1(-evidence.posterior.level(p)) for p in (0.95, 0.05))
     signed = [f"{x:+.0f}" if abs(x) >= 10 else f"{x:+.2g}" for x in ends]
     count = len(evidence.specimens)
-    return _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
+    text = _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
+    return f"{text}; the prior has {evidence.inputs.text}" if evidence.inputs else text
 
 
 def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
@@ -228,7 +229,8 @@ def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
         )
     if model.lacks_film:
         yield "an oil film that carries load (unknown here)"
-    yield "uncertain inputs"
+    if model.evidence.inputs is None:
+        yield "uncertain inputs"
     if not model.evidence.specimens:
         bias = 100 * model.evidence.prior.bias
         yield f"a model bias beyond the assumed {bias:.3g} %, as no test confirms it"

@@ -76,6 +76,7 @@ class CaseResults:
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
     is_row: bool = False  #: True if each case of the sweep has its own load and velocity.
+    variants: tuple[tuple[TestPoint, ...], ...] = field(default=(), repr=False)  #: Their points.
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property

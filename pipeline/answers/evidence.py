@@ -12,13 +12,14 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.answers.condition_values import QueryPoints
+from pipeline.answers.input_errors import InputErrors, input_errors
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import OUTLIER_PROBABILITY
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from pipeline.answers.critical_temperature import CriticalTemperature
 
 _EQUAL_WITHIN = 1e-9  # relative rounding difference of equal conditions
+_BIAS_STEP = 0.005
+"""Step of ln(bias) between loads with different uncertainty, since each has its own posterior."""
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 
 
@@ -94,7 +97,9 @@ class Evidence:
     """All tests of a case, under the conditions of one oil, and the posterior."""
 
     rows: tuple[EvaluatedTest, ...]
-    prior: Prior
+    prior: Prior  # at the middle load of `inputs`
+    inputs: InputErrors | None = None  #: Errors by uncertain inputs, a part of the bias.
+    model_bias: float = 0.0  #: The bias without them.
     critical: CriticalTemperature | None = None  #: If it is inferred from tests.
 
     @functools.cached_property
@@ -123,27 +128,35 @@ class Evidence:
         """Bias and scatter of the model, after the tests, at the scene's bulk temperature."""
         return update(self.outcomes, self.prior) if self.critical is None else self.critical.nodes
 
-    def probability(self, y: Array, bulks: Array) -> Array:
-        """Probability of severe wear (k,) at `y` (k,), at bulk temperatures [K]."""
+    def probability(self, y: Array, points: QueryPoints) -> Array:
+        """Probability of severe wear (k,) at `y` (k,) of points."""
         probability = np.full(y.shape, np.nan)
-        for posterior, is_member in self._posteriors(bulks):
+        for posterior, is_member in self._posteriors(points):
             probability[is_member] = posterior.probability(y[is_member])
         return probability
 
-    def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
-        """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
-        quantiles = np.full(bulks.shape, np.nan)
-        for posterior, is_member in self._posteriors(bulks):
+    def log_rise_ratio_quantiles(self, probability: float, points: QueryPoints) -> Array:
+        """Y (k,) at which severe wear has a probability, at the conditions of points."""
+        quantiles = np.full(points.load.shape, np.nan)
+        for posterior, is_member in self._posteriors(points):
             quantiles[is_member] = posterior.level(probability)
         return quantiles
 
-    def _posteriors(self, bulks: Array) -> Iterator[tuple[Posterior, Mask]]:
-        """Yield the posterior at each bulk temperature [K] among `bulks`, and its points."""
-        if self.critical is None:
+    def _posteriors(self, points: QueryPoints) -> Iterator[tuple[Posterior, Mask]]:
+        """Yield each posterior that applies to some of the points, and a mask of these points."""
+        bulks = points.bulk_temperature
+        if self.critical is not None:
+            for bulk in np.unique(bulks).tolist():
+                yield self.critical.at_bulk(bulk), bulks == bulk
+            return
+        if self.inputs is None:
             yield self.posterior, np.ones(bulks.shape, bool)
             return
-        for bulk in np.unique(bulks).tolist():
-            yield self.critical.at_bulk(bulk), bulks == bulk
+        biases = np.hypot(self.model_bias, self.inputs.deviation(points.load))
+        steps = np.round(np.log(biases) / _BIAS_STEP)
+        for step in np.unique(steps[np.isfinite(steps)]).tolist():
+            prior = replace(self.prior, bias=math.exp(step * _BIAS_STEP))
+            yield update(self.outcomes, prior), steps == step
 
     @property
     def without_result(self) -> list[EvaluatedTest]:
@@ -230,8 +243,12 @@ def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evide
         _evaluate(case, specimen, oil, test, points)
         for test, points in zip(case.sweep.tests, case.tests, strict=True)
     )
-    base = case.sweep.base
-    return Evidence(rows, Prior(base.model_bias, base.model_scatter))
+    base, inputs = case.sweep.base, input_errors(case, oil)
+    bias = base.model_bias
+    if inputs is not None:
+        middle = inputs.loads[len(inputs.loads) // 2 :][:1]
+        bias = math.hypot(bias, float(inputs.deviation(middle)[0]))
+    return Evidence(rows, Prior(bias, base.model_scatter), inputs, base.model_bias)
 
 
 def _evaluate(

@@ -220,7 +220,8 @@ def _results_of_case(
     if is_moving.any() and not is_moving.all():
         ds = ds.isel(velocity=np.flatnonzero(is_moving))
     is_row = any(sweep.case_table.column(axis) is not None for axis in PLANE)
-    return CaseResults(case, labels, name, ds, tests, is_row)
+    count = len(sweep.tests)
+    return CaseResults(case, labels, name, ds, tests[:count], is_row, tests[count:])
 
 
 def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:
@@ -263,7 +264,7 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:
-    """The points of each test of a sweep."""
+    """The points of each test of a sweep, then of each variant."""
     inner, arrays = (TEST_POINT, TEST_STEP, "area_fraction_below"), dict[str, Any]()
     for name in AT_TESTS:
         if variable_of_tests(name) in ds.variables:
@@ -276,7 +277,8 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], .
     keys = (arrays[name].tolist() for name in (SCENE_HASH, *PLANE)) if arrays else ()
     for row, key in enumerate(zip(*keys, strict=True)):
         rows[key].append(row)
-    test_points = [list[TestPoint]() for _ in sweep.tests]
+    tests = sweep.tests_and_variants
+    test_points = [list[TestPoint]() for _ in tests]
     for point in list_points_of_tests(sweep):
         state, columns = (PENDING, ""), dict[str, Any]()
         if matching_rows := rows[point[:3]]:
@@ -285,7 +287,7 @@ def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], .
             names = (k for k, array in arrays.items() if array.dtype.kind == "f" and k not in PLANE)
             columns = {name: arrays[name][row].astype(float) for name in names}
             columns["quantile"] = ds["area_fraction_below"].values
-        least_load = least_load_evaluated(sweep.tests[point.test].case.scene, point.load)
+        least_load = least_load_evaluated(tests[point.test].case.scene, point.load)
         test_points[point.test].append(
             TestPoint(point.load, point.velocity, least_load, *state, columns)
         )

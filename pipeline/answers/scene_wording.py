@@ -148,6 +148,12 @@ def _describe_warning(warning: SceneWarning) -> str:
             )
 
 
+def test_group_words(sweep: Sweep) -> str:
+    """What the group of tests of a store has: points of tests, of sensitivities, or both."""
+    words = ["tests"] if sweep.tests else []
+    return " and ".join([*words, *(["sensitivities"] if sweep.variants else [])])
+
+
 def model_words(sweep: Sweep) -> str:
     """Surface, wear pattern and preset of a scene, to which its critical temperature belongs."""
     surface, wear = sweep.scene.roughness, sweep.scene.wear

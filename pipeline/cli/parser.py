@@ -180,6 +180,17 @@ def _add_commands_on_scenes(commands: Any) -> None:
     _add_workers(trade)
     _add_output(trade, "file of a figure; or of the table, .csv, .md or .json", (*FIGURES, *TABLES))
 
+    sensitivity = add_command(commands, "sensitivity", "pipeline.cli.sweep_commands:sensitivity",
+        "compute how much each input of a scene changes rise and critical velocity",
+        'scene.toml --load "400 N" --velocity "2.25 m/s" -o inputs.png')
+    _add_scene(sensitivity)
+    _add_load_and_velocity(sensitivity)
+    sensitivity.add_argument("--store", metavar="OUT.zarr", type=values.store, dest="store_path",
+        help="store for the points; default: results/<scene>-sensitivity.zarr")
+    _add_workers(sensitivity)
+    _add_output(sensitivity, "file of a figure; or of the table, .csv, .md or .json",
+        (*FIGURES, *TABLES))
+
     infer = add_command(commands, "infer", "pipeline.cli.point_commands:infer",
         "find the critical temperature from tests, or the wear rate from a contact width",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"')

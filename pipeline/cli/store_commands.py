@@ -31,7 +31,7 @@ from pipeline.answers.answer_text import (
     reason_lines,
 )
 from pipeline.answers.error import preset_error_text
-from pipeline.answers.scene_wording import named_value
+from pipeline.answers.scene_wording import named_value, test_group_words
 from pipeline.answers.verdict_model import UNKNOWN
 from pipeline.cli.inputs import (
     conditions_in,
@@ -57,7 +57,8 @@ def status(options: argparse.Namespace) -> Result:
     counts = f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
     text = [state.title, f"{state.total} points: {counts}"]
     if state.tests:
-        text.append(f"tests: {state.tests.done} of {state.tests.total} points done")
+        name = test_group_words(sweep)
+        text.append(f"{name}: {state.tests.done} of {state.tests.total} points done")
     if state.running:
         text.append(f"running: {state.running}")
     text += [preset_error_text(sweep), *(f"failed: {point}" for point in failed)]

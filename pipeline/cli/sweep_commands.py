@@ -1,4 +1,4 @@
-"""The commands ``irg run`` and ``irg trade``."""
+"""The commands ``irg run``, ``irg sensitivity`` and ``irg trade``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pipeline
 from pipeline.answers.answer_text import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
 from pipeline.answers.results import case_dims, sweep_of
-from pipeline.answers.scene_wording import warning_lines
+from pipeline.answers.scene_wording import test_group_words, warning_lines
 from pipeline.cli import output
 from pipeline.cli.check import check
 from pipeline.cli.inputs import scene_in, values_in
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> Result:
     if tests:
         counts = {"points": tests.total, "done": tests.done, "failed": len(tests.failed)}
         document["tests"] = counts
-        text.append(f"tests: {tests.done} of {tests.total} points done")
+        text.append(f"{test_group_words(sweep_of(ds))}: {tests.done} of {tests.total} points done")
     text += [f"failed: {point}" for point in failed]
     is_reached = True
     if options.accuracy is not None:
@@ -122,6 +122,16 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
             boundary = pipeline.boundary(ds)
             text = wrapped([*boundary_text(boundary), *withheld_lines(boundary)])
     return [*text, f"next: irg boundary {store}, irg plot {store}"]
+
+
+def sensitivity(options: argparse.Namespace) -> Result:
+    """Answer ``irg sensitivity``: what each input of a scene does to rise and critical velocity."""
+    out = options.store_path or Path("results") / f"{options.scene.stem}-sensitivity.zarr"
+    scene, point = scene_in(options), values_in(options, "load", "velocity", "workers")
+    with output.run_line() as progress:
+        study = pipeline.sensitivity(scene, out, progress=progress, **point)
+    text = [str(study), f"points: {out}"]
+    return Result(text=text, frames=[study.table], draw=partial(pipeline.plot, study))
 
 
 def trade(options: argparse.Namespace) -> Result:

@@ -1,4 +1,4 @@
-"""Figures of studies: computing time against error.
+"""Figures of studies: computing time against error, sensitivities to inputs.
 
 `pipeline.plot` finds the figure of a study by its attribute ``drawn_by``.
 """
@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
+from pipeline.answers.input_errors import input_name
 from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
+from pipeline.run.sensitivity import Sensitivity
 from pipeline.run.trade import Trade
+from pipeline.sweep.case import TEMPERATURES
 
 
 @style.house_style
@@ -38,4 +41,21 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
     style.write_title(axes, style.as_text(f"Speed against accuracy: {trade.title}"))
     style.legend_below(figure)
+    return figure
+
+
+@style.house_style
+def draw_sensitivity(sensitivity: Sensitivity) -> Figure:
+    """Draw the change of the critical velocity for +10 % of each input, the strongest on top."""
+    ds = sensitivity.dataset.isel(input=slice(None, None, -1))
+    figure, axes = style.canvas((8.0, 0.9 + 0.42 * ds.sizes["input"]))
+    changes = 100 * ds["velocity_change"].values
+    steps = ["+10 K" if path in TEMPERATURES else "+10 %" for path in ds["input"].values]
+    names = [f"{input_name(p)}, {s}" for p, s in zip(ds["input"].values, steps, strict=True)]
+    colours = [VERMILION if change < 0 else BLUE for change in changes]
+    axes.barh(range(len(names)), changes, color=colours, gid="changes")
+    axes.set_yticks(range(len(names)), names)
+    axes.axvline(0, color="black", lw=style.THIN)
+    axes.set_xlabel("change of the critical velocity [%]")
+    style.write_title(axes, style.as_text(f"Inputs: {sensitivity.title}"))
     return figure

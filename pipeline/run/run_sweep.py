@@ -19,6 +19,7 @@ from pipeline.progress import Progress, Report, silent
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
+from pipeline.run.variants import with_variants
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
 from pipeline.store.create import enlarged, find_sweep, versions, writing
@@ -152,12 +153,19 @@ def run_sweep(
             while store.pending():
                 cluster.compute(store, tally)
                 store = _ask_for_goal(store, goal, tally) if goal else store
+            computed = tally.computed - computed_tests
+            if larger := with_variants(store):
+                store = enlarged(store, larger)
+                store.leave_out_pending()
+                tally.follow(store)
+                assert store.tests
+                cluster.compute(store.tests, tally)
             cpu_time = cluster.cpu_time()
         summary = summary_of(store)
     return Outcome(
         summary.total,
         summary.done,
-        computed=tally.computed - computed_tests,
+        computed=computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
         cpu_time=time.process_time() - began_cpu_time + cpu_time,
@@ -166,8 +174,9 @@ def run_sweep(
 
 
 def _task_count(store: Store, goal: GoalRun | None) -> int:
-    """Number of tasks that can run at a time; a goal has too many to count."""
-    return cpu_count() if goal else sum(len(group.pending()) for group in store.groups)
+    """Number of tasks that can run at a time; a goal and uncertainties add some later."""
+    has_more = goal or store.sweep.base.uncertainty
+    return cpu_count() if has_more else sum(len(group.pending()) for group in store.groups)
 
 
 class _Workers(ExitStack):

@@ -32,6 +32,7 @@ from pipeline.scene.format import (
     Window,
     stages_of,
 )
+from pipeline.scene.inputs import uncertainty_of
 from pipeline.scene.kinds import Declared, Table
 from pipeline.scene.library import resolve_library
 from pipeline.surface.scan import read_scan
@@ -114,7 +115,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     scene = scene_of(tables, **scene_parts)
     with faults.at("window.pixels"):
         scene = widen_window(scene, max(tables.sweep.velocities))
-    model = tables.model or Model()
+    model, uncertainty = tables.model or Model(), uncertainty_of(tables, faults)
     case = Case(
         name=(),
         scene=scene,
@@ -125,6 +126,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
         critical_from_tests=math.isnan(tables.temperature.critical or 0.0),
         lubricant=oil,
         preset=preset,
+        uncertainty=uncertainty,
     )
     for path, problem in track_misfits(tables, case):
         faults.refuse(path, problem)

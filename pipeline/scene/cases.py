@@ -36,7 +36,7 @@ from pipeline.table import Table, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 
-_UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests")
+_UNVARIED_TABLES = ("sweep", "title", "note", "extends", "without", "tests", "uncertainty")
 """Entries and tables that cannot take several values."""
 _PLACE = {"load": LOAD, "velocity": SPEED}
 CaseRow = dict[str, Any]

@@ -333,6 +333,10 @@ class SceneFile(Declared):
     model: Model | None = entry(Table(Model),
         "Model error and effects outside the model, as fractions of the temperature rise. They act "
         "after the simulation.", None)
+    uncertainty: dict[str, Any] | None = entry(ByPath(Scalar()),
+        "Standard deviations of inputs by their paths, a share or a quantity, such as "
+        '`{ "materials.steel.thermal_conductivity" = "15 %" }`; paths separated by commas have '
+        "one deviation in common. They act after the simulation.", None)
     fidelity: FidelityTable | None = entry(Table(FidelityTable),
         "Numerical settings: a preset, and entries that replace its own.", None)
     sweep: SweepTable = entry(Table(SweepTable),

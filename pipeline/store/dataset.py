@@ -128,7 +128,7 @@ def _variable_of(store: Store, name: str) -> xr.Variable:
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     """Results at points of the scene's tests, as coordinates, which xarray operations keep."""
-    if not (store.tests and store.sweep.tests):
+    if not store.tests:
         return {}
     ds = _dataset_of(store.tests).drop_vars(TEST_STEP)
     order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])

@@ -41,6 +41,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         fields=before.fields,
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
+        variants=sweep.variants or before.variants,
     )
     old, new = before.case_table, sweep.case_table
     if [*old.axes] != [*new.axes]:  # the scene has all cases of the store

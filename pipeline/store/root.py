@@ -79,7 +79,7 @@ class Root:
         """
         plain, arrays = stored or plain_sweep(sweep)
         tests = None
-        if sweep.tests:
+        if sweep.tests_and_variants:
             tests = Group(sweep_of_tests(sweep), prefix=f"{OF_TESTS}/", growths=growths)
         plane = Group(sweep, arrays, growths=growths)
         return cls(plane, tests, tuple(dict.fromkeys(history)), plain)

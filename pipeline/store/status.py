@@ -112,7 +112,7 @@ def summary_of(store: Store) -> Summary:
         failed=_failed_points(store, {index: str(messages[index]) for index in failed}),
         warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
         running=holder_of(store.location),
-        tests=summary_of(store.tests) if store.tests and store.sweep.tests else None,
+        tests=summary_of(store.tests) if store.tests else None,
     )
 
 

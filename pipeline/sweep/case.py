@@ -7,7 +7,7 @@ follow from them, are here, too.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, Self
+from typing import Literal, NamedTuple, Self
 
 from pipeline.sweep.case_table import CaseName
 from tribo import Conditions as Conditions
@@ -38,6 +38,19 @@ OF_TESTS = "friction", "bulk_temperature", "corrections"
 """Conditions that each test sets; all others are those of the oil."""
 
 
+TEMPERATURES = "temperature.bulk", "temperature.critical"
+"""Inputs whose uncertainty is a temperature difference."""
+CLOSED_FORM = ("friction.coefficient", *TEMPERATURES)
+"""Inputs that act after the simulation, with sensitivities in closed form."""
+
+
+class Uncertainty(NamedTuple):
+    """Standard deviation that the inputs at some paths have in common: relative, or in K."""
+
+    entries: tuple[str, ...]
+    deviation: float
+
+
 @dataclass(frozen=True, slots=True)
 class Case:
     """One scene to simulate, and the conditions by which its points are judged.
@@ -61,6 +74,8 @@ class Case:
         Name of the preset that has the scene's numerical choices; None if there is none.
     critical_from_tests : bool
         True if the critical temperature, which conditions then lack, is found by the tests.
+    uncertainty : tuple of Uncertainty
+        Standard deviations of inputs, which act after the simulation.
     """
 
     name: CaseName
@@ -72,6 +87,7 @@ class Case:
     lubricant: Oil | None
     preset: str | None
     critical_from_tests: bool = False
+    uncertainty: tuple[Uncertainty, ...] = ()
 
     def __post_init__(self) -> None:
         if not (0 <= self.model_bias <= 1 and 1e-3 <= self.model_scatter <= 1):
@@ -150,6 +166,31 @@ class SpecimenTest:
         end = self.normal_load, self.velocity
         step_before = self.normal_load - self.load_step, self.velocity - self.velocity_step
         return (end,) if step_before == end else (step_before, end)
+
+
+VELOCITY_INPUT = "velocity"
+"""Name of the sliding velocity among the inputs of `Variant`."""
+INPUT_STEP = 1.1
+"""Factor of an input, and its inverse, between which sensitivities are differences."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A point of the scene itself with one input multiplied by a factor, for a sensitivity."""
+
+    entry: str  # path of the input, or `VELOCITY_INPUT`
+    value: float  # of the input in the scene [SI]
+    unit: str  # in which the value is printed
+    factor: float  # `INPUT_STEP` or its inverse
+    load: float  # [N]
+    velocity: float  # of the point whose sensitivity this is for [m/s]
+    case: Case
+
+    @property
+    def points(self) -> tuple[OperatingPoint, ...]:
+        """Load [N] and velocity [m/s] of the one point to simulate."""
+        is_velocity = self.entry == VELOCITY_INPUT
+        return ((self.load, self.velocity * (self.factor if is_velocity else 1.0)),)
 
 
 def known_critical_temperature(conditions: Conditions) -> float:

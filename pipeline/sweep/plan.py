@@ -327,10 +327,10 @@ class PointOfTest(NamedTuple):
 
 
 def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
-    """The points of a scene's tests, in their order."""
+    """The points of a scene's tests, in their order, then those of its variants."""
     return [
         PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
-        for number, test in enumerate(sweep.tests)
+        for number, test in enumerate(sweep.tests_and_variants)
         for point in test.points
     ]
 
@@ -348,7 +348,7 @@ def sweep_of_tests(sweep: Sweep) -> Sweep:
         ),
     )
     rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
-    cases = [test.case for test in sweep.tests for _ in test.points]
+    cases = [test.case for test in sweep.tests_and_variants for _ in test.points]
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -357,6 +357,7 @@ def sweep_of_tests(sweep: Sweep) -> Sweep:
         velocities=tuple(sorted({point.velocity for point in points})),
         fields=False,
         tests=(),
+        variants=(),
         stored_steps=StoredSteps("end", _judges_holds(cases)),
     )
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import tribo
-from pipeline.sweep.case import Case, Conditions, SpecimenTest
+from pipeline.sweep.case import Case, Conditions, SpecimenTest, Uncertainty, Variant
 from pipeline.sweep.case_table import CaseTable, Column
 from pipeline.sweep.codec import CodecError, apply_difference, decode, encode, encode_difference
 from pipeline.sweep.notes import FromLibrary, SceneWarning
@@ -21,6 +21,9 @@ from tribo import InputError
 from tribo.simulation.lubrication import SurfaceSummary
 from tribo.surface import UnknownHeights
 from tribo.types import Array
+
+_WITH_CASES = {"tests", "variants"}
+"""Fields of a sweep whose items each have a case."""
 
 
 class MissingError(InputError):
@@ -45,8 +48,9 @@ class MissingSurface(UnknownHeights):
 _CLASSES: dict[str, type] = {
     cls.__name__: cls
     for cls in (
-        Sweep, Case, SpecimenTest, CaseTable, Column, StoredSteps, SceneWarning, FromLibrary,
-        MissingSurface, Conditions, tribo.Corrections, tribo.Track, tribo.Disc,
+        Sweep, Case, SpecimenTest, Variant, Uncertainty, CaseTable, Column, StoredSteps,
+        SceneWarning, FromLibrary, MissingSurface, Conditions, tribo.Corrections, tribo.Track,
+        tribo.Disc,
         tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
         tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
         tribo.Fidelity, tribo.Oil, *tribo.PINS.values(), tribo.Relief, UserLaw, UserSurface,
@@ -73,9 +77,10 @@ def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
     plain: dict[str, Any] = encode(replace(sweep, warnings=sweep.all_warnings), arrays)
     base = plain["base"]
     plain["cases"] = [encode_difference(base, case) for case in plain["cases"]]
-    plain["tests"] = [
-        test | {"case": encode_difference(base, test["case"])} for test in plain["tests"]
-    ]
+    for name in _WITH_CASES & plain.keys():
+        plain[name] = [
+            test | {"case": encode_difference(base, test["case"])} for test in plain[name]
+        ]
     return plain, arrays
 
 
@@ -88,8 +93,11 @@ def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
     try:
         base = plain["base"]
         cases = [apply_difference(base, case) for case in plain["cases"]]
-        tests = [test | {"case": apply_difference(base, test["case"])} for test in plain["tests"]]
-        sweep: Sweep = decode({**plain, "cases": cases, "tests": tests}, _CLASSES, arrays)
+        with_cases = {
+            name: [test | {"case": apply_difference(base, test["case"])} for test in plain[name]]
+            for name in _WITH_CASES & plain.keys()
+        }
+        sweep: Sweep = decode({**plain, "cases": cases, **with_cases}, _CLASSES, arrays)
     except KeyError as error:
         raise CodecError(f"this version needs {error}, which is missing there") from error
     return sweep

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.arguments import typed_arguments
 from pipeline.limits import MAX_POINTS
-from pipeline.sweep.case import LARGEST, Case, Conditions, SpecimenTest
+from pipeline.sweep.case import LARGEST, Case, Conditions, SpecimenTest, Variant
 from pipeline.sweep.case_table import AREAS_ENTRY, CaseName, CaseTable, in_order, surface_table
 from pipeline.sweep.codec import NOT_STORED, digest
 from pipeline.sweep.notes import FromLibrary, SceneNote, SceneWarning
@@ -97,6 +97,7 @@ class Sweep:
     fields: Fields  # of the contact, to store
     steps: Steps | None  # to store; None for the default
     tests: tuple[SpecimenTest, ...]
+    variants: tuple[Variant, ...] = ()  # for sensitivities, chosen by a run
     warnings: tuple[SceneWarning, ...] = ()  # found on reading; from a store, all warnings
     sources: tuple[FromLibrary, ...] = ()
     stored_steps: StoredSteps | None = None  # of an existing store; None to choose them
@@ -170,6 +171,11 @@ class Sweep:
     def preset(self) -> str | None:
         """Name of the preset that has the scene's numerical choices; None if there is none."""
         return self.base.preset
+
+    @property
+    def tests_and_variants(self) -> tuple[SpecimenTest | Variant, ...]:
+        """All whose points are beside the plane: tests, then variants."""
+        return (*self.tests, *self.variants)
 
     @cached_property
     def _by_name(self) -> dict[CaseName, Case]:
