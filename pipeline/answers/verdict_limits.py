@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.answers.condition_values import QueryPoints
 from pipeline.answers.verdict_model import MILD, SEVERE, VerdictModel
-from tribo.types import Array, Indices
+from tribo.types import Array, Indices, Mask
 
 Side = IntEnum("Side", "INSIDE ABOVE BELOW NONE", start=0)
 """Codes of where a limit lies: inside the sweep, above or below it, or nowhere.
@@ -129,7 +129,7 @@ def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -
     """Mild limits of friction at k points, whose computed `critical` frictions are known."""
     places = model.places(points)
 
-    def is_mild(friction: Array) -> Array:
+    def is_mild(friction: Array) -> Mask:
         return np.asarray(model.judge(points._replace(friction=friction), places).verdict == MILD)
 
     lower, upper = (critical * np.exp(sign * _LOG_FRICTIONS) for sign in (-1, 1))
@@ -141,7 +141,8 @@ def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -
         middle = np.sqrt(lower * upper)
         is_lower = is_mild(middle)
         lower, upper = np.where(is_lower, middle, lower), np.where(is_lower, upper, middle)
-    sides = np.select((np.isnan(critical), is_below, is_above), (Side.NONE, Side.BELOW, Side.ABOVE))
+    codes = int(Side.NONE), int(Side.BELOW), int(Side.ABOVE)
+    sides = np.select((np.isnan(critical), is_below, is_above), codes, int(Side.INSIDE))
     return Limits(np.where(sides == Side.INSIDE, lower, np.nan), sides.astype(np.int8))
 
 
