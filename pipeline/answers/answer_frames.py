@@ -9,7 +9,9 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.answers.answer_dataset import ATTRIBUTES
-from pipeline.answers.answer_text import (
+from pipeline.answers.condition_values import CONDITION_NAMES
+from pipeline.answers.scene_wording import usual_unit, value_words
+from pipeline.answers.value_text import (
     code_text,
     error_of,
     flag_names,
@@ -19,8 +21,6 @@ from pipeline.answers.answer_text import (
     probability_text,
     side_text,
 )
-from pipeline.answers.condition_values import CONDITION_NAMES
-from pipeline.answers.scene_wording import usual_unit, value_words
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE

@@ -11,8 +11,10 @@ import xarray as xr
 
 import pipeline
 from pipeline.answers.answer_frames import answer_frame, comparison_frame, complete_frame
-from pipeline.answers.answer_text import common_lines, format_value, margin_lines
+from pipeline.answers.answer_lines import common_lines
+from pipeline.answers.point_text import margin_lines
 from pipeline.answers.results import sweep_of
+from pipeline.answers.value_text import format_value
 from pipeline.cli.inputs import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, run_line, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns

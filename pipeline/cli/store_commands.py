@@ -19,19 +19,19 @@ from pipeline.answers.answer_frames import (
     complete_frame,
     margin_frame,
 )
-from pipeline.answers.answer_text import (
-    boundary_lines,
-    code_text,
+from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
     edge_warnings,
-    margin_lines,
     model_error_line,
     not_included_lines,
     reason_lines,
 )
+from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import preset_error_text
+from pipeline.answers.point_text import margin_lines
 from pipeline.answers.scene_wording import named_value, test_group_words
+from pipeline.answers.value_text import code_text
 from pipeline.answers.verdict_model import UNKNOWN
 from pipeline.cli.inputs import (
     conditions_in,

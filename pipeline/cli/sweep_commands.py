@@ -13,7 +13,7 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_text import withheld_lines
+from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import test_group_words, warning_lines

@@ -21,17 +21,13 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
 
 import pipeline
-from pipeline.answers.answer_text import (
-    attribute_texts,
-    error_lines,
-    not_included_lines,
-    ruling_lines,
-    withheld_lines,
-)
+from pipeline.answers.answer_lines import not_included_lines, withheld_lines
+from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
+from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import in_load_or_velocity
 from pipeline.constants import VERDICT_PROBABILITIES

@@ -13,14 +13,9 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.answers.answer_frames import row_labels
-from pipeline.answers.answer_text import (
-    attribute_texts,
-    conditions_lines,
-    error_of,
-    format_value,
-    probability_text,
-)
+from pipeline.answers.answer_lines import conditions_lines
 from pipeline.answers.results import sweep_of
+from pipeline.answers.value_text import attribute_texts, error_of, format_value, probability_text
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION

@@ -15,10 +15,10 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 import pipeline
-from pipeline.answers.answer_text import attribute_texts
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import override_conditions
 from pipeline.answers.results import refuse_cases, sweep_of
+from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import VerdictModel, verdict_model
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, FAINT, GREY

@@ -26,26 +26,26 @@ from pipeline.answers.answer_frames import (
     margin_frame,
     row_labels,
 )
-from pipeline.answers.answer_text import (
-    code_text,
+from pipeline.answers.answer_lines import (
     common_lines,
     conditions_lines,
     edge_warnings,
-    error_lines,
+    model_error_line,
+    not_included_lines,
+    reason_lines,
+    temperature_error_line,
+    withheld_lines,
+)
+from pipeline.answers.boundary_text import error_lines, ruling_lines
+from pipeline.answers.point_text import (
     headline,
     limit_text,
     margin_facts,
-    model_error_line,
-    not_included_lines,
     probability_line,
-    reason_lines,
-    ruling_lines,
-    temperature_error_line,
     to_decide,
-    verdict_text,
-    withheld_lines,
 )
 from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
+from pipeline.answers.value_text import code_text, verdict_text
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments
 from pipeline.figures.diagram import diagram

@@ -8,14 +8,8 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.answers.answer_text import (
-    common_lines,
-    headline,
-    margin_facts,
-    probability_line,
-    temperature_error_line,
-    to_decide,
-)
+from pipeline.answers.answer_lines import common_lines, temperature_error_line
+from pipeline.answers.point_text import headline, margin_facts, probability_line, to_decide
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.answer_at import asked, named

@@ -8,8 +8,9 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.answers.answer_text import boundary_lines, margin_lines
+from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import PARTS
+from pipeline.answers.point_text import margin_lines
 from pipeline.answers.specimen import mean_of_realizations
 from pipeline.constants import CORRELATION_LENGTHS, RISE_EXPONENT
 from pipeline.store.schema import FAILED, PENDING

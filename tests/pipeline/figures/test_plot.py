@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline import plot
 from pipeline.answers.answer_frames import row_labels
-from pipeline.answers.answer_text import error_of, format_value
+from pipeline.answers.value_text import error_of, format_value
 from pipeline.cli.parser import whole_parser
 from pipeline.figures import plot as live
 from pipeline.figures.rows_figure import draw_rows, most_critical_row

@@ -10,7 +10,8 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.answer_frames import boundary_frame
-from pipeline.answers.answer_text import probability_text, to_decide, verdict_text
+from pipeline.answers.point_text import to_decide
+from pipeline.answers.value_text import probability_text, verdict_text
 from pipeline.figures.rows_figure import most_critical_row
 from pipeline.frames import cells_of
 from pipeline.page.report import HEADLINES

@@ -1,0 +1,184 @@
+"""Sentences on one operating point: verdict, limits, probability, and what decides it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import xarray as xr
+
+from pipeline.answers.answer_lines import edge_warnings, not_included_lines
+from pipeline.answers.value_text import (
+    OUTSIDE,
+    attribute_texts,
+    code_text,
+    format_error,
+    format_limit,
+    format_variable,
+    outcome_texts,
+    probability_text,
+    verdict_text,
+)
+from pipeline.constants import VERDICT_PROBABILITIES
+from pipeline.quantities import UNITS, ZERO
+
+_PROBABILITIES = {
+    "sure": "probability of severe wear {probability}, {distance}",
+    "range": "probability of severe wear {probability} ({low} to {high}), {distance}",
+    "unknown": "probability of severe wear {probability}, numerical error unknown, {distance}",
+}
+"""Probability at a point, by what is known of its range."""
+_ORIGINS = {
+    "simulated": "{} °C, simulated at this point",
+    "interpolated": "{} °C, interpolated between simulated points",
+    "extrapolated": "{} °C, extrapolated beyond the simulated points by a power law in velocity",
+}
+"""Governing temperature with its origin."""
+ERROR_PARTS = {
+    "interpolation": ("interpolation", "simulate more points nearby"),
+    "discretization": ("discretization", "use a finer preset"),
+    "warnings": ("warnings", "follow the warnings of its points"),
+    "positions": (
+        "positions of the disk",
+        "use a finer preset, or simulate more surface realizations (sweep.realizations)",
+    ),
+    "surface": (
+        "surface sampling",
+        "simulate more surface realizations (sweep.realizations)",
+    ),
+}
+"""Name of each part of the numerical error, and what makes it smaller."""
+
+
+def margin_lines(point: xr.Dataset) -> Iterator[str]:
+    """Lines on one operating point."""
+    if verdict_text(point) == "unknown":
+        yield f"Unknown: {point['reason'].item()}"
+        return
+    yield headline(point)
+    if advice := to_decide(point):
+        yield f"to decide it: {advice}"
+    if line := probability_line(point):
+        yield line
+    yield from not_included_lines(point)
+    yield from (f"  {name:22}  {text}" for name, text in margin_facts(point))
+    yield from edge_warnings(point)
+
+
+def headline(point: xr.Dataset) -> str:
+    """The verdict on one point, up to where wear is mild, and the safety factors."""
+    verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
+    at = f"{load:.4g} N and {velocity:.4g} m/s"
+    if verdict == "outside the model":
+        return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
+    limits = [*filter(None, (limit_text(point, axis) for axis in ("load", "velocity")))]
+    if not limits:
+        return f"{verdict.capitalize()} at {at}"
+    return f"{verdict.capitalize()} at {at}; {', and '.join(limits)}"
+
+
+def limit_text(point: xr.Dataset, axis: str) -> str:
+    """The mild limit along `axis` with its safety factor, as text; empty without a line."""
+    line = {"load": "at this velocity", "velocity": "at this load", "friction": "here"}[axis]
+    low, high = point[f"mild_{axis}"].attrs.get("valid_range", (math.nan, math.nan))
+    side = str(code_text(point[f"mild_{axis}_side"])[()])
+    unit = f" {UNITS[axis]}".rstrip()
+    if side == "above":
+        least = high / point[axis].item()
+        return (
+            f"mild up to the highest simulated {axis}, {high:.4g}{unit}, {line} "
+            f"(factor at least {format_limit(least)})"
+        )
+    if side == "below":
+        return f"not mild from the lowest simulated {axis}, {low:.4g}{unit}, {line}"
+    if side == "none":
+        return ""
+    limit, factor = point[f"mild_{axis}"].item(), point[f"{axis}_safety_factor"].item()
+    factor_text = f" (factor {format_limit(factor)})" if math.isfinite(factor) else ""
+    return f"mild up to {format_limit(limit)}{unit} {line}{factor_text}"
+
+
+def probability_line(point: xr.Dataset) -> str:
+    """The probability of severe wear at one point, and its distance from the critical temperature.
+
+    Empty without a probability.
+    """
+    if math.isnan(point["probability"].item()):
+        return ""
+    ends = point["probability_low"].item(), point["probability_high"].item()
+    probability = probability_text(point["probability"].item())
+    low, high = probability_text(ends[0], math.floor), probability_text(ends[1], math.ceil)
+    known = "sure" if low == high or ends[0] == ends[1] else "range"
+    if math.isnan(point["temperature_error"].item()):
+        known = "unknown"
+    margin = format_variable(point, "temperature_margin")
+    distance = f"{margin} K below the critical temperature"
+    if margin.startswith("-"):
+        distance = f"{margin[1:]} K above the critical temperature"
+    return _PROBABILITIES[known].format(
+        probability=probability, low=low, high=high, distance=distance
+    )
+
+
+def _temperature(point: xr.Dataset) -> str:
+    """Governing temperature in °C."""
+    return format_variable(point, "governing_temperature", -float(ZERO["°C"]))
+
+
+def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Yield the name and the value, as text, of each quantity of one point."""
+    yield "conditions", attribute_texts(point, "conditions")[0]
+    origin = _ORIGINS[str(code_text(point["origin"])[()])]
+    yield "governing temperature", origin.format(_temperature(point))
+    yield "numerical error (95 %)", error_text(point)
+    yield "model error", attribute_texts(point, "model_error")[0]
+    for axis in ("velocity", "load"):
+        outcome = str(outcome_texts(point, axis)[()])
+        if not outcome:
+            continue
+        is_known = not math.isnan(point[f"critical_{axis}"].item())
+        value = f"{format_variable(point, f'critical_{axis}')} {UNITS[axis]}"
+        yield f"computed {axis}", f"severe from {value}" if is_known else outcome
+        if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
+            yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
+    if friction := limit_text(point, "friction"):
+        yield "friction", friction
+    if point["reason"].item():
+        yield "verdict withheld", point["reason"].item()
+
+
+def _error_parts(point: xr.Dataset) -> dict[str, float]:
+    """Numerical error of the temperature of one point by part [K]; NaN if unknown."""
+    return {name: point[f"temperature_error_{name}"].item() for name in ERROR_PARTS}
+
+
+def error_text(point: xr.Dataset) -> str:
+    """The numerical error of a temperature and its parts."""
+    parts = {ERROR_PARTS[name][0]: error for name, error in _error_parts(point).items()}
+    known = ", ".join(f"{name} {format_error(part)} K" for name, part in parts.items() if part > 0)
+    unknown = " and ".join(name for name, part in parts.items() if math.isnan(part))
+    if unknown and known:
+        return f"unknown, because a part is unknown: {unknown} ({known})"
+    if unknown:
+        return f"unknown, because a part is unknown: {unknown}"
+    return f"± {format_error(point['temperature_error'].item())} K: {known}"
+
+
+def to_decide(point: xr.Dataset) -> str:
+    """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test.
+
+    A smaller numerical error comes first, if a verdict is possible within that error.
+    """
+    if verdict_text(point) != "undecided" or point["reason"].item():
+        return ""
+    low, middle, high = (point[f"probability{end}"].item() for end in ("_low", "", "_high"))
+    mild, _, severe = VERDICT_PROBABILITIES
+    errors, test = _error_parts(point), "run a test at this point"
+    largest = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=math.inf))
+    remedy = ERROR_PARTS[largest][1]
+    if not mild < middle < severe:
+        return remedy
+    if mild < low and high < severe:
+        return test
+    return f"to reduce the numerical error, {remedy}; if it stays undecided, {test}"

@@ -1,0 +1,156 @@
+"""Values of answers as text: codes, and numbers with as many digits as their errors allow.
+
+Datasets, JSON and CSV files have all digits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.constants import MIN_STATED_PROBABILITY, RISE_EXPONENT
+
+OUTSIDE = (
+    "outside the model: the oil film carries more than 20 % of the load, and wear may be severe"
+)
+_OUTCOMES = {
+    "transition": "transition",
+    "mild": "mild over the whole sweep",
+    "severe": "severe over the whole sweep",
+    "mild to highest": "mild up to the highest simulated {axis}",
+    "severe from lowest": "severe down to the lowest simulated {axis}",
+    "unknown": "unknown because too few points are done",
+    "outside the model": OUTSIDE,
+    "no line": "",
+    "": "",
+}
+_MAX_DIGITS = 4  # significant digits, however small the error is
+_DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
+_TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
+_OF_FRICTION = (
+    "critical_friction",
+    "mild_friction",
+    "friction_safety_factor",
+)  # inversely proportional to the rise
+
+
+def code_text(variable: xr.DataArray) -> Any:
+    """Names of the codes of a variable, such as "outside the model"; empty for others."""
+    names = variable.attrs["flag_meanings"].replace("outside_model", "outside_the_model").split()
+    texts = np.array([name.replace("_", " ") for name in names] + [""], object)
+    codes = np.asarray(variable.values)
+    return np.asarray(texts[np.where(codes < 0, len(names), codes)], object)
+
+
+def verdict_text(point: xr.Dataset) -> str:
+    """The verdict on one point, as text."""
+    return str(code_text(point["verdict"])[()])
+
+
+def outcome_texts(answer: xr.Dataset, axis: str) -> Any:
+    """Outcome of each line along `axis`, as text; empty where there is no line."""
+    texts = {name: text.format(axis=axis) for name, text in _OUTCOMES.items()}
+    codes = code_text(answer[f"outcome_along_{axis}"])
+    return np.vectorize(texts.__getitem__, otypes=[object])(codes)
+
+
+def flag_names(variable: xr.DataArray, flags: int) -> list[str]:
+    """Names of the flags of a variable that are set in `flags`."""
+    pairs = zip(variable.attrs["flag_meanings"].split(), variable.attrs["flag_masks"], strict=True)
+    return [name for name, mask in pairs if flags & int(mask)]
+
+
+def attribute_texts(answer: xr.Dataset, name: str) -> list[str]:
+    """Distinct values of an attribute; it is a coordinate if cases differ in it."""
+    values: Any = [answer.attrs[name]] if name in answer.attrs else answer[name].values.ravel()
+    return [str(value) for value in dict.fromkeys(values) if value]
+
+
+def probability_text(probability: float, round_percent: Callable[[float], float] = round) -> str:
+    """A probability as text: a percentage of two digits, or "less than 1 %".
+
+    The ends of a range are rounded outward, by `math.floor` and `math.ceil`, so that an end that
+    is printed as 95 % decides a verdict as 95 % does.
+    """
+    if probability < MIN_STATED_PROBABILITY:
+        return f"less than {100 * MIN_STATED_PROBABILITY:g} %"
+    if probability > 1 - MIN_STATED_PROBABILITY:
+        return f"more than {100 * (1 - MIN_STATED_PROBABILITY):g} %"
+    parts = 1 if probability >= 0.1 else 10  # of a percent
+    return f"{round_percent(round(100 * parts * probability, 9)) / parts:g} %"
+
+
+def format_value(value: float, error: float) -> str:
+    """Write a value with the digits that its error allows; empty if it is NaN.
+
+    It ends at the first digit of the error, or at the second one if the first is 1. So rounding
+    changes it by at most a quarter of the error.
+
+    Examples
+    --------
+    >>> [format_value(x, error) for x, error in ((118.43, 1.6), (2.2864, 0.062), (-48.08, 12.2))]
+    ['118.4', '2.29', '-48']
+    """
+    if not math.isfinite(value):
+        return ""
+    digits = _MAX_DIGITS if error >= 0 else _DIGITS_WITHOUT_ERROR
+    last = math.floor(math.log10(abs(value))) - digits + 1 if value else -digits
+    if error > 0 and math.isfinite(error):
+        first, _, exponent = f"{error:.1e}".partition("e")
+        last = max(last, int(exponent) - first.startswith("1"))
+    text = f"{round(value, -last):.{max(-last, 0)}f}"
+    return text if float(text) else text.removeprefix("-")
+
+
+def format_error(error: float) -> str:
+    """Write an error with two digits; empty if it is NaN."""
+    return f"{error:.2g}" if math.isfinite(error) else ""
+
+
+def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
+    """Write a limit with 3 digits, rounded to its own side: mild downwards, severe upwards.
+
+    Examples
+    --------
+    >>> format_limit(2.2957), format_limit(2.2911, is_mild=False), format_limit(402.9)
+    ('2.29', '2.30', '402')
+    """
+    if not (math.isfinite(value) and value > 0):
+        return f"{value:g}"
+    last = math.floor(math.log10(value)) - digits + 1
+    parts, scale = (value * 10**-last, 10**-last) if last < 0 else (value / 10**last, 10.0**-last)
+    whole = math.floor(parts + 1e-9) if is_mild else math.ceil(parts - 1e-9)
+    return f"{whole / scale:.{max(-last, 0)}f}"
+
+
+def side_text(name: str, side: str) -> str:
+    """Text on a limit that lies outside the sweep, such as "all" for one above it."""
+    is_mild = name.startswith("mild")
+    texts = {"above": ("none", "all"), "below": ("all", "none")}
+    return texts[side][is_mild] if side in texts else ""
+
+
+def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:
+    """Numerical error of a variable of an answer, in the variable's unit; NaN if unknown.
+
+    It is the error of the temperature rise, or that of the critical velocity.
+    """
+    values = abs(answer[name])
+    if "temperature_error" not in answer:
+        relative = answer["velocity_error"]
+        is_along_velocity = "velocity" in values.dims and "load" in relative.dims
+        return values * (relative.max("load") if is_along_velocity else relative)
+    if name in _TEMPERATURES:
+        return answer["temperature_error"]
+    rise = answer["governing_temperature"] - answer["bulk_temperature"]
+    relative = answer["temperature_error"] / rise.where(rise > 0)
+    return values * (relative if name in _OF_FRICTION else relative / RISE_EXPONENT)
+
+
+def format_variable(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:
+    """Write a single value of an answer, plus `offset`, with the digits that its error allows."""
+    return format_value(answer[name].item() + offset, error_of(answer, name).item())
