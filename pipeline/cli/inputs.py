@@ -43,8 +43,8 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 
 def path_beside(store: Path | str, ending: str) -> Path:
-    """Path of a store with another ending; in the working directory if the store is in a bucket."""
-    path = Path(store) if "://" not in str(store) else Path(Path(store).name)
+    """Path of a store with another ending, in the same folder."""
+    path = Path(store)
     return path.with_name(f"{path.stem}{ending}")
 
 

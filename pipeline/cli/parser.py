@@ -305,7 +305,7 @@ def _add_store(parser: Any) -> None:
 def _add_points(parser: Any) -> None:
     parser.add_argument("--points", metavar="POINTS.csv", type=user_path,
         help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", '
-        "as .csv, .txt or .xlsx; columns of words are passed on as labels")
+        "as .csv or .txt; columns of words are passed on as labels")
     parser.add_argument("--decimal", choices=(".", ","), help="decimal mark of --points")
     parser.add_argument("--ignore", metavar="HEADING", action="append", default=[],
         help="column of --points to leave out; can be repeated")
