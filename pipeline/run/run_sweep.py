@@ -16,10 +16,10 @@ from distributed import Client
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.progress import Progress, Report, silent
+from pipeline.run.boundary_variants import with_variants
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
-from pipeline.run.variants import with_variants
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
 from pipeline.store.create import enlarged, find_sweep, versions, writing

@@ -32,7 +32,7 @@ from pipeline.scene.format import (
     Window,
     stages_of,
 )
-from pipeline.scene.inputs import uncertainty_of
+from pipeline.scene.input_values import uncertainty_of
 from pipeline.scene.kinds import Declared, Table
 from pipeline.scene.library import resolve_library
 from pipeline.surface.scan import read_scan

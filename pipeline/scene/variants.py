@@ -11,7 +11,7 @@ from pipeline.scene.build import build
 from pipeline.scene.cases import with_first_case
 from pipeline.scene.entries import Entries, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.inputs import inputs_of
+from pipeline.scene.input_values import inputs_of
 from pipeline.scene.library import resolve_library
 from pipeline.sweep.case import INPUT_STEP, VELOCITY_INPUT, Case, OperatingPoint, Variant
 from pipeline.sweep.sweep import Sweep
