@@ -67,6 +67,7 @@ REFUSALS = {
 ELSEWHERE = {
     "cluster.processes ExecutionError": "test_cluster.py",
     "drive.ended ExecutionError": "test_cluster.py",
+    "sensitivity._critical_velocity InputError": "test_sensitivity.py",
     "watch._wait_for_worker ExecutionError": "test_cluster.py",
     "watch._check ExecutionError": "test_cluster.py",
     "watch._check_scheduler ExecutionError": "test_cluster.py",

@@ -80,6 +80,12 @@ def test_a_hotter_input_lowers_the_critical_velocity_in_table_and_figure(study, 
     assert pipeline.plot(study, out=tmp_path / "inputs.svg").exists()
 
 
+def test_without_a_critical_velocity_one_is_to_be_given(tmp_path):
+    mild = pipeline.load_scene("first_try", overrides=SMALL | {"temperature.critical": "900 degC"})
+    with pytest.raises(tribo.InputError, match=r"no critical velocity at 400 N .* give --veloc"):
+        pipeline.sensitivity(mild, tmp_path / "mild.zarr", workers=1)
+
+
 @pytest.fixture(scope="module")
 def uncertain(tmp_path_factory):
     out = tmp_path_factory.mktemp("uncertain") / "scene.zarr"

@@ -9,7 +9,9 @@ import pandas as pd
 from pipeline import load_scene, new_scene, to_si
 from pipeline.arguments import in_count, in_si
 from pipeline.scene.contact_estimate import require_admissible_load
+from pipeline.scene.variants import variants_of
 from pipeline.units import share_of
+from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
@@ -94,6 +96,10 @@ def new_scene_at_a_link():
 
 def over(path, values, **other_entries):
     return entry("sweep.over", {path: values}, **other_entries)
+
+
+def uncertain(paths, deviation):
+    return entry("uncertainty", {paths: deviation})
 
 
 FILES = {
@@ -224,6 +230,14 @@ ENTRIES = {
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
                     '"parsnip" is not '),
+    # uncertain inputs
+    "no input": (uncertain("pin.radios", "5 %"), 'is no input of the scene (did you mean "pin.rad'),
+    "zero deviation": (uncertain("pin.radius", "0 %"), '0 %\' is not above 0; give a deviation'),
+    "no temperature difference": (uncertain("temperature.bulk", "5 %"), "is not a number with a"),
+    "several deviations": (uncertain("pin.radius, pin.length", "0.1 mm"), "differs between its"),
+    "sensitivity of laws": (
+        lambda: variants_of(tiny.sweep(), [(400.0, 2.0)]),
+        "sensitivities need a scene file, without laws or surfaces of your own"),
     # several values of an entry
     "over fixed": (over("sweep.loads", [1, 2]), "cannot take several values"),
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "two cases of the sweep have the same"),
