@@ -157,7 +157,7 @@ def interpolation_errors(
     weights = np.stack([1 - fraction, fraction])
     along = np.where(weights > 0, weights * row_errors.reshape(2, -1), 0.0)
     between = np.where(has_gap, np.nan, 0.0)
-    if len(rows := field.curve_rows) > 1:
+    if len(rows := field.interpolated_rows) > 1:
         # Roughness of a single realization; the surface-sampling error of several includes theirs.
         roughness = np.where(specimen.realizations[rows] > 1, 0.0, ROUGH_LOAD)
         curves = Pchip(np.log(field.loads[rows]), field.row_values(at_rows, velocities)[rows])

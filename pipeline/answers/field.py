@@ -58,6 +58,11 @@ class Field:
         return np.flatnonzero(self.is_known.sum(axis=1) > 1)
 
     @functools.cached_property
+    def interpolated_rows(self) -> Indices:
+        """Indices of loads between which values have an error; at one velocity all known loads."""
+        return self.curve_rows if len(self.velocities) > 1 else np.flatnonzero(self.is_known[:, 0])
+
+    @functools.cached_property
     def curves(self) -> list[tuple[Indices, Pchip]]:
         """Curves over ln(velocity) of loads known at the same velocities."""
         return [

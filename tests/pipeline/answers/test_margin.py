@@ -51,6 +51,19 @@ def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     assert (missed <= margin["temperature_error_interpolation"]).mean() > 0.85
 
 
+@pytest.mark.parametrize("bend", [-0.2, -0.1, 0.1, 0.2])
+def test_at_a_single_velocity_the_error_between_two_loads_covers_a_bent_rise(bend):
+    def bent(load, velocity, quantile=1.0):
+        return synthetic.rise(load, velocity, quantile) * np.exp(bend * np.log(load / 400.0) ** 2)
+
+    loads = np.linspace(205.0, 745.0, 60)
+    ds = synthetic.sweep((200.0, 300.0, 450.0, 750.0), (1.5,), bent, tests=())
+    answer = pipeline.margin(ds, loads, 1.5)
+    missed = abs(0.1 * bent(loads, 1.5, 0.9) + 298.15 - answer["governing_temperature"])
+    assert (missed <= answer["temperature_error_interpolation"]).mean() > 0.95
+    assert {*named(answer["verdict"])} == {"mild", "undecided"}
+
+
 @pytest.mark.parametrize(("load", "velocity"), [(400.0, 2.25), (425.0, 2.1)])
 @pytest.mark.parametrize(("side", "verdict"), [(1, "mild"), (-1, "severe")])
 def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, side, verdict):
