@@ -33,8 +33,8 @@ from pipeline.scene.format import (
     stages_of,
 )
 from pipeline.scene.input_values import uncertainty_of
-from pipeline.scene.kinds import Declared, Table
 from pipeline.scene.library import resolve_library
+from pipeline.scene.table_kinds import Declared, Table
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import PATHS, Case, Conditions

@@ -16,7 +16,7 @@ from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, SPEED, TableFile, number_at, scene_entries
-from pipeline.scene.kinds import Table as TableKind
+from pipeline.scene.table_kinds import Table as TableKind
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
     AREAS_ENTRY,

@@ -10,28 +10,28 @@ from typing import Any, get_args, get_type_hints
 import tribo
 from pipeline.limits import MAX_CASES, MAX_ON_AXIS
 from pipeline.scene.kinds import (
-    ByPath,
-    Declared,
-    Either,
-    Entry,
     Flag,
     Integer,
     Kind,
     Level,
-    List,
     LoadOrVelocity,
-    MixedList,
     Number,
     OneOf,
     Quantity,
-    Range,
     Scalar,
     Share,
+    Text,
+    UnitOfLength,
+)
+from pipeline.scene.list_kinds import List, MixedList, Range
+from pipeline.scene.table_kinds import (
+    ByPath,
+    Declared,
+    Either,
+    Entry,
     Sorted,
     Table,
     Tables,
-    Text,
-    UnitOfLength,
     entries_in,
     entry,
     number_in,

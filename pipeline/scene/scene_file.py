@@ -18,9 +18,9 @@ from pipeline.scene.cases import listed_cases, read_cases, with_first_case
 from pipeline.scene.entries import Entries, replace_value, replace_values
 from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
-from pipeline.scene.kinds import Table
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
+from pipeline.scene.table_kinds import Table
 from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import Document, override, read_document, text_of
 from pipeline.shipped import scene_path

@@ -16,7 +16,7 @@ from pipeline.scene.entries import Entries, are_nested
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile, stages_of
 from pipeline.scene.format import Test as TestEntry
-from pipeline.scene.kinds import Table
+from pipeline.scene.table_kinds import Table
 from pipeline.sweep.case import TEST, Case, SpecimenTest, with_test_conditions
 from pipeline.table import read_table
 from tribo import InputError, MeasuredLoad, Scene, Stages

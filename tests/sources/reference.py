@@ -11,7 +11,9 @@ import sys
 
 import tribo
 from pipeline.messages import quoted
-from pipeline.scene.kinds import List, Quantity, number_in
+from pipeline.scene.kinds import Quantity
+from pipeline.scene.list_kinds import List
+from pipeline.scene.table_kinds import number_in
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Either, Entry, Kind, List, Table, Tables
+from pipeline.scene.kinds import Kind
+from pipeline.scene.list_kinds import List
+from pipeline.scene.table_kinds import Either, Entry, Table, Tables
 
 
 class Section(NamedTuple):

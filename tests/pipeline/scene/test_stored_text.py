@@ -9,7 +9,7 @@ import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.scene import library
 from pipeline.scene.format import RandomSurface
-from pipeline.scene.kinds import Table
+from pipeline.scene.table_kinds import Table
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.stores import commit

@@ -5,7 +5,7 @@ import pytest
 from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format as scene_format
 from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import Table
+from pipeline.scene.table_kinds import Table
 from pipeline.table import read_table
 from tribo import InputError
 
