@@ -6,48 +6,51 @@ The metadata on the disk are for other programs; this program opens its arrays w
 from __future__ import annotations
 
 import asyncio
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numcodecs
 import numpy as np
 import zarr
-from zarr.abc.store import ByteRequest, Store
-from zarr.codecs import ZstdCodec
-from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
-from zarr.core.sync import sync as run
-from zarr.storage import LocalStore, MemoryStore, StorePath
+from zarr.abc.buffer import Buffer, BufferPrototype
+from zarr.abc.store import ByteRequest
+from zarr.buffer import cpu, default_buffer_prototype
+from zarr.storage import LocalStore, MemoryStore
 
 from pipeline.paths import read_file
 from pipeline.store.files import store_file, sync
-from pipeline.store.location import MEMORY
+from pipeline.store.location import MEMORY, ROOT
 from pipeline.store.schema import Variable, attributes_of, path_of
-
-if TYPE_CHECKING:
-    from zarr.core.array_spec import ArraySpec
 
 Document = dict[str, Any]
 """Content of a JSON document."""
 Part = tuple[str, Any, Any]
 """Part of an array: the name of the array, slices of whole chunks, and their values."""
-_MAX_CHECKSUMS = 256  # of a chunk: each takes time, and metadata have a limited size
 
 _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # reading detects a changed byte
 _MAX_TEXT_BYTES = 2**16  # bytes of a text; messages have up to 2000 characters
+_MAX_CHECKSUMS = 256  # of a chunk: each takes time, and metadata have a limited size
+_CHECKSUM_BYTES = 4  # that each checksum adds to a chunk
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
 class FolderStore(LocalStore):
     """Zarr store of a folder, whose files are replaced as a whole and synced to the disk.
 
-    Only regular files are read. `max_bytes` has the largest size of a chunk by the path of its
-    array. `touched` has the folders with new files, whose names `write_arrays` syncs at its end.
+    `documents` has the metadata of its arrays, by key. Only regular files are read, and only chunks
+    that unpack to at most `max_bytes`, by the path of their array; each ends with a number of
+    `checksums`. `touched` has the folders with new files, whose names `write_arrays` syncs.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, documents: Mapping[str, bytes]) -> None:
         super().__init__(root)
+        self.documents = documents
         self.max_bytes: dict[str, int] = {}
+        self.checksums = 0
         self.touched: set[Path] = set()
 
     async def get(
@@ -56,11 +59,12 @@ class FolderStore(LocalStore):
         prototype: BufferPrototype | None = None,
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
-        """Content of the file `key`; None if there is none."""
+        """Content of the document or file `key`; None if there is none."""
         make = (prototype or default_buffer_prototype()).buffer.from_bytes
-        max_bytes = self.max_bytes.get(key.rpartition("/")[0])
+        if key in self.documents:
+            return make(self.documents[key])
         try:
-            return make(await asyncio.to_thread(read_file, self.root / key, max_bytes))
+            return make(await asyncio.to_thread(self._read_chunk, key))
         except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
 
@@ -68,10 +72,14 @@ class FolderStore(LocalStore):
         """Create or replace the file `key`."""
         self.touched.add(await asyncio.to_thread(store_file, self.root, key, value.to_bytes()))
 
-
-def zarr_store(location: Path) -> FolderStore | MemoryStore:
-    """Zarr store at a location."""
-    return MemoryStore() if location == MEMORY else FolderStore(location)
+    def _read_chunk(self, key: str) -> bytes:
+        max_bytes = self.max_bytes[key.rpartition("/")[0]]
+        # Data that do not compress at all grow by less than this.
+        content = read_file(self.root / key, 2 * max_bytes + _MAX_TEXT_BYTES)
+        # This raises an error for a damaged chunk, of which kilobytes could unpack to gigabytes.
+        frame = content[: len(content) - _CHECKSUM_BYTES * self.checksums]
+        numcodecs.Zstd().decode(frame, np.empty(max_bytes, np.uint8))
+        return content
 
 
 def array_document(
@@ -98,8 +106,8 @@ def array_document(
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": _FILLS.get(variable.dtype, 0),
-        # Each new store has another number of checksums, so that a dataset opened before it cannot
-        # decode the new chunks, which have other points at the same keys.
+        # Each new store has another number of checksums, so that a dataset that plain xarray opened
+        # before cannot decode the new chunks, which have other points at the same keys.
         "codecs": [first, {"name": "zstd", "configuration": _ZSTD}, *checksums],
         "attributes": attributes_of(variable),
         "dimension_names": [*dims],
@@ -108,38 +116,36 @@ def array_document(
     }
 
 
-class _BoundedZstd(ZstdCodec):
-    """Zarr's Zstd codec, limited to the bytes that a chunk of the array can have."""
-
-    async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
-        return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
-
-    def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
-        # Without this limit, a damaged chunk of kilobytes could unpack to gigabytes.
-        values = np.zeros(_size(chunk_spec.dtype.to_native_dtype(), chunk_spec.shape), np.uint8)
-        self._zstd_codec.decode(chunk_bytes.to_bytes(), values)
-        return chunk_spec.prototype.buffer.from_array_like(values)
-
-
 def open_arrays(
-    store: Store, documents: Mapping[str, Document], prefix: str = ""
+    location: Path, documents: Mapping[str, Document], prefix: str = ""
 ) -> dict[str, Any]:
-    """Open the arrays of a Zarr store, by name; `documents` has their metadata.
+    """Open the arrays of a store, by name; `documents` has their metadata.
 
     `prefix` is the path of their group with a slash at the end, or empty for the root.
     """
-    # Chunks of fill values have to be written, or they would look lost. Zarr's global setting for
-    # this is shared by all threads, so that a thread could reset it for the others.
-    settings: Any = {"write_empty_chunks": True}
-    arrays = {}
-    for name, document in documents.items():
-        first, _, *checksums = document["codecs"]
-        metadata: Any = {**document, "codecs": [first, _BoundedZstd(**_ZSTD), *checksums]}
-        path = StorePath(store, prefix + path_of(name))
-        array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
-        if isinstance(store, FolderStore):
-            # Data that do not compress at all grow by less than this.
-            store.max_bytes[path.path] = 2 * _size(array.dtype, array.chunks) + _MAX_TEXT_BYTES
+    paths = {name: prefix + path_of(name) for name in documents}
+    contents = {
+        f"{paths[name]}/{ROOT}": json.dumps(document).encode()
+        for name, document in documents.items()
+    }
+    store: FolderStore | MemoryStore
+    if location == MEMORY:
+        buffers = {key: cpu.Buffer.from_bytes(content) for key, content in contents.items()}
+        store = MemoryStore({**buffers})
+    else:
+        store = FolderStore(location, contents)
+    # Chunks of fill values have to be written, or they would look lost.
+    arrays = {
+        name: zarr.open_array(store, path=path, zarr_format=3).with_config(
+            {"write_empty_chunks": True}
+        )
+        for name, path in paths.items()
+    }
+    if isinstance(store, FolderStore):
+        store.max_bytes = {
+            paths[name]: _size(array.dtype, array.chunks) for name, array in arrays.items()
+        }
+        store.checksums = len(next(iter(documents.values()))["codecs"]) - 2
     return arrays
 
 
@@ -148,15 +154,15 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     return (_MAX_TEXT_BYTES if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
-def write_arrays(store: Store, arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
+def write_arrays(arrays: Mapping[str, Any], parts: Iterable[Part]) -> None:
     """Write parts of arrays; return once they are on the disk."""
-    run(_all(arrays[name].async_array.setitem(at, values) for name, at, values in parts))
+
+    def write(part: Part) -> None:
+        name, block, values = part
+        arrays[name][block] = values
+
+    with ThreadPoolExecutor() as threads:
+        _ = [*threads.map(write, parts)]
+    store = next(iter(arrays.values())).store  # that of all of them
     while isinstance(store, FolderStore) and store.touched:
         sync(store.touched.pop())
-
-
-async def _all(tasks: Iterable[Any]) -> None:
-    """Run all tasks concurrently; raise the first error once all have ended."""
-    for result in await asyncio.gather(*tasks, return_exceptions=True):
-        if isinstance(result, BaseException):
-            raise result

@@ -17,7 +17,7 @@ from typing import Any
 
 from pipeline.limits import MAX_INPUTS
 from pipeline.paths import path_hint, read_file, store_hint
-from pipeline.store.arrays import Document, array_document, open_arrays, zarr_store
+from pipeline.store.arrays import Document, array_document, open_arrays
 from pipeline.store.files import store_file, sync
 from pipeline.store.layout import Group, sizes_of
 from pipeline.store.location import (
@@ -301,7 +301,7 @@ def _read_inputs(location: Path, sizes: dict[str, int], growths: int) -> dict[st
     if (count := sum(sizes.values())) > MAX_INPUTS:
         raise InputError(f"it contains {count:.3g} numbers of the scene's files")
     (variable,) = inputs_variable(sizes).values()
-    document = array_document(variable, {INPUT_DIM: sum(sizes.values())}, {}, growths)
-    array = open_arrays(zarr_store(location), {INPUTS: document})[INPUTS]
+    document = array_document(variable, {INPUT_DIM: count}, {}, growths)
+    array = open_arrays(location, {INPUTS: document})[INPUTS]
     with read_errors(location, INPUTS):
         return split_arrays(array[:], variable.attributes)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import Part, open_arrays, write_arrays, zarr_store
+from pipeline.store.arrays import Part, open_arrays, write_arrays
 from pipeline.store.layout import Group, Slices, block_at
 from pipeline.store.location import (
     MEMORY,
@@ -73,8 +73,7 @@ class Store:
         self.group = group or root.plane
         self.sweep, self.axes, self.dims = self.group.sweep, self.group.axes, self.group.dims
         self.unreadable = set[str]()
-        self._zarr = zarr_store(location)
-        self.arrays = open_arrays(self._zarr, self.group.arrays, self.group.prefix)
+        self.arrays = open_arrays(location, self.group.arrays, self.group.prefix)
         self._numbers = [
             {label: number for number, label in enumerate(self.axes[dim])} for dim in self.dims
         ]
@@ -281,7 +280,7 @@ class Store:
         """Write parts of arrays; raise a `StoreError` if the lock is lost before or after."""
         self._require_lock()
         with io_errors(self.location, "written"):
-            write_arrays(self._zarr, self.arrays, parts)
+            write_arrays(self.arrays, parts)
         self._require_lock()
 
     def _require_lock(self) -> None:

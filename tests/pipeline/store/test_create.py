@@ -132,7 +132,7 @@ def test_points_with_fields_are_taken_over_by_a_larger_store_and_by_a_new_one(pa
         assert verify_store(store_path).is_clean
 
 
-def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_store_grows(path):
+def test_a_dataset_that_was_opened_before_its_store_was_replaced_shows_no_number_of_others(path):
     def opened_plainly():
         datasets = [xr.open_zarr(path, group=group) for group in (None, "about", "fields")]
         return [ds.drop_vars("wall_time", errors="ignore") for ds in datasets]
@@ -142,8 +142,12 @@ def test_a_dataset_of_plain_xarray_never_reads_another_point_however_often_its_s
     opened_before = [opened_plainly()]
     # Indices of points change, and change back.
     for load, velocity in ((200.0, 0.5), (100.0, 0.5), (900.0, 0.5), (600.0, 1.0)):
+        stale_ds = open_sweep(path)
         commit(path, tiny.full(loads=(load,), velocities=(velocity,)))
         reopened = [ds.load() for ds in opened_plainly()]
+        for name in stale_ds.data_vars.keys() - {"status"}:
+            with pytest.raises(StoreError, match="was enlarged or repaired since it was opened"):
+                stale_ds[name].compute()
         for datasets in opened_before:
             for old in (variable for ds in datasets for variable in ds.data_vars.values()):
                 with pytest.raises((RuntimeError, ValueError), match=r"checksum|decompression"):
