@@ -19,8 +19,7 @@ from statistics import fmean
 from typing import Any
 
 import numpy as np
-from distributed import Client, Future, as_completed
-from distributed.scheduler import KilledWorker
+from distributed import Client, Future, KilledWorker, as_completed
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.watch import CANNOT, POLL, Watch
@@ -37,7 +36,8 @@ ANYWHERE = ""
 
 _TIME_AHEAD = 0.4  # computing time of the tasks submitted to a worker [s]
 _MIN_AHEAD, _MAX_AHEAD = 2, 16
-_SPARE_TASKS = 16  # tasks without a worker, for which an adaptive cluster starts workers
+_SPARE_TASKS = 16  # tasks while there is no worker, for which a cluster may start some
+_PAUSE = 0.01  # between two looks at the tasks that have ended [s]
 _MAX_LOSSES = 3  # a point has failed once it was lost so often with its worker
 _LOST_MESSAGE = (
     f"{_MAX_LOSSES} workers died with this point, the last one with no other; if the memory of a "
@@ -107,9 +107,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
             workers, processes = watch(), watch.processes
             assigned = [
                 (worker, queue.take(worker or object()))
-                for worker in _workers_with_room(
-                    client, workers, submitted.count_by_worker(), recent_times
-                )
+                for worker in _workers_with_room(workers, submitted.count_by_worker(), recent_times)
                 if queue
             ]
             if suspect_tasks and not (assigned or submitted):
@@ -141,7 +139,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
 
 
 def _workers_with_room(
-    client: Client, workers: Sequence[str], busy: Counter[str], recent_times: Collection[float]
+    workers: Sequence[str], busy: Counter[str], recent_times: Collection[float]
 ) -> Iterator[str]:
     """Yield the worker of each further task, in turns, until all have enough to do.
 
@@ -153,8 +151,7 @@ def _workers_with_room(
     available = [worker for worker in workers if busy[worker] <= max_ahead // 2]
     for count in range(max_ahead):
         yield from (worker for worker in available if busy[worker] <= count)
-    adaptive = getattr(client.cluster, "_adaptive", None)
-    if not workers or (adaptive and adaptive.minimum < adaptive.maximum):
+    if not workers:
         yield from [ANYWHERE] * (_SPARE_TASKS - busy[ANYWHERE])
 
 
@@ -215,8 +212,9 @@ class _SubmittedTasks:
         workers. A job whose worker is lost or was restarted is taken back, because Dask never runs
         a task again whose worker is lost while there is no other one.
         """
-        with self._ended.thread_condition:
-            self._ended.thread_condition.wait_for(self._ended.has_ready, timeout=POLL)
+        limit = time.monotonic() + POLL
+        while not self._ended.has_ready() and time.monotonic() < limit:
+            time.sleep(_PAUSE)
         for future, result in self._ended.next_batch(block=False):
             if future.status != "error" and (job := self._jobs.pop(future, None)):
                 future.release()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import sys
 import time
 from collections.abc import Iterator
@@ -230,7 +229,7 @@ def _require_cluster(client: Client | None) -> None:
     """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
     script = sys.modules.get("__mp_main__")  # by which a worker imports the driver's script
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
-        os._exit(1)  # it calls this unguarded; an exception would show a traceback for each worker
+        raise SystemExit(1)  # of a worker, which imports a script that calls this unguarded
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:
         raise InputError(
