@@ -6,7 +6,6 @@ A case is one combination of varied entries. Its random surfaces are realization
 from __future__ import annotations
 
 import json
-from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -40,9 +39,10 @@ from pipeline.store.schema import (
     split_arrays,
     variable_of_tests,
 )
+from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.codec import CodecError
-from pipeline.sweep.plan import SCENE_HASH, TEST_POINT, list_points_of_tests
+from pipeline.sweep.plan import TEST_POINT
 from pipeline.sweep.stored import sweep_of_plain
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
@@ -157,10 +157,10 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     """
     ds = with_sweep_and_tests(dataset_of(source))
     sweep = sweep_of(ds)
-    if ds.attrs.get("without_tests"):
-        sweep = replace(sweep, tests=())
     _require_sweep(ds, sweep)
     tests, dims = _test_points(ds, sweep), case_dims(ds)
+    if ds.attrs.get("without_tests"):
+        sweep, tests = replace(sweep, tests=()), tests[len(sweep.tests) :]
     sizes = [ds.sizes[dim] for dim in dims]
     ds = ds.drop_vars(FIELDS, errors="ignore")  # they are large, and no answer needs them
     if dims:
@@ -266,29 +266,26 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:
     """The points of each test of a sweep, then of each variant."""
     inner, arrays = (TEST_POINT, TEST_STEP, "area_fraction_below"), dict[str, Any]()
-    for name in AT_TESTS:
+    for name in (TEST, *AT_TESTS):
         if variable_of_tests(name) in ds.variables:
             variable = ds[variable_of_tests(name)]
             require_unit(variable)
             # `xarray.concat` of surfaces repeats variables that do not depend on them.
             variable = variable.isel({dim: 0 for dim in variable.dims if dim not in inner})
             arrays[name] = variable.transpose(*inner, missing_dims="ignore").values
-    rows = defaultdict[tuple[Any, ...], deque[int]](deque)
-    keys = (arrays[name].tolist() for name in (SCENE_HASH, *PLANE)) if arrays else ()
-    for row, key in enumerate(zip(*keys, strict=True)):
-        rows[key].append(row)
-    tests = sweep.tests_and_variants
-    test_points = [list[TestPoint]() for _ in tests]
-    for point in list_points_of_tests(sweep):
-        state, columns = (PENDING, ""), dict[str, Any]()
-        if matching_rows := rows[point[:3]]:
-            row = matching_rows.popleft()
-            state = int(arrays["status"][row]), str(arrays["message"][row])
-            names = (k for k, array in arrays.items() if array.dtype.kind == "f" and k not in PLANE)
-            columns = {name: arrays[name][row].astype(float) for name in names}
-            columns["quantile"] = ds["area_fraction_below"].values
-        least_load = least_load_evaluated(tests[point.test].case.scene, point.load)
-        test_points[point.test].append(
-            TestPoint(point.load, point.velocity, least_load, *state, columns)
-        )
-    return tuple(map(tuple, test_points))
+    keys = (arrays[name].tolist() for name in (TEST, *PLANE)) if arrays else ()
+    rows = {key: row for row, key in enumerate(zip(*keys, strict=True))}
+    test_points = list[tuple[TestPoint, ...]]()
+    for number, test in enumerate(sweep.tests_and_variants):
+        points = list[TestPoint]()
+        for load, velocity in test.points:
+            state, columns = (PENDING, ""), dict[str, Any]()
+            if (row := rows.get((number, load, velocity))) is not None:
+                state = int(arrays["status"][row]), str(arrays["message"][row])
+                names = (k for k, x in arrays.items() if x.dtype.kind == "f" and k not in PLANE)
+                columns = {name: arrays[name][row].astype(float) for name in names}
+                columns["quantile"] = ds["area_fraction_below"].values
+            least_load = least_load_evaluated(test.case.scene, load)
+            points.append(TestPoint(load, velocity, least_load, *state, columns))
+        test_points.append(tuple(points))
+    return tuple(test_points)

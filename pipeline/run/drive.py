@@ -253,7 +253,7 @@ class Tally:
 
     def follow(self, store: Store) -> None:
         """Count the points of a store that has grown."""
-        self._groups = [group for group in (store, store.tests) if group]
+        self._groups = store.groups
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
         """Count written points, and report progress; `workers` is the number of workers."""

@@ -15,13 +15,7 @@ import psutil
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.scene.scene_file import SceneLike, sweep_of
-from pipeline.sweep.plan import (
-    Task,
-    choose_stored_steps,
-    list_points_of_tests,
-    sweep_of_tests,
-    tasks,
-)
+from pipeline.sweep.plan import Task, choose_stored_steps, tasks, with_sweep_of_tests
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.sweep import Sweep
 from tribo import Scene
@@ -84,19 +78,17 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     scene = sweep._select_case(cases[len(cases) // 2])
     times = _time_steps(scene)
     seconds = _SECONDS_TO_START
-    sweep_tasks = [*tasks(points_of(sweep), sweep)]
-    test_points = list_points_of_tests(sweep)
-    tests_sweep = sweep_of_tests(sweep) if test_points else None
-    test_tasks = [*tasks(points_of(tests_sweep), tests_sweep)] if tests_sweep else []
-    for part, part_tasks in ((sweep, sweep_tasks), (tests_sweep, test_tasks)):
-        if part and part_tasks:
-            parallel = min(workers, len(part_tasks))
-            busy = max(1.0, parallel / available)
-            seconds += busy * _task_seconds(part, part_tasks, *times) / parallel
+    counts = list[int]()
+    for part in with_sweep_of_tests(sweep):
+        part_tasks = [*tasks(points_of(part), part)]
+        counts.append(len(part_tasks))
+        parallel = min(workers, counts[-1])
+        busy = max(1.0, parallel / available)
+        seconds += busy * _task_seconds(part, part_tasks, *times) / parallel
     return Estimate(
-        points=len(sweep_tasks),
-        tests=len(test_points),
-        tasks=len(sweep_tasks),
+        points=counts[0],
+        tests=sum(counts[1:]),
+        tasks=counts[0],
         workers=workers,
         seconds=seconds,
     )

@@ -145,8 +145,8 @@ def run_sweep(
             store.leave_out_pending()
         tally = Tally(store, notebook_progress(progress))
         with _Workers(client, count, patience, dashboard, report) as cluster:
-            if store.tests:  # first, as the critical temperature may follow from them
-                cluster.compute(store.tests, tally)
+            for tests in store.groups[1:]:  # first, as the critical temperature may follow
+                cluster.compute(tests, tally)
             computed_tests = tally.computed
             store = _ask_for_goal(store, goal, tally) if goal else store
             while store.pending():
@@ -157,8 +157,8 @@ def run_sweep(
                 store = enlarged(store, larger)
                 store.leave_out_pending()
                 tally.follow(store)
-                assert store.tests
-                cluster.compute(store.tests, tally)
+                for tests in store.groups[1:]:
+                    cluster.compute(tests, tally)
             cpu_time = cluster.cpu_time()
         summary = summary_of(store)
     return Outcome(

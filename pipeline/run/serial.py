@@ -22,7 +22,7 @@ def run_serial(
     """
     if source is not None:
         copy_points(store, source)
-    tests = [(store.tests, point) for point in store.tests.pending()] if store.tests else []
+    tests = [(group, point) for group in store.groups[1:] for point in group.pending()]
     todo = [*tests, *((store, point) for point in points)]
     for number, (group, point) in enumerate(todo, 1):
         try:

@@ -134,7 +134,7 @@ def _open(
         _require_same_scene(location, before, sweep)
     joined = join(before.sweep if before else None, sweep)
     history = [*(before.history if before else ()), f"{WRITER_PREFIX}{versions()}", *notes]
-    root = Root.from_sweep(joined, history, before.plane.growths if before else 0)
+    root = Root.from_sweep(joined, history, before.growths if before else 0)
     if location == MEMORY:
         store = _new_store(location, root, None)
     elif before and before.layout == root.layout and _is_sound(location, before):
@@ -144,8 +144,8 @@ def _open(
     else:
         store = _replace(location, before, root, lock, progress)
     store.ask(points(sweep))
-    if store.tests:
-        store.tests.ask(points(store.tests.sweep))
+    for tests in store.groups[1:]:
+        tests.ask(points(tests.sweep))
     return store
 
 
@@ -185,7 +185,7 @@ def _replace(
                 f"irg run SCENE -o NEW --from {shlex.quote(str(location))}"
             )
         # Datasets that are open must not read values of other points.
-        root = Root.from_sweep(root.sweep, root.history, before.plane.growths + 1)
+        root = Root.from_sweep(root.sweep, root.history, before.growths + 1)
     with io_errors(new, "written"):
         write_documents(new, root, location)
     store = _new_store(new, root, lock)

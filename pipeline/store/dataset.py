@@ -21,14 +21,12 @@ from pipeline.store.schema import (
     OF_FIELDS,
     PROGRESS,
     RECORDS,
-    TEST_STEP,
     attributes_of,
     is_in_fields,
     variable_of_tests,
 )
 from pipeline.store.store import Store, opened
 from pipeline.sweep.case import TEST
-from pipeline.sweep.plan import TEST_POINT
 from tribo import InputError
 
 
@@ -128,16 +126,13 @@ def _variable_of(store: Store, name: str) -> xr.Variable:
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     """Results at points of the scene's tests, as coordinates, which xarray operations keep."""
-    if not store.tests:
-        return {}
-    ds = _dataset_of(store.tests).drop_vars(TEST_STEP)
-    order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
-    ds = ds.isel({TEST_POINT: order})
-    names = [name for name in AT_TESTS if name in ds.variables]
-    coordinates = {variable_of_tests(name): ds[name].variable for name in names}
-    message = coordinates[variable_of_tests("message")]
-    message.values = message.values.astype(object)
-    return {TEST: ds[TEST].variable, **coordinates}
+    coordinates = dict[str, xr.Variable]()
+    for ds in map(_dataset_of, store.groups[1:]):
+        names = [name for name in (TEST, *AT_TESTS) if name in ds.variables]
+        coordinates |= {variable_of_tests(name): ds[name].variable for name in names}
+        message = coordinates[variable_of_tests("message")]
+        message.values = message.values.astype(object)
+    return coordinates
 
 
 class _MaskedVariable(BackendArray):

@@ -36,13 +36,12 @@ from pipeline.store.schema import (
     FORMAT,
     INPUT_DIM,
     INPUTS,
-    OF_FIELDS,
     OF_TESTS,
     inputs_variable,
     split_arrays,
 )
 from pipeline.sweep.codec import ArrayError
-from pipeline.sweep.plan import choose_stored_steps, sweep_of_tests
+from pipeline.sweep.plan import choose_stored_steps, with_sweep_of_tests
 from pipeline.sweep.stored import plain_sweep, sweep_of_plain
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, TriboError
@@ -62,10 +61,9 @@ _WRONG_KIND = AttributeError, LookupError, OverflowError, TypeError, ValueError,
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """Content of a store: the points of its plane and of its tests."""
+    """Content of a store: the points of its plane and, if it has tests, those of its tests."""
 
-    plane: Group
-    tests: Group | None  # None without tests
+    groups: Sequence[Group]  # the plane first
     history: tuple[str, ...]  # versions of programs, and accuracy goals
     plain: Any  # data of the sweep as plain types
 
@@ -78,26 +76,25 @@ class Root:
         `stored` has the sweep's plain data and arrays if they were read from a store.
         """
         plain, arrays = stored or plain_sweep(sweep)
-        tests = None
-        if sweep.tests_and_variants:
-            tests = Group(sweep_of_tests(sweep), prefix=f"{OF_TESTS}/", growths=growths)
-        plane = Group(sweep, arrays, growths=growths)
-        return cls(plane, tests, tuple(dict.fromkeys(history)), plain)
+        plane, *others = with_sweep_of_tests(sweep)
+        groups = [Group(plane, arrays, growths=growths)]
+        groups += [Group(part, prefix=f"{OF_TESTS}/", growths=growths) for part in others]
+        return cls(groups, tuple(dict.fromkeys(history)), plain)
 
     @property
     def sweep(self) -> Sweep:
         """The sweep of the store."""
-        return self.plane.sweep
+        return self.groups[0].sweep
 
     @property
-    def groups(self) -> list[Group]:
-        """The plane, and the tests if there are any."""
-        return [self.plane, *([self.tests] if self.tests else [])]
+    def growths(self) -> int:
+        """Number of times that the store was replaced."""
+        return self.groups[0].growths
 
     @property
     def layout(self) -> list[Any]:
-        """Points, variables and steps; a store goes on as it is if they stay the same."""
-        return [(group.axes, {*group.arrays}) for group in self.groups]
+        """Points, variables and scenes; a store goes on as it is if they stay the same."""
+        return [(group.axes, {*group.arrays}, group.sweep._scene_hashes) for group in self.groups]
 
     @functools.cached_property
     def sweep_digest(self) -> str:
@@ -123,8 +120,8 @@ class Root:
         facts: Document = {
             "format": FORMAT,
             "history": [*self.history],
-            "growths": self.plane.growths,
-            "inputs": sizes_of(self.plane.inputs),
+            "growths": self.growths,
+            "inputs": sizes_of(self.groups[0].inputs),
             "sweep": self.plain,
             "scene": self.sweep.text,
         }
@@ -132,10 +129,8 @@ class Root:
         documents = dict[str, Document]()
         for group in self.groups:
             documents |= {f"{group.prefix}{ABOUT}": _group({}), **group.paths()}
-        if self.sweep.fields:
-            documents[OF_FIELDS] = _group({})
-        if self.tests:
-            documents[OF_TESTS] = _group({})
+        parents = dict.fromkeys(path.rpartition("/")[0] for path in documents)
+        documents |= {path: _group({}) for path in parents if path}
         documents[ABOUT] = _group(facts)
         # Zarr finds the members of a group only if they are consecutive.
         members = {

@@ -8,14 +8,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.sweep.case import TEST
 from pipeline.sweep.case_table import ROWS
-from pipeline.sweep.plan import SCENE_HASH, TEST_POINT
+from pipeline.sweep.plan import TEST_POINT
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 45
+FORMAT = 46
 """Version of the layout of stores, and of the defaults of the fields of stored classes."""
 NOT_NEEDED, DONE, FAILED, PENDING = 0, 1, 2, 3
 """Values of the variable ``status``; the last run did not need a point that is `NOT_NEEDED`."""
@@ -143,7 +144,7 @@ DATA = COLUMNS | SAMPLING | FILM | FIELDS
 TEST_STEP = "test_step"
 """Dimension of steps at points of tests, whose number may differ from that of the plane."""
 AT_TESTS = (
-    "status", "message", "warning_flags", "load", "velocity", SCENE_HASH, *FILM,
+    "status", "message", "warning_flags", "load", "velocity", *FILM,
     *dict.fromkeys((*NEEDED, "max_rise", "rise_quantile")),
 )  # fmt: skip
 """Variables at points of tests that answers need."""
@@ -151,7 +152,7 @@ AT_TESTS = (
 
 def variable_of_tests(name: str) -> str:
     """Name of a variable at the points of tests, in a dataset that also has the plane."""
-    return f"test_{name}"
+    return name if name == TEST else f"test_{name}"
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:

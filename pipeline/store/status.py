@@ -112,7 +112,7 @@ def summary_of(store: Store) -> Summary:
         failed=_failed_points(store, {index: str(messages[index]) for index in failed}),
         warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
         running=holder_of(store.location),
-        tests=summary_of(store.tests) if store.tests else None,
+        tests=next(map(summary_of, store.groups[1:]), None),
     )
 
 
@@ -163,5 +163,5 @@ def _verified(store: Store, progress: Report = silent) -> Verification:
         done=int(np.count_nonzero(store.flags == DONE)) - damaged_count,
         damaged=_failed_points(store, damage.points),
         shared=tuple(damage.files),
-        tests=_verified(store.tests) if store.tests else None,
+        tests=next(map(_verified, store.groups[1:]), None),
     )

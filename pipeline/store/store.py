@@ -52,9 +52,9 @@ Index = tuple[int, ...]
 
 
 class Store:
-    """An open store, or its group of tests; this process may write it if it holds the lock.
+    """A group of an open store: its plane, or tests; this process may write it with the lock.
 
-    `tests` is the group of tests, if there is one. `flags` has the status of each point. Statuses
+    `groups` are all of the store, the plane first. `flags` has the status of each point. Statuses
     that cannot be read raise a `DamagedError`; if `may_be_damaged`, all points are pending instead.
     A store that `is_new` has no files yet, and all points are pending. `unreadable` has the paths
     of the chunks that could not be read.
@@ -70,7 +70,7 @@ class Store:
         is_new: bool = False,
     ) -> None:
         self.location, self.root, self.lock = location, root, lock
-        self.group = group or root.plane
+        self.group = group or root.groups[0]
         self.sweep, self.axes, self.dims = self.group.sweep, self.group.axes, self.group.dims
         self.unreadable = set[str]()
         self.arrays = open_arrays(location, self.group.arrays, self.group.prefix)
@@ -81,9 +81,9 @@ class Store:
         self.flags: NDArray[np.int8] = np.full(self.group.shape, PENDING, np.int8)
         if not is_new:
             self._read_flags(may_be_damaged)
-        self.tests: Store | None = None
-        if root.tests and group is None:
-            self.tests = Store(location, root, lock, root.tests, may_be_damaged, is_new)
+        self.groups = [self]
+        for tests in root.groups[1:] if group is None else ():
+            self.groups.append(Store(location, root, lock, tests, may_be_damaged, is_new))
 
     def _read_flags(self, may_be_damaged: bool) -> None:
         flags = self.try_read("status", tuple(slice(0, n) for n in self.group.shape))
@@ -98,11 +98,6 @@ class Store:
             status = (self.location / "status" / ROOT).stat()
             return status.st_ino, status.st_mtime_ns
         return None
-
-    @property
-    def groups(self) -> list[Store]:
-        """The plane, and the tests if there are any."""
-        return [self, *([self.tests] if self.tests else [])]
 
     # Indices of points
 

@@ -49,8 +49,6 @@ _NO_SAMPLING = {"rise_realization_std": _NO_QUANTILES, "rise_realization_freedom
 _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 TEST_POINT = "test_point"
 """Dimension of the points of tests."""
-SCENE_HASH = "scene_hash"
-"""Column with the hash of the scene that each point is of."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -317,49 +315,37 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
     return StoredSteps(steps, _judges_holds(cases))
 
 
-class PointOfTest(NamedTuple):
-    """A point of a test in a store: what is simulated there, and for which test."""
-
-    scene_hash: str
-    load: float  # [N]
-    velocity: float  # [m/s]
-    test: int  # number of the test in the scene, from 0
-
-
-def list_points_of_tests(sweep: Sweep) -> list[PointOfTest]:
-    """The points of a scene's tests, in their order, then those of its variants."""
-    return [
-        PointOfTest(sweep._hash_scene(test.case.scene), *point, number)
-        for number, test in enumerate(sweep.tests_and_variants)
-        for point in test.points
-    ]
-
-
-def sweep_of_tests(sweep: Sweep) -> Sweep:
-    """The sweep of the points of tests, a row for each of `list_points_of_tests`."""
-    points = list_points_of_tests(sweep)
+def with_sweep_of_tests(sweep: Sweep) -> list[Sweep]:
+    """The sweep and, if it has tests or variants, the sweep of their points, a row for each."""
+    tests = sweep.tests_and_variants
+    if not tests:
+        return [sweep]
     columns = (
         Column(TEST_POINT, meaning="number of the point of a test"),
         Column(TEST, "1", TEST_POINT, meaning="number of the test"),
-        Column(SCENE_HASH, None, TEST_POINT, meaning="SHA-256 of the scene that is simulated"),
         *(
             Column(k, unit, TEST_POINT, meaning=f"{k} of the test")
             for k, unit in PLACE_UNITS.items()
         ),
     )
-    rows = tuple({TEST_POINT: k, **point._asdict()} for k, point in enumerate(points))
-    cases = [test.case for test in sweep.tests_and_variants for _ in test.points]
-    return replace(
+    points = [(number, *point) for number, test in enumerate(tests) for point in test.points]
+    rows = tuple(
+        {TEST_POINT: k, TEST: number, "load": load, "velocity": velocity}
+        for k, (number, load, velocity) in enumerate(points)
+    )
+    cases = [tests[number].case for number, *_ in points]
+    sweep_of_tests = replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
         case_table=CaseTable(columns, rows),
-        loads=tuple(sorted({point.load for point in points})),
-        velocities=tuple(sorted({point.velocity for point in points})),
+        loads=tuple(sorted({load for _, load, _ in points})),
+        velocities=tuple(sorted({velocity for *_, velocity in points})),
         fields=False,
         tests=(),
         variants=(),
         stored_steps=StoredSteps("end", _judges_holds(cases)),
     )
+    return [sweep, sweep_of_tests]
 
 
 def _judges_holds(cases: Iterable[Case]) -> bool:

@@ -9,7 +9,7 @@ import tribo
 from pipeline import Conditions
 from pipeline.answers.results import sweep_of
 from pipeline.store.schema import COLUMNS, DONE, FAILED, TEST_STEP, variable_of_tests
-from pipeline.sweep.plan import TEST_POINT, list_points_of_tests
+from pipeline.sweep.plan import TEST_POINT
 from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
@@ -147,20 +147,19 @@ def with_tests(ds, rise=rise, status=DONE):
 
     `status` is one state of all their points, or one for each.
     """
-    stored = sweep_of(ds)
-    slots = list_points_of_tests(stored)
+    tests = enumerate(sweep_of(ds).tests)
+    slots = [(number, *point) for number, test in tests for point in test.points]
     if not slots:
         return ds
     flags = np.broadcast_to(status, len(slots))
     is_done = flags == DONE
-    loads, velocities = (np.array([getattr(s, k) for s in slots]) for k in ("load", "velocity"))
+    numbers, loads, velocities = map(np.array, zip(*slots, strict=True))
     point_values = {"status": flags.astype(np.int8), "load": loads, "velocity": velocities}
-    point_values["scene_hash"] = np.array([slot.scene_hash for slot in slots], object)
     messages = {FAILED: "out of memory"}
     point_values["message"] = np.array([messages.get(int(flag), "") for flag in flags], object)
     point_values["warning_flags"] = np.zeros(len(slots), np.int32)
     coords = {variable_of_tests(k): (TEST_POINT, v) for k, v in point_values.items()}
-    coords["test"] = TEST_POINT, np.array([slot.test for slot in slots])
+    coords["test"] = TEST_POINT, numbers
     steps = {
         "normal_load": loads, "time": loads / RATE, "sliding_distance": velocities * loads / RATE,
         "max_rise": rise(loads, velocities), "mean_rise": rise(loads, velocities, 0.5),

@@ -37,7 +37,7 @@ def load(folder, *tests, sweep=""):
 def compute(path, sweep, count=None):
     """Compute points of tests in this process, all or the first ones; return their number."""
     with writing(path, sweep) as store:
-        tests, done = store.tests, 0
+        tests, done = store.groups[1], 0
         for point in tests.pending()[:count]:
             scene = tests.sweep.case(point.case).scene
             tests.commit([plan.run_point(scene, tests.sweep.stored_steps, point).record(False)])
@@ -140,10 +140,10 @@ def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(tmp_pat
         with killed_after(monkeypatch, count) as was_killed, writing(path, sweep):
             pass
         with writing(path, before) as store:
-            assert len(store.tests.pending()) == 0
+            assert len(store.groups[1].pending()) == 0
         assert pipeline.verify_store(path).tests.damaged == ()
         with writing(path, sweep) as store:
-            assert len(store.tests.pending()) == 2
+            assert len(store.groups[1].pending()) == 2
         shutil.rmtree(path)
         kills += bool(was_killed)
         if not was_killed:
@@ -184,8 +184,8 @@ def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_pat
     sweep, path = load(tmp_path, STEP), tmp_path / "lab.zarr"
     compute(path, sweep)
     with writing(path, sweep) as store:
-        point = plan.points(store.tests.sweep)[1]
-        store.tests.commit([plan.PointRecord(point, None, "out of luck")])
+        point = plan.points(store.groups[1].sweep)[1]
+        store.groups[1].commit([plan.PointRecord(point, None, "out of luck")])
     points = [test_point for points in cases_of(path)[0].tests for test_point in points]
     assert [test_point.status for test_point in points] == [1, 2]
     assert points[1].message == "out of luck"
