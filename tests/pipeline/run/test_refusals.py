@@ -65,6 +65,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
+    "run_sweep._require_cluster SystemExit": "test_sweep.py, by an unguarded script",
     "cluster.processes ExecutionError": "test_cluster.py",
     "drive.ended ExecutionError": "test_cluster.py",
     "sensitivity._critical_velocity InputError": "test_sensitivity.py",
