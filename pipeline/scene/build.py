@@ -127,6 +127,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
         lubricant=oil,
         preset=preset,
         uncertainty=uncertainty,
+        includes_earlier_revolutions=tables.temperature.includes_earlier_revolutions,
     )
     for path, problem in track_misfits(tables, case):
         faults.refuse(path, problem)

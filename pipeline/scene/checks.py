@@ -108,9 +108,13 @@ def _unfit_ends(pin: PinTable) -> Misfits:
 
 
 def _unfit_disc(scene: SceneFile, name: str, body: Body) -> Misfits:
-    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
+    """Find a disc that lacks a size or is too narrow, and a body whose heat would count twice."""
     length = scene.pin.length
-    if body.diameter and body.track_length:
+    if scene.temperature.includes_earlier_revolutions and (body.diameter or body.track_length):
+        problem = "temperature.bulk includes this heat already (includes_earlier_revolutions)"
+        key = "diameter" if body.diameter else "track_length"
+        yield f"{name}.{key}", f"{problem}; leave out one of the two entries"
+    elif body.diameter and body.track_length:
         problem = "the same heat would count twice with track_length (of a plate); give one of them"
         yield f"{name}.diameter", problem
     elif bool(body.width) != bool(body.diameter):

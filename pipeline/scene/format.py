@@ -264,6 +264,9 @@ class Temperature(Declared):
     critical_area_fraction: float = entry(Share(at_least=0, below=1),
         "Wear is severe if a larger fraction of the contact is above the critical temperature; "
         "with 0 the highest temperature governs.", 0.1)
+    includes_earlier_revolutions: bool = entry(Flag(),
+        "True if `bulk` was measured on the running bodies, so that it contains the heat of their "
+        "earlier revolutions.", False)
 
 class Model(Declared):
     bias: float = entry(Share(at_least=0, below=1),

@@ -76,6 +76,8 @@ class Case:
         True if the critical temperature, which conditions then lack, is found by the tests.
     uncertainty : tuple of Uncertainty
         Standard deviations of inputs, which act after the simulation.
+    includes_earlier_revolutions : bool
+        True if the bulk temperature contains the heat of earlier revolutions of the bodies.
     """
 
     name: CaseName
@@ -88,6 +90,7 @@ class Case:
     preset: str | None
     critical_from_tests: bool = False
     uncertainty: tuple[Uncertainty, ...] = ()
+    includes_earlier_revolutions: bool = False
 
     def __post_init__(self) -> None:
         if not (0 <= self.model_bias <= 1 and 1e-3 <= self.model_scatter <= 1):

@@ -366,6 +366,8 @@ def cold_tracks(sweep: Sweep) -> dict[str, Track | None]:
     (of the disk), as in `Corrections`. The result is empty if no body rolls, all velocities are 0,
     or the heat of earlier revolutions is included.
     """
+    if sweep.base.includes_earlier_revolutions:
+        return {}
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
     if motion is None or not (is_rolling and any(sweep.velocities)):

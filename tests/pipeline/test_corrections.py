@@ -118,6 +118,13 @@ def test_an_answer_says_of_which_body_the_heat_of_earlier_revolutions_is_unknown
     assert text.count("unknown; set") == 2 - len(lengths)
 
 
+def test_no_answer_mentions_heat_that_the_measured_bulk_temperature_includes():
+    motion = tribo.Motion(slide_roll_ratio=0.5, pin_track_length=0.3)
+    for includes, count in ((False, 2), (True, 0)):
+        ds = synthetic.sweep(motion=motion, tests=(), includes_earlier_revolutions=includes)
+        assert pipeline.boundary(ds).attrs["not_included"].count("revolutions") == count
+
+
 # Heat stored in the bodies depends on the whole loading history, whichever steps are stored.
 
 TRACK = tribo.Track.from_pin(PIN, STEEL, 0.3)

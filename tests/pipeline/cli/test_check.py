@@ -53,6 +53,9 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
         ratio = (row["disk_velocity"] - row["pin_velocity"]) / mean
         assert row["slide_roll_ratio"] == pytest.approx(ratio)
     assert (last["pin_velocity"], last["disk_velocity"]) == pytest.approx((0.938, 6.53), rel=1e-3)
+    assert "earlier revolutions" not in str(document["statements"])  # the scene measured the teeth
+    cold = "temperature.includes_earlier_revolutions=false"
+    document = check("--json", "--set", cold, scene="gear_mesh")
     words = [
         statement["meaning"]
         for statement in document["statements"]

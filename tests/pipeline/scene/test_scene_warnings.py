@@ -203,6 +203,7 @@ LEFT_OUT = [
     ),
     ({"motion": {"slide_roll_ratio": 2}}, "cold_tracks", None),
     (ROLLING | {"pin.track_length": "314 mm", "disk.track_length": "314 mm"}, "cold_tracks", None),
+    (ROLLING | {"temperature.includes_earlier_revolutions": True}, "cold_tracks", None),
 ]
 
 
