@@ -93,7 +93,8 @@ class CaseInputs:
         """
         for part in (self.scene.wear, self.scene.roughness):
             if isinstance(part, UserObject):
-                cloudpickle.register_pickle_by_value(sys.modules[part.name.partition(".")[0]])
+                for package in part.packages:
+                    cloudpickle.register_pickle_by_value(sys.modules[package])
         return zlib.compress(cloudpickle.dumps(self), level=1)
 
 

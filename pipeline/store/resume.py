@@ -113,7 +113,8 @@ def _value_text(value: Any) -> str:
         case None:
             return "none"
         case {"is": "UserLaw" | "UserSurface"}:
-            return repr(UserObject(**{name: value[name] for name in ("name", "text", "source")}))
+            names = "name", "values", "code", "text"
+            return repr(UserObject(**{name: value[name] for name in names}))
         case {"is": "number", "text": text} | {"is": "array", "digest": text} | {"is": text}:
             return str(text)
         case float():

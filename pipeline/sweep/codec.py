@@ -23,6 +23,8 @@ from tribo.types import Array
 
 NOT_STORED = {"stored": False}
 """Metadata of a field that is not stored; decoded objects have its default."""
+NOT_IDENTITY = {"identity": False}
+"""Metadata of a field that is stored for people, but not part of what is hashed."""
 _CLASS_KEY = "is"  # of the name of an object's class
 _MISSING_SURFACE = "MissingSurface"  # class that takes the place of an array that was left out
 
@@ -35,12 +37,22 @@ class ArrayError(InputError):
     """An array is not the one that plain data name."""
 
 
-def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bool = False) -> Any:
+def encode(
+    value: Any,
+    arrays: dict[str, Array] | None = None,
+    with_defaults: bool = False,
+    only_identity: bool = False,
+) -> Any:
     """Convert an object to plain data; its arrays go into `arrays`, by SHA-256.
 
     Dataclasses and named tuples become dictionaries with the name of their class, tuples lists.
-    Fields that have their default are omitted, unless `with_defaults` is True.
+    Fields that have their default are omitted, unless `with_defaults` is True. Fields for people
+    are omitted if `only_identity` is True.
     """
+
+    def encode_part(part: Any) -> Any:
+        return encode(part, arrays, with_defaults, only_identity)
+
     if isinstance(value, np.generic):
         value = value.item()
     if value is None or isinstance(value, bool | int | str):
@@ -53,13 +65,13 @@ def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bo
             arrays[key] = value
         return {_CLASS_KEY: "array", "digest": key, "shape": [*value.shape]}
     if isinstance(value, Mapping):
-        items = [[key, encode(item, arrays, with_defaults)] for key, item in value.items()]
+        items = [[key, encode_part(item)] for key, item in value.items()]
         return {_CLASS_KEY: "mapping", "items": items}
     cls: Any = type(value)
     if cls.__name__ == _MISSING_SURFACE:  # counts as the surface itself
         array = {_CLASS_KEY: "array", "digest": value.digest, "shape": [*value.shape]}
         return {_CLASS_KEY: "MeasuredRoughness", "array": array}
-    if names := _stored_fields(cls):
+    if names := _stored_fields(cls, only_identity):
         values = {name: getattr(value, name) for name in names}
         if not with_defaults:
             defaults = _defaults(cls)
@@ -68,9 +80,9 @@ def encode(value: Any, arrays: dict[str, Array] | None = None, with_defaults: bo
                 for name, value in values.items()
                 if name not in defaults or value != defaults[name]
             }
-        plain = {name: encode(item, arrays, with_defaults) for name, item in values.items()}
+        plain = {name: encode_part(item) for name, item in values.items()}
         return {_CLASS_KEY: cls.__name__, **plain}
-    return [encode(item, arrays, with_defaults) for item in value]
+    return [*map(encode_part, value)]
 
 
 def decode(plain: Any, classes: Mapping[str, type], arrays: Mapping[str, Array]) -> Any:
@@ -122,7 +134,8 @@ def _to_tuples(value: Any) -> Any:
 
 def digest(value: Any) -> str:
     """SHA-256 of an object's plain data without defaults; the numbers 2 and 2.0 are the same."""
-    text = json.dumps(json.loads(json.dumps(encode(value)), parse_int=_float_if_equal))
+    plain = json.dumps(encode(value, only_identity=True))
+    text = json.dumps(json.loads(plain, parse_int=_float_if_equal))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -164,10 +177,12 @@ def apply_difference(base: Any, difference: Any) -> Any:
 
 
 @functools.cache
-def _stored_fields(cls: Any) -> tuple[str, ...]:
+def _stored_fields(cls: Any, only_identity: bool = False) -> tuple[str, ...]:
     """Names of the stored fields of a class; empty if it has no fields."""
     if is_dataclass(cls):
-        stored = (field for field in fields(cls) if field.metadata.get("stored", field.init))
+        stored = [field for field in fields(cls) if field.metadata.get("stored", field.init)]
+        if only_identity:
+            stored = [field for field in stored if field.metadata.get("identity", True)]
         return tuple(field.name for field in stored)
     return tuple(getattr(cls, "_fields", ()))
 

@@ -272,8 +272,8 @@ class Sweep:
     def with_scene(self, *, wear: WearLaw | None = None, roughness: Surface | None = None) -> Self:
         """The sweep with a wear law or a surface of your own class, in all cases and tests.
 
-        The class must be in a module that can be imported, and its ``repr`` must state all values.
-        The surface has no realizations: it is the same in all cases.
+        The class must be in a module that can be imported, and its objects can be pickled. The
+        surface has no realizations: it is the same in all cases.
 
         Parameters
         ----------

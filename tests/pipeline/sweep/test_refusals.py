@@ -1,6 +1,10 @@
 """All refusals of sweeps, their conditions, cases: causes, and what each says."""
 
+import importlib
+import sys
+import types
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -20,6 +24,7 @@ from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
 from tribo.surface.areal import areal_roughness, remove_form
 
+RANDOM = np.random.default_rng(1)
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
 
@@ -43,12 +48,6 @@ SMOOTH = tiny.sweep(roughness=None)
 MANY = tuple(np.linspace(1.0, 2.0, 4000).tolist())
 
 
-class Unclear:
-    """A wear law whose text does not print its values."""
-
-    pattern = "swept"
-
-
 @dataclass
 class Counting:
     """A wear law that changes when it is used."""
@@ -64,6 +63,56 @@ class Counting:
 def law_in(module):
     """A wear law of a class in a module that has no file."""
     return type("Law", (laws.ByPressure,), {"__module__": module})()
+
+
+@dataclass
+class Scattered:
+    """A wear law of random numbers."""
+
+    pattern: str = "swept"
+
+    def mean_wear(self, begin, end, pressure, velocity):
+        return tribo.Wear(1e-15 * RANDOM.uniform())
+
+
+def of_function(module):
+    """A wear law with a function as its value, which says that it is of `module`."""
+    power = types.FunctionType((lambda x: x).__code__, {}, "power")
+    power.__module__, power.__qualname__ = module, "power"
+    sys.modules[module].power = power
+    return laws.ByPressure(rate=2e-24, pattern=Named("swept", power))
+
+
+class NoPickle(float):
+    """A number that cannot be pickled."""
+
+    def __reduce__(self):
+        raise TypeError("it has a lock")
+
+
+class Named(str):
+    """A text with an object."""
+
+    def __new__(cls, text, used):
+        named = super().__new__(cls, text)
+        named.used = used
+        return named
+
+
+def changed_since_import(text):
+    """Use a law of a module whose file was written again after its import, or removed."""
+    source = Path(laws.__file__).read_text("utf-8")
+    Path("laws_of_now.py").write_text(source, "utf-8")
+    sys.path.insert(0, str(Path.cwd()))
+    sys.modules.pop("laws_of_now", None)
+    try:
+        law = importlib.import_module("laws_of_now").ByPressure()
+    finally:
+        sys.path.remove(str(Path.cwd()))
+    Path("laws_of_now.py").unlink()
+    if text:
+        Path("laws_of_now.py").write_text(source.replace(*text), "utf-8")
+    return with_law(law)()
 
 
 def with_law(law, sweep=SMOOTH):
@@ -125,10 +174,16 @@ REFUSALS = {
     "a class": (with_law(laws.Tabled), "is a class; give an object of it"),
     "no surface": (lambda: pipeline.load_scene("first_try").with_scene(roughness=3),
                    "the surface 3 has no heights; see tribo.Surface"),
-    "no text": (with_law(type("Plain", (Unclear,), {"mean_wear": None})()),
-                "does not print its values, but has 'at 0x"),
-    "no source": (with_law(law_in("nowhere")), "of class Law, whose source cannot be found"),
-    "state": (with_law(Counting()), "becomes Counting(count=1, pattern='swept') when it is used"),
+    "no pickle": (with_law(laws.ByPressure(rate=NoPickle(2e-24))),
+                  "cannot be pickled (it has a lock); functions and classes that it uses must"),
+    "part of a script": (lambda: with_law(of_function("__main__"))(),
+                         "uses a function or class of a script or notebook"),
+    "no module": (with_law(law_in("nowhere")), "uses nowhere.Law, whose source cannot be found"),
+    "no file": (lambda: changed_since_import(None), "uses laws_of_now, whose source cannot be"),
+    "another file": (lambda: changed_since_import(("rate * pressure", "rate * pressure**2")),
+                     "uses laws_of_now.rate_at, whose file has changed since it was imported"),
+    "state": (with_law(Counting()), "Counting(count=1, pattern='swept') changes when it is used"),
+    "random": (with_law(Scattered()), "Scattered(pattern='swept') changes when it is used"),
     "no code": (without_original, "the store has no code of Tabled("),
     "not set": (of_unknown_class, "wear is ByPressure(rate=2e-24, pattern='local'), of a class"),
     "varied": (varied, "roughness cannot be replaced: disk.roughness differs between cases"),
