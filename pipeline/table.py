@@ -54,7 +54,7 @@ class TableError(InputError):
         self.faults = faults
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """A column: its heading, the name of its quantity or entry, its unit, and its cells as text."""
 
     heading: str
@@ -63,7 +63,7 @@ class Column(NamedTuple):
     cells: list[str]
 
     @classmethod
-    def from_heading(cls, heading: str, cells: Iterable[str] = ()) -> Column:
+    def from_heading(cls, heading: str, cells: Iterable[str] = ()) -> TableColumn:
         """A column by its heading, such as "load [N]"; `[-]` and `[1]` are units of numbers."""
         heading = " ".join(heading.split())
         match = _HEADING.fullmatch(heading)
@@ -92,7 +92,7 @@ class Table:
     """Columns of a table, the numbers of its rows in the file, and the faults found so far."""
 
     name: str
-    columns: list[Column]
+    columns: list[TableColumn]
     lines: Sequence[int]
     faults: list[str] = field(default_factory=list)
     decimal: str | None = None  # decimal mark given by the user
@@ -111,7 +111,7 @@ class Table:
         all faults: of the table, and pairs (name, reason) that `faults_in` finds in a row, each
         with its row and column.
         """
-        faults, columns = [*self.faults], list[Column]()
+        faults, columns = [*self.faults], list[TableColumn]()
         headings = {column.name: column.heading for column in self.columns}
         for column in self.columns:
             if column.name in known:
@@ -135,7 +135,7 @@ class Table:
             raise TableError(self.name, faults)
         return rows
 
-    def _fault_of_words(self, column: Column, known: Sequence[str]) -> str:
+    def _fault_of_words(self, column: TableColumn, known: Sequence[str]) -> str:
         """Why a column of an unknown name cannot pass as words; empty if it can."""
         if column.name == NAME:
             return ""
@@ -154,7 +154,7 @@ class Table:
             f"it has names, or ignore it: ignore = [{heading}] (--ignore {heading})"
         )
 
-    def _cells(self, column: Column, is_omissible: bool, faults: list[str]) -> Iterator[str]:
+    def _cells(self, column: TableColumn, is_omissible: bool, faults: list[str]) -> Iterator[str]:
         """Yield the cells of a column that acts, with decimal points; others are faults."""
         for line, cell in zip(self.lines, column.cells, strict=True):
             location = f"row {line}, {column.heading}"
@@ -242,7 +242,8 @@ def read_table(
         else:
             sound_rows.append((line, row))
     columns = [
-        Column.from_heading(headings[k], [row[k] for _, row in sound_rows]) for k in range(width)
+        TableColumn.from_heading(headings[k], [row[k] for _, row in sound_rows])
+        for k in range(width)
     ]
     columns = [
         column._replace(name=(names or {}).get(column.name, column.name))
@@ -258,8 +259,8 @@ def read_table(
 
 
 def _without_ignored(
-    columns: list[Column], ignore: Collection[str], faults: list[str]
-) -> list[Column]:
+    columns: list[TableColumn], ignore: Collection[str], faults: list[str]
+) -> list[TableColumn]:
     """Columns whose headings, with or without the unit, are not in `ignore`."""
     for heading in ignore:
         key = heading.strip().lower()
@@ -296,7 +297,7 @@ def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, lis
         plain_values = plain_value(f"column {quoted(heading)}", values)
         if not isinstance(plain_values, list):
             raise InputError(f"column {quoted(heading)} is not a list; give one value for each row")
-        column = Column.from_heading(heading)
+        column = TableColumn.from_heading(heading)
         cell_columns.append([_cell_of_value(column, value) for value in plain_values])
     if len({*map(len, cell_columns)}) > 1:
         counts = ", ".join(
@@ -308,7 +309,7 @@ def _rows_of_columns(source: Mapping[str, Sequence[Any]]) -> list[tuple[int, lis
     return [*enumerate(rows)]
 
 
-def _cell_of_value(column: Column, value: Any) -> str:
+def _cell_of_value(column: TableColumn, value: Any) -> str:
     """Cell of a value of Python; a number under a heading without a unit is in SI."""
     if value is None or value != value:  # NaN
         return ""

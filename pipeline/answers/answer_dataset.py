@@ -18,7 +18,7 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.error import PARTS, preset_error_text
 from pipeline.answers.evidence import Evidence
-from pipeline.answers.field import Outcome
+from pipeline.answers.field import LineOutcome
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import (
     added_rise_words,
@@ -91,8 +91,8 @@ _VARIABLES |= {f"{name}_side": ("", f"where {name} lies") for name in _LIMITS}
 _CODES = {
     "verdict": VERDICTS,
     "origin": ORIGINS,
-    "outcome_along_velocity": tuple(outcome.name.lower() for outcome in Outcome),
-    "outcome_along_load": tuple(outcome.name.lower() for outcome in Outcome),
+    "outcome_along_velocity": tuple(outcome.name.lower() for outcome in LineOutcome),
+    "outcome_along_load": tuple(outcome.name.lower() for outcome in LineOutcome),
     **{f"{name}_side": tuple(side.name.lower() for side in Side) for name in _LIMITS},
 }
 """Names of the codes 0, 1, 2 … of a variable."""

@@ -22,7 +22,7 @@ from pipeline.answers.condition_values import (
     replace_conditions,
 )
 from pipeline.answers.error import PARTS, total
-from pipeline.answers.field import Outcome
+from pipeline.answers.field import LineOutcome
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits
 from pipeline.answers.verdict_model import (
@@ -195,7 +195,7 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     known_points = points.take(is_known)
     for axis in ("velocity", "load"):
         columns[f"critical_{axis}"] = np.full(is_known.shape, np.nan)
-        columns[f"outcome_along_{axis}"] = np.full(is_known.shape, Outcome.UNKNOWN, np.int8)
+        columns[f"outcome_along_{axis}"] = np.full(is_known.shape, LineOutcome.UNKNOWN, np.int8)
         if is_known.any():
             for name, values in model.critical(axis, known_points).items():
                 columns[name][is_known] = values

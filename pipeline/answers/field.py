@@ -254,8 +254,8 @@ class Field:
         return is_inside, is_inside | (np.isin(rows, self.curve_rows) & is_decided_beyond)
 
 
-Outcome = IntEnum(
-    "Outcome",
+LineOutcome = IntEnum(
+    "LineOutcome",
     "TRANSITION MILD SEVERE MILD_TO_HIGHEST SEVERE_FROM_LOWEST UNKNOWN OUTSIDE_MODEL NO_LINE",
     start=0,
 )
@@ -305,13 +305,15 @@ class Lines(NamedTuple):
         return cls(critical, severe[:, 0], low, high)
 
     def outcomes(self, ends: tuple[float, float]) -> Indices:
-        """Codes of `Outcome` (k,); `ends` are the lowest and highest position in the sweep."""
+        """Codes of `LineOutcome` (k,); `ends` are the lowest and highest position in the sweep."""
         reaches_first, reaches_last = self.low <= ends[0], self.high >= ends[1]
         covers_sweep = np.where(self.is_severe, reaches_first, reaches_last)
-        uniform = np.where(self.is_severe, Outcome.SEVERE, Outcome.MILD)
-        partial = np.where(self.is_severe, Outcome.SEVERE_FROM_LOWEST, Outcome.MILD_TO_HIGHEST)
+        uniform = np.where(self.is_severe, LineOutcome.SEVERE, LineOutcome.MILD)
+        partial = np.where(
+            self.is_severe, LineOutcome.SEVERE_FROM_LOWEST, LineOutcome.MILD_TO_HIGHEST
+        )
         cases = np.isfinite(self.critical), np.isnan(self.low), covers_sweep
-        return np.select(cases, (Outcome.TRANSITION, Outcome.UNKNOWN, uniform), partial)
+        return np.select(cases, (LineOutcome.TRANSITION, LineOutcome.UNKNOWN, uniform), partial)
 
 
 def film_field(case: CaseResults, bulk: float) -> Field | None:

@@ -27,7 +27,7 @@ from pipeline.answers.error import (
     velocity_errors,
 )
 from pipeline.answers.evidence import Evidence, evidence_of
-from pipeline.answers.field import Field, Outcome, film_field
+from pipeline.answers.field import Field, LineOutcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
 from pipeline.quantities import UNITS
@@ -299,9 +299,9 @@ class VerdictModel:
         has_no_crossing = np.isnan(lines.critical)
         is_line_outside = is_outside | (has_no_crossing & is_low_outside & is_high_outside)
         outcomes = lines.outcomes(self.ranges[axis])
-        outcomes = np.where(is_line_outside, Outcome.OUTSIDE_MODEL, outcomes)
+        outcomes = np.where(is_line_outside, LineOutcome.OUTSIDE_MODEL, outcomes)
         if len(nodes) == 1:
-            outcomes[:] = Outcome.NO_LINE
+            outcomes[:] = LineOutcome.NO_LINE
         columns = {
             f"critical_{axis}": np.where(is_outside, np.nan, lines.critical),
             f"outcome_along_{axis}": outcomes.astype(np.int8),

@@ -87,7 +87,7 @@ Conditions = Mapping[str, Any]
 """Conditions of an answer, by name."""
 
 
-class Table(NamedTuple):
+class PageTable(NamedTuple):
     """A table of a page; the row with the index `bold` stands out."""
 
     caption: str
@@ -230,7 +230,7 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
         lines.append(f"To decide it, {advice}")
     lines += [*edge_warnings(margin), *common_lines(margin)]
     facts = [*map(list, margin_facts(margin))]
-    table = Table("The operating point in numbers", ["quantity", "value"], facts)
+    table = PageTable("The operating point in numbers", ["quantity", "value"], facts)
     sections = _plane_sections(ds, conditions, [(load, velocity)])
     title = f"{HEADLINES[verdict]} at {load:.4g} N and {velocity:.4g} m/s"
     sections.insert(1, ("Operating point", [table]))
@@ -339,11 +339,11 @@ def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
     ]
 
 
-def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> Table:
+def _table(frame: pd.DataFrame, caption: str, bold: int = -1) -> PageTable:
     """Table with the values of a data frame; the row with the index `bold` stands out."""
     frame = without_columns(frame.replace("", None))
     headings = [str(column).replace("_", " ") for column in frame]
-    return Table(caption, headings, cells_of(frame, "–", digits=3), bold)
+    return PageTable(caption, headings, cells_of(frame, "–", digits=3), bold)
 
 
 def _picture(draw: Callable[[], Figure], caption: str) -> Picture:

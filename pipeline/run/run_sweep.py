@@ -36,7 +36,7 @@ from tribo.errors import require_positive
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class RunSummary:
     """Result of a run: how many points are done, which failed, and how long it took."""
 
     #: Number of points that the sweep or its accuracy needs, and of these that are done.
@@ -62,7 +62,7 @@ def run_sweep(
     patience: float = PATIENCE,
     dashboard: bool = False,
     source: PathLike | None = None,
-) -> Outcome:
+) -> RunSummary:
     """Compute the points of a sweep that its store does not have yet.
 
     In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
@@ -161,7 +161,7 @@ def run_sweep(
                     cluster.compute(tests, tally)
             cpu_time = cluster.cpu_time()
         summary = summary_of(store)
-    return Outcome(
+    return RunSummary(
         summary.total,
         summary.done,
         computed=computed,

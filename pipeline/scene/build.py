@@ -34,7 +34,7 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.input_values import uncertainty_of
 from pipeline.scene.library import resolve_library
-from pipeline.scene.table_kinds import Declared, Table
+from pipeline.scene.table_kinds import Declared, TableKind
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import PATHS, Case, Conditions
@@ -87,7 +87,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     resolved, sources = resolve_library(dict(entries), faults)
     if len(faults) > fault_count:  # the entries of a material or an oil are missing
         return None
-    tables: SceneFile = Table(SceneFile).read(resolved, "", faults)
+    tables: SceneFile = TableKind(SceneFile).read(resolved, "", faults)
     if faults:
         return None
     fidelity, preset = fidelity_of(tables.fidelity, faults)

@@ -16,7 +16,7 @@ from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, SPEED, TableFile, number_at, scene_entries
-from pipeline.scene.table_kinds import Table as TableKind
+from pipeline.scene.table_kinds import TableKind
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
     AREAS_ENTRY,
@@ -31,8 +31,7 @@ from pipeline.sweep.case_table import (
     surface_table,
 )
 from pipeline.sweep.codec import digest
-from pipeline.table import Column as TableColumn
-from pipeline.table import Table, read_table
+from pipeline.table import Table, TableColumn, read_table
 from pipeline.units import UnitError, si_unit, to_si
 from tribo import InputError, SelfAffineRoughness
 

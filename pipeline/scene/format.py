@@ -30,7 +30,7 @@ from pipeline.scene.table_kinds import (
     Either,
     Entry,
     Sorted,
-    Table,
+    TableKind,
     Tables,
     entries_in,
     entry,
@@ -73,7 +73,7 @@ class EvenStages(Declared):
     step: float = entry(LOAD, "Difference between one stage and the next.")
     hold: float = entry(HOLD, "Time for which each stage is held.")
 
-STAGES = Either(List(MixedList((LOAD, HOLD))), Table(EvenStages))
+STAGES = Either(List(MixedList((LOAD, HOLD))), TableKind(EvenStages))
 
 class Test(Declared):
     form = "entries"
@@ -161,7 +161,7 @@ class PinTable(Body, _Shape):
         'With "free", the window is as long as a cylinder, with as many pixels along y as this '
         "needs, and the pin has two ends. Without it, the window repeats along y, without ends.",
         None)
-    relief: ReliefTable | None = entry(Table(ReliefTable),
+    relief: ReliefTable | None = entry(TableKind(ReliefTable),
         'Relief of both free ends, a parabola; sharp without the table.', None)
 
 class RandomSurface(Declared):
@@ -187,7 +187,7 @@ class MeasuredSurfaceTable(Declared):
         "True to mirror a scan that is smaller than the window at its edges.", False)
 
 class Disk(Body):
-    roughness: Any = entry(Either(Table(RandomSurface), Table(MeasuredSurfaceTable)),
+    roughness: Any = entry(Either(TableKind(RandomSurface), TableKind(MeasuredSurfaceTable)),
         "Surface of the disk, random or measured; smooth without the table.", None)
 
 class Window(Declared):
@@ -292,7 +292,7 @@ class SweepTable(Declared):
         'Entries with several values, such as `{ "pin.radius" = ["1 mm", "2 mm"] }`; each '
         "combination has a sweep.", None)
     along: Any = entry(
-        Either(Text(), Table(TableFile), List(ByPath(Scalar()), max_length=MAX_ON_AXIS)),
+        Either(Text(), TableKind(TableFile), List(ByPath(Scalar()), max_length=MAX_ON_AXIS)),
         "Cases, each with its own load and velocity: a table as CSV, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or words.", None)
@@ -311,40 +311,40 @@ class SceneFile(Declared):
     title: str | None = entry(Text(),
         "Title of figures; by default the name of the file.", None)
     note: str | None = entry(Text(), "A line that every verdict on this scene repeats.", None)
-    materials: dict[str, MaterialTable] | None = entry(Tables(Table(MaterialTable)),
+    materials: dict[str, MaterialTable] | None = entry(Tables(TableKind(MaterialTable)),
         "A material, whose NAME `[pin]` and `[disk]` use. Those of the "
         "[library](../pipeline/scene/library.toml) need no table.", None)
-    pin: PinTable = entry(Table(PinTable),
+    pin: PinTable = entry(TableKind(PinTable),
         "The loaded body, which wears: a cylinder across sliding, a ball, or a crowned roller.")
-    disk: Disk = entry(Table(Disk), "The body that slides under the pin.")
-    window: Window = entry(Table(Window),
+    disk: Disk = entry(TableKind(Disk), "The body that slides under the pin.")
+    window: Window = entry(TableKind(Window),
         "The simulated part of the contact: x along sliding, y across.")
     loading: RampTable | StagesTable | Record = entry(
-        Either(Table(RampTable), Table(StagesTable), Table(Record)),
+        Either(TableKind(RampTable), TableKind(StagesTable), TableKind(Record)),
         "Growth of the load: a ramp, stages of one specimen, or a recorded load.")
-    motion: MotionTable | None = entry(Table(MotionTable),
+    motion: MotionTable | None = entry(TableKind(MotionTable),
         "Motion of both bodies. Without the table the pin is at rest.", None)
-    wear: Archard | None = entry(Table(Archard),
+    wear: Archard | None = entry(TableKind(Archard),
         "Wear of the pin by Archard's law. Without the table there is no wear.", None)
-    oil: OilTable | None = entry(Table(OilTable),
+    oil: OilTable | None = entry(TableKind(OilTable),
         "The lubricant, for the lubrication regime and the load on its film. "
         '`oil = "NAME"` uses an oil of the [library](../pipeline/scene/library.toml).', None)
-    friction: FrictionTable = entry(Table(FrictionTable),
+    friction: FrictionTable = entry(TableKind(FrictionTable),
         f"Friction, to which the temperature rise is proportional. {LATER}")
-    temperature: Temperature = entry(Table(Temperature),
+    temperature: Temperature = entry(TableKind(Temperature),
         "Temperatures that decide whether wear is severe. They act after the simulation.")
-    model: Model | None = entry(Table(Model),
+    model: Model | None = entry(TableKind(Model),
         "Model error and effects outside the model, as fractions of the temperature rise. They act "
         "after the simulation.", None)
     uncertainty: dict[str, Any] | None = entry(ByPath(Scalar()),
         "Standard deviations of inputs by their paths, a share or a quantity, such as "
         '`{ "materials.steel.thermal_conductivity" = "15 %" }`; paths separated by commas have '
         "one deviation in common. They act after the simulation.", None)
-    fidelity: FidelityTable | None = entry(Table(FidelityTable),
+    fidelity: FidelityTable | None = entry(TableKind(FidelityTable),
         "Numerical settings: a preset, and entries that replace its own.", None)
-    sweep: SweepTable = entry(Table(SweepTable),
+    sweep: SweepTable = entry(TableKind(SweepTable),
         "The points of the load–velocity plane to compute.")
-    tests: tuple[Any, ...] = entry(List(Either(Table(Test), Table(TableFile))),
+    tests: tuple[Any, ...] = entry(List(Either(TableKind(Test), TableKind(TableFile))),
         "Tests of specimens: a table for each, or a file with many.", ())
 # fmt: on
 
@@ -368,7 +368,7 @@ def stages_of(stages: Any, highest: float) -> Levels:
 @functools.cache
 def scene_entries() -> dict[str, Entry]:
     """Declarations of all entries of a scene, by path; the first of several forms counts."""
-    return dict(reversed([*entries_in(Table(SceneFile))]))
+    return dict(reversed([*entries_in(TableKind(SceneFile))]))
 
 
 def number_at(path: str) -> Quantity | Number:

@@ -20,7 +20,7 @@ from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.format import FidelityTable, SceneFile, scene_entries
 from pipeline.scene.library import resolve_library
 from pipeline.scene.scene_warnings import warnings_of_all
-from pipeline.scene.table_kinds import Table
+from pipeline.scene.table_kinds import TableKind
 from pipeline.scene.tests import read_tests, with_listed_tests
 from pipeline.scene.toml import Document, override, read_document, text_of
 from pipeline.shipped import scene_path
@@ -85,12 +85,12 @@ def load_scene(
 
 def _overridden(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
     """The document with values by key path, before which ``fidelity.`` may be left out."""
-    values, settings = dict(overrides), Table(FidelityTable).keys
+    values, settings = dict(overrides), TableKind(FidelityTable).keys
     document = document.without(plain_value("without", values.pop("without", None)))
     table: Entries = {}
     for name, value in values.items():
         key = f"fidelity.{name}" if name in settings else name
-        if not ("." in key or (key in Table(SceneFile).keys and key != "extends")):
+        if not ("." in key or (key in TableKind(SceneFile).keys and key != "extends")):
             hint = did_you_mean(key, [*settings, *scene_entries()])
             faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
         elif key.count(".") >= _MAX_LEVELS:

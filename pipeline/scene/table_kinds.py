@@ -54,7 +54,7 @@ class Declared:
 
 
 @dataclass(frozen=True)
-class Table(Kind):
+class TableKind(Kind):
     """Kind of scene entry: a table of fixed keys, read as an object of its `Declared` class."""
 
     value_types = dict
@@ -127,7 +127,7 @@ class Tables(Kind):
     """Kind of scene entry: one or more tables of one kind, under names of the user's choice."""
 
     value_types = dict
-    item_kind: Table
+    item_kind: TableKind
 
     def __str__(self) -> str:
         return f"at least one table under a name of your choice, each {self.item_kind}"
@@ -190,7 +190,7 @@ class Either(Kind):
         Faults of a table or list that is not of the usual kind name only its kind.
         """
         fitting = [kind for kind in self.kinds if isinstance(value, kind.value_types)]
-        tables = [kind for kind in fitting if isinstance(kind, Table) and kind.mark in value]
+        tables = [kind for kind in fitting if isinstance(kind, TableKind) and kind.mark in value]
         kind = (tables or fitting or [self.kinds[0]])[0]
         is_unusual = kind is not self.kinds[0] and kind.value_types is not str
         return kind.read(value, path, faults, None if is_unusual else self)
@@ -211,7 +211,7 @@ def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
     In a path such as "materials.NAME.density", NAME stands for any name that the user gives.
     """
     match kind:
-        case Table():
+        case TableKind():
             for key, entry in kind.keys.items():
                 entry_path = f"{path}.{key}" if path else key
                 yield entry_path, entry

@@ -16,7 +16,7 @@ from pipeline.scene.entries import Entries, are_nested
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import EvenStages, TableFile, stages_of
 from pipeline.scene.format import Test as TestEntry
-from pipeline.scene.table_kinds import Table
+from pipeline.scene.table_kinds import TableKind
 from pipeline.sweep.case import TEST, Case, SpecimenTest, with_test_conditions
 from pipeline.table import read_table
 from tribo import InputError, MeasuredLoad, Scene, Stages
@@ -44,7 +44,7 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
             tests.append(entry)
             continue
         with faults.at(f"tests[{index}].file"):
-            declared = Table(TableFile).read(entry, f"tests[{index}]", file_faults := Faults())
+            declared = TableKind(TableFile).read(entry, f"tests[{index}]", file_faults := Faults())
             faults += file_faults
             if file_faults:
                 continue
@@ -52,14 +52,14 @@ def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries
             table = read_table(file, MAX_CASES, declared.decimal, declared.ignore)
             is_staged = {"mild_up_to", "severe_at"} & {column.name for column in table.columns}
             needed = ("velocity",) if is_staged else ("load", "velocity", "outcome")
-            tests += table.rows(Table(TestEntry).keys, _faults_in, needed, _OMISSIBLE)
+            tests += table.rows(TableKind(TestEntry).keys, _faults_in, needed, _OMISSIBLE)
     without_tests = {key: value for key, value in entries.items() if key != "tests"}
     return without_tests | {"tests": tests} if tests else without_tests
 
 
 def _faults_in(row: Entries) -> Iterator[tuple[str, str]]:
     """Yield the entries of a test in a row of a file that are faulty, and why."""
-    test = Table(TestEntry).read(row, "", faults := Faults())
+    test = TableKind(TestEntry).read(row, "", faults := Faults())
     yield from faults or _test_faults(test)
 
 
@@ -133,7 +133,7 @@ def _test_faults(test: TestEntry) -> Iterator[tuple[str, str]]:
         return
     for key in ("load", "outcome"):
         if getattr(test, key) is None:
-            yield key, f"missing; required: {Table(TestEntry).keys[key].kind}"
+            yield key, f"missing; required: {TableKind(TestEntry).keys[key].kind}"
     if test.outcome == "transition" and test.stages is not None:
         problem = "do not fit a transition; give mild_up_to and severe_at instead of the outcome"
         yield "stages", problem

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Kind
 from pipeline.scene.list_kinds import List
-from pipeline.scene.table_kinds import Either, Entry, Table, Tables
+from pipeline.scene.table_kinds import Either, Entry, TableKind, Tables
 
 
 class Section(NamedTuple):
@@ -52,7 +52,7 @@ class Section(NamedTuple):
         return f"{self.path}.{key}" if self.path else key
 
 
-_SCENE = Entry(Table(SceneFile), "The file itself, above its first table.", is_needed=True)
+_SCENE = Entry(TableKind(SceneFile), "The file itself, above its first table.", is_needed=True)
 
 
 def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
@@ -70,15 +70,15 @@ def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
             yield from sections(inner[key], section.path_of(key))
 
 
-def forms_of(kind: Kind) -> tuple[Table, ...]:
+def forms_of(kind: Kind) -> tuple[TableKind, ...]:
     """Tables that a kind allows, the usual table first; empty for a kind without tables."""
     match kind:
-        case Table():
+        case TableKind():
             return (kind,)
         case Tables(item_kind) | List(item_kind):
             return forms_of(item_kind)
-        case Either() if all(isinstance(option, Table) for option in kind.kinds):
-            return tuple(option for option in kind.kinds if isinstance(option, Table))
+        case Either() if all(isinstance(option, TableKind) for option in kind.kinds):
+            return tuple(option for option in kind.kinds if isinstance(option, TableKind))
     return ()
 
 

@@ -29,7 +29,7 @@ from .heldout import heldout
 from .inference import inverse
 from .line_pressure import fig4
 from .load_record import fig8
-from .recomputed import WORDS, Report
+from .recomputed import WORDS, Recomputation
 from .resolution import fig6
 from .rivals import rivals
 from .spacing import spacing
@@ -47,7 +47,7 @@ RESULTS: dict[str, str] = {
 NOT_REPRODUCED: dict[str, str] = WORDS["not_reproduced"]
 """Figures and tables of the paper that no model gives, by name, with the reason."""
 
-_MAKERS: dict[str, Callable[[Study], Report]] = {
+_MAKERS: dict[str, Callable[[Study], Recomputation]] = {
     maker.__name__: maker
     for maker in (
         *(errata, fig2, fig4, fig5, fig6, fig8, fig10),
@@ -56,7 +56,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
 }
 
 
-def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Report:
+def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Recomputation:
     """Compute a figure or table of the paper.
 
     Parameters
@@ -109,7 +109,7 @@ def _make_smaller(file: Path) -> None:
 
 def write_gallery(
     folder: str | Path, names: Iterable[str] = RESULTS, **choices: Any
-) -> list[Report]:
+) -> list[Recomputation]:
     """Compute results, and write their figures and the pages that show them.
 
     Parameters

@@ -15,7 +15,7 @@ from tribo.types import Array
 
 from .explicit_loop import EXPLICIT_LIMIT, explicit_loop, stiffness
 from .publication import TABLE_4
-from .recomputed import Report, line, texts
+from .recomputed import Recomputation, line, texts
 from .resolution import draw_fields, neighbours_of
 from .study import Study
 from .transitions import label_of, worn
@@ -28,7 +28,7 @@ _POINT = TABLE_4[0]
 _SCHEMES = "explicit (as published)", "implicit"
 
 
-def fig2(study: Study) -> Report:
+def fig2(study: Study) -> Recomputation:
     """Report on the steps of the explicit loop of Fig. 2, and on the checkerboard they leave."""
     sweep = worn(study.scene("table4"), "local")
     stiffnesses = np.array([_stiffness(sweep.scene, row) for row in TABLE_4])
@@ -47,7 +47,7 @@ def fig2(study: Study) -> Report:
         "load": _POINT.normal_load,
         "velocity": _POINT.velocity,
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig2",
         values,
         verdicts={

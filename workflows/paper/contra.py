@@ -17,7 +17,7 @@ from tribo.simulation import state_rises
 from tribo.types import Array
 
 from .publication import TABLE_4
-from .recomputed import Report, texts
+from .recomputed import Recomputation, texts
 from .smooth import load_speed_exponent
 from .study import Study
 
@@ -39,7 +39,7 @@ _CHANGES: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def contra(study: Study) -> Report:
+def contra(study: Study) -> Recomputation:
     """Report on the exponent n of load × velocityⁿ that the model predicts, and on its error."""
     seeds = study.seeds(_SURFACES)
     few = seeds[:1]
@@ -67,7 +67,7 @@ def contra(study: Study) -> Report:
         "measured": measured,
         "ends": (min(_LOADS), max(_LOADS), min(_VELOCITIES), max(_VELOCITIES)),
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "contra",
         values,
         verdicts={"exponent": misfits[_USUAL] < _CONSTANT},

@@ -15,7 +15,7 @@ from tribo import simulate
 from tribo.simulation.temperature import refined_scene
 from tribo.types import Array
 
-from .recomputed import Report, texts
+from .recomputed import Recomputation, texts
 from .study import Study
 
 _POINTS = ((200.0, 3.5), (400.0, 2.25))  # N, m/s: near the boundary of `first_try`
@@ -31,7 +31,7 @@ _STEP = 0.1  # of ln(velocity), for the exponent of the rise
 _ALLOWED = 0.1  # relative change of a velocity that is no difference, as in report.agree
 
 
-def ends(study: Study) -> Report:
+def ends(study: Study) -> Recomputation:
     """Report on critical velocities of the whole pin and of its ends, by wear rate and relief."""
     seeds = study.seeds(_SURFACES)
     pins = seeds[: math.ceil(len(seeds) / _PINS)]
@@ -71,12 +71,12 @@ def _report(
     window_error: float,
     pin_count: int,
     surface_count: int,
-) -> Report:
+) -> Recomputation:
     """Report on relative changes of critical velocities (case, part of the pin, surface)."""
     velocities = np.array(changes)
     means = velocities.mean(axis=-1)
     worn = np.array([name[1] == names[0][1] for name in names])
-    return Report.from_values(
+    return Recomputation.from_values(
         "ends",
         {
             "side": 1e3 * _END,

@@ -16,7 +16,7 @@ from tribo.contact import ElasticHalfSpace
 from tribo.types import Array
 
 from .publication import DISK_DIAMETER, TABLE_4
-from .recomputed import WORDS, Report, texts
+from .recomputed import WORDS, Recomputation, texts
 from .study import Study
 
 _ELEMENTS, _WINDOW = 128, 456e-6  # along x, in the plane of the cylinder [m]
@@ -28,7 +28,7 @@ _LOOPS = {  # by name: sign of the gap, whether the load's factor is inverse, it
 }
 
 
-def errata(study: Study) -> Report:
+def errata(study: Study) -> Recomputation:
     """Report on printed equations that cannot be right, tried on the paper's smooth cylinder."""
     sweep = study.scene("table4")
     load = sweep.loads[-1]
@@ -54,7 +54,7 @@ def errata(study: Study) -> Report:
         "rim_ratio": math.pi * DISK_DIAMETER / TABLE_4.measured_width,
     }
     columns = "iterations", "load / prescribed", "within Hertz's width"
-    return Report.from_values(
+    return Recomputation.from_values(
         "errata",
         values,
         verdicts=dict.fromkeys(WORDS["errata"]["findings"], False),

@@ -14,7 +14,7 @@ from pathlib import Path
 from pipeline.frames import markdown_of
 from tribo import InputError
 
-from .recomputed import WORDS, Finding, Report, texts
+from .recomputed import WORDS, Finding, Recomputation, texts
 
 PAGES = "README.md", "REPRODUCING.md", "MODEL.md"
 _FOLDER = Path(__file__).parents[1]
@@ -22,7 +22,7 @@ _BLOCK = re.compile(r"(<!-- (\w+): ([\w. ]+) -->\n)(.*?)(<!-- end -->)", re.DOTA
 _COLUMNS = "result", "the paper", "computed", "verdict"
 
 
-def pages(reports: Sequence[Report]) -> dict[str, str]:
+def pages(reports: Sequence[Recomputation]) -> dict[str, str]:
     """Text of each page by its name: the shipped one, with the blocks of `reports` written again.
 
     Blocks and rows of other results stay as they are. A statement that agrees may be on no page;
@@ -56,7 +56,7 @@ def pages(reports: Sequence[Report]) -> dict[str, str]:
     return {name: _BLOCK.sub(rewrite, text) for name, text in shipped.items()}
 
 
-def _figure(report: Report) -> Iterator[str]:
+def _figure(report: Recomputation) -> Iterator[str]:
     name, words = report.name, WORDS[report.name]
     yield f"\n## {name}\n"
     yield f"**{words['paper']}**: {report.title}.\n"
@@ -65,7 +65,7 @@ def _figure(report: Report) -> Iterator[str]:
 
 
 def _findings(
-    reports_by_name: Mapping[str, Report], names: Sequence[str], shipped_lines: Sequence[str]
+    reports_by_name: Mapping[str, Recomputation], names: Sequence[str], shipped_lines: Sequence[str]
 ) -> Iterator[str]:
     """Yield a table of the named statements; rows of results without a report are as shipped."""
     shipped_rows = dict(zip(names, shipped_lines[2:], strict=False))

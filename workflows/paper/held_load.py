@@ -13,7 +13,7 @@ from tribo import InputError, Ramp
 from tribo.types import Array
 
 from .labels import label_ends
-from .recomputed import Report, line, texts
+from .recomputed import Recomputation, line, texts
 from .study import Study
 from .transitions import HIGHEST, Wear, history, worn
 
@@ -26,7 +26,7 @@ _Curves = Mapping[str, tuple[Array, Array]]
 """Times [s] and highest temperatures [°C], by the kind of wear."""
 
 
-def fig5(study: Study) -> Report:
+def fig5(study: Study) -> Recomputation:
     """Report on the highest contact temperature against time at 600 N, 1.25 m/s, with a hold."""
     sweep = study.scene("fig5")
     if not isinstance(sweep.scene.loading, Ramp):
@@ -52,7 +52,7 @@ def fig5(study: Study) -> Report:
         "hold": hold,
         "pace": pace,
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig5",
         values,
         verdicts={

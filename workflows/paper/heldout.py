@@ -21,7 +21,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import TABLE_4, TABLE_6
-from .recomputed import Report, cells, texts
+from .recomputed import Recomputation, cells, texts
 from .smooth import SmoothContact
 from .study import Study
 from .transitions import Tested, oil_a, white_oil
@@ -74,7 +74,7 @@ class _Prediction:
     constant: float  # correlation length [µm], or critical temperature [°C]
 
 
-def heldout(study: Study) -> Report:
+def heldout(study: Study) -> Recomputation:
     """Report on what the model predicts for the transitions that it has not seen."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     held_out, in_sample_predictions = list[_Prediction](), list[_Prediction]()
@@ -118,7 +118,7 @@ def heldout(study: Study) -> Report:
         "temperatures": [prediction.constant for prediction in held_out[4:]],
     }
     rows = [(oil, *test) for oil, tested in tests.items() for test in tested]
-    return Report.from_values(
+    return Recomputation.from_values(
         "heldout",
         values,
         verdicts={

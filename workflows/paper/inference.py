@@ -19,7 +19,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import RIG_HEATING, ROOM_CELSIUS, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
-from .recomputed import Report, agree, line, mean, spread, texts
+from .recomputed import Recomputation, agree, line, mean, spread, texts
 from .rig import rig_heating
 from .study import Study
 from .transitions import Tested, celsius_of, end_of, ensemble, label_of, oil_a, white_oil
@@ -30,7 +30,7 @@ _FRICTIONS = (0.1, 0.2, 0.4)  # before and after the friction of the rig jumps
 _UNIT = 1e15  # 1e-6 mm³/(N m) in one m²/N
 
 
-def inverse(study: Study) -> Report:
+def inverse(study: Study) -> Recomputation:
     """Report on critical temperature, wear rate and rig heating inferred from measurements."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     critical = {oil: _critical(study, transitions) for oil, transitions in tests.items()}
@@ -59,7 +59,7 @@ def inverse(study: Study) -> Report:
         "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
     }
     of_a = values["cold_rates"], values["hot_rates"]
-    return Report.from_values(
+    return Recomputation.from_values(
         "inverse",
         values,
         verdicts={

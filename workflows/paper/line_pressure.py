@@ -16,7 +16,7 @@ from tribo.contact import ElasticHalfSpace, ElasticKernel, solve_contact
 from tribo.types import Array
 
 from .publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from .recomputed import Report, cells, texts
+from .recomputed import Recomputation, cells, texts
 from .study import Study
 
 _LOOKS = {
@@ -26,7 +26,7 @@ _LOOKS = {
 }
 
 
-def fig4(study: Study) -> Report:
+def fig4(study: Study) -> Recomputation:
     """Report on a cylinder's pressure on a window: free ends, nearest images, all images."""
     sweep = study.scene("fig4")
     pin = sweep.scene.pin
@@ -55,7 +55,7 @@ def fig4(study: Study) -> Report:
         "end": end / 1e9,
         "ratio": end / middle["free"],
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig4",
         values,
         verdicts={

@@ -16,7 +16,7 @@ from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 
 from .publication import LOADING_RATE
-from .recomputed import Report, cells, texts
+from .recomputed import Recomputation, cells, texts
 from .study import Study
 from .transitions import HIGHEST, celsius_of, end_at, history
 
@@ -27,7 +27,7 @@ _Curves = Mapping[str, tuple[Array, Array]]
 """Times [s] and temperatures that decide [°C], by the loading."""
 
 
-def fig8(study: Study) -> Report:
+def fig8(study: Study) -> Recomputation:
     """Report on a point with a recorded load, with its linear fit, and with the stated rate."""
     sweep = study.scene("fig8")
     record = sweep.scene.loading
@@ -60,7 +60,7 @@ def fig8(study: Study) -> Report:
         "off": fitted["exceeded_celsius"] - recorded["exceeded_celsius"],
         "highest_off": fitted["max_celsius"] - recorded["max_celsius"],
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig8",
         values,
         verdicts={

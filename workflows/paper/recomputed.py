@@ -147,7 +147,7 @@ def cells(values: Iterable[Any], form: str) -> Iterator[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class Recomputation:
     """A figure or table of the paper, computed.
 
     Attributes
@@ -191,7 +191,7 @@ class Report:
         data: dict[str, Any],
         findings: Iterable[Finding] = (),
         **parts: Any,
-    ) -> Report:
+    ) -> Recomputation:
         """Make the report on a result; its words are filled with values and data.
 
         `verdicts` are True for statements, by name, that agree with the computation.

@@ -20,7 +20,7 @@ from tribo.types import Array
 from .explicit_loop import EXPLICIT_LIMIT, explicit_loop, highest_rise, stiffness
 from .labels import label_ends
 from .publication import TABLE_4
-from .recomputed import Finding, Report, judged, line, mean, spread, texts
+from .recomputed import Finding, Recomputation, judged, line, mean, spread, texts
 from .study import Study
 from .transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 
@@ -43,7 +43,7 @@ _Row = dict[int, list[float]]
 """Temperatures over the surfaces [°C], by the number of elements along a side or of increments."""
 
 
-def fig6(study: Study) -> Report:
+def fig6(study: Study) -> Recomputation:
     """Report on the highest temperature at 750 N, 1.25 m/s with other grids and time steps."""
     sweep = study.scene("table4")
     if study.preset is None:
@@ -83,7 +83,7 @@ def fig6(study: Study) -> Report:
         "friction": _POINT.friction,
         "bulk": in_unit(sweep.conditions.bulk_temperature, "°C"),
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig6",
         values,
         verdicts={},

@@ -21,7 +21,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import TABLE_4
-from .recomputed import Report, cells, mean, texts
+from .recomputed import Recomputation, cells, mean, texts
 from .smooth import SmoothContact, load_speed_exponent
 from .study import Study
 from .transitions import around_transition, film_parameter, label_of, on_surfaces
@@ -70,7 +70,7 @@ def _mean(values: Array) -> float:
     return math.exp(float(np.mean(np.log(values))))
 
 
-def rivals(study: Study) -> Report:
+def rivals(study: Study) -> Recomputation:
     """Report on simpler criteria beside the model: Blok, power, PV, F·Vⁿ, film."""
     sweep = study.scene("table4")
     conditions = sweep.conditions
@@ -88,7 +88,7 @@ def rivals(study: Study) -> Report:
         **_constancy(criteria),
         "regimes": ", ".join(regimes),
     }
-    return Report.from_values(
+    return Recomputation.from_values(
         "rivals",
         values,
         verdicts={

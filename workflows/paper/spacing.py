@@ -15,7 +15,7 @@ from tribo.surface import self_affine
 from tribo.types import Array
 
 from .labels import label_ends
-from .recomputed import Report, cells, texts
+from .recomputed import Recomputation, cells, texts
 from .study import Study
 
 _SPACINGS = (20e-6, 30e-6, 40e-6, 60e-6)  # RSm [m], usual for grinding to this Ra
@@ -28,7 +28,7 @@ _PIXELS = 512  # along a side of the surfaces whose profiles have the RSm
 _COLOURS = BLUE, GREEN, GREY, VERMILION
 
 
-def spacing(study: Study) -> Report:
+def spacing(study: Study) -> Recomputation:
     """Report on critical velocities with the correlation lengths of other mean spacings."""
     scene = study.scene("irg_transition")
     roughness = scene.source.entries["disk"]["roughness"]
@@ -51,7 +51,7 @@ def spacing(study: Study) -> Report:
     velocities = critical.sel({axis: np.array(lengths)}, method="nearest").values
     change = velocities[1:] / velocities[0] - 1
     loads = critical["load"].values
-    return Report.from_values(
+    return Recomputation.from_values(
         "spacing",
         {
             "ra": 1e6 * ra,

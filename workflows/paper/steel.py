@@ -18,7 +18,7 @@ from tribo.types import Array
 
 from .labels import label_ends
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .recomputed import Report, agree, line, texts
+from .recomputed import Recomputation, agree, line, texts
 from .study import Study
 from .transitions import celsius_of, end_at, oil_a, white_oil
 
@@ -29,7 +29,7 @@ _SOFT, _HARD = 45.0, 21.0  # W/(m K): of the paper's table; measured for through
 _SAME_WITHIN = 30.0  # [K]; temperatures of oil A that differ less are one temperature
 
 
-def steel(study: Study) -> Report:
+def steel(study: Study) -> Recomputation:
     """Report on critical velocities and temperatures with another thermal conductivity."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     names, by_oil = [], {}
@@ -62,7 +62,7 @@ def steel(study: Study) -> Report:
         "scatter": [float(np.std(np.log(white[K] - bulk), ddof=1)) for K in (_SOFT, _HARD)],
     }
     of_white_oil = by_oil["white oil"][:, :, _CONDUCTIVITIES.index(_SOFT)]
-    return Report.from_values(
+    return Recomputation.from_values(
         "steel",
         values,
         verdicts={

@@ -13,7 +13,7 @@ import xarray as xr
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
 from pipeline.progress import Progress, Report, duration, silent
-from pipeline.run.run_sweep import Outcome
+from pipeline.run.run_sweep import RunSummary
 from pipeline.shipped import WORKFLOWS
 
 T = TypeVar("T")
@@ -68,7 +68,7 @@ class Study:
 
     def sweep(
         self, sweep: Sweep, name: str, accuracy: float | None = None
-    ) -> tuple[Outcome, xr.Dataset]:
+    ) -> tuple[RunSummary, xr.Dataset]:
         """Run or resume a sweep in the store `name`; return its outcome and dataset.
 
         With `accuracy` only the points are computed that it takes, see `run_sweep`.

@@ -17,7 +17,7 @@ from pipeline.sweep.case import allowable_rise, known_critical_temperature
 from tribo.thermal import rise_exceeded
 
 from .publication import ROOM_CELSIUS, TABLE_4
-from .recomputed import Report, agree, line, mean, spread, texts
+from .recomputed import Recomputation, agree, line, mean, spread, texts
 from .study import Study
 from .transitions import (
     HIGHEST,
@@ -42,12 +42,12 @@ _WIDTHS = 1e6 * TABLE_4.unworn_width  # [µm]
 _SHARES = 100 * TABLE_4.failed_share  # [%]
 
 
-def table4(study: Study) -> Report:
+def table4(study: Study) -> Recomputation:
     """Report on contact width, failed share and temperatures at the four measured transitions."""
     sweep = study.scene("table4")
     data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
-    return Report.from_values(
+    return Recomputation.from_values(
         "table4",
         values,
         verdicts={

@@ -15,7 +15,7 @@ from pipeline.quantities import in_unit
 from tribo.types import Array
 
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .recomputed import Report, agree, line, mean, texts
+from .recomputed import Recomputation, agree, line, mean, texts
 from .study import Study
 from .transitions import (
     HIGHEST,
@@ -34,7 +34,7 @@ _CONSTANTS = 3  # of the law rise/friction = C Fᵃ Vⁿ
 _DECISIVE = 3.0  # ratio of misfits above which the worse reading is rejected
 
 
-def table6(study: Study) -> Report:
+def table6(study: Study) -> Recomputation:
     """Report on temperatures at the transitions of oil A, at two bulk temperatures."""
     transitions = oil_a(study)
     ends = ensemble(study, ("swept", "local"), transitions)
@@ -85,7 +85,7 @@ def table6(study: Study) -> Report:
     }
     names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * fraction:g} %"
-    return Report.from_values(
+    return Recomputation.from_values(
         "table6",
         values,
         verdicts={

@@ -12,7 +12,7 @@ from pipeline import boundary
 from pipeline.figures.diagram import COMPUTED, diagram
 from pipeline.figures.style import GREEN, HALO, fitted
 
-from .recomputed import Report, texts
+from .recomputed import Recomputation, texts
 from .study import Study
 from .transitions import worn
 
@@ -20,7 +20,7 @@ ACCURACY = 0.03  # of the velocities, as of `make diagram`
 _GOOD = 0.1  # relative deviation that agrees, as in report.agree
 
 
-def fig10(study: Study) -> Report:
+def fig10(study: Study) -> Recomputation:
     """Report on the transition diagram of the paper's system, which is computed if needed.
 
     It is that of a specimen of several surface realizations, as `make diagram` computes it.
@@ -74,7 +74,7 @@ def fig10(study: Study) -> Report:
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
-    return Report.from_values(
+    return Recomputation.from_values(
         "fig10",
         values,
         verdicts={

@@ -9,7 +9,7 @@ import pipeline
 from pipeline.answers.answer_frames import boundary_frame, comparison_frame
 from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.boundary_text import boundary_lines
-from pipeline.answers.field import Outcome as Along
+from pipeline.answers.field import LineOutcome as Along
 from pipeline.answers.posterior import Outcome, Prior, update
 from pipeline.answers.verdict_limits import Side
 from pipeline.store.schema import DONE, FAILED, PENDING

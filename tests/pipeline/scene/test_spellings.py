@@ -10,7 +10,7 @@ from pipeline import load_scene, to_si
 from pipeline.arguments import in_share, in_si
 from pipeline.operating_points import OperatingPoints
 from pipeline.surface.scan import read_scan
-from pipeline.table import Column
+from pipeline.table import TableColumn
 from tribo import InputError, TriboError
 
 
@@ -300,7 +300,7 @@ def test_a_column_of_numbers_acts_or_is_refused(tmp_path, mark):
         row = mark.join(["300", "1.5", f'"{cell}"'])
         (tmp_path / "a.csv").write_text(f"{text}\n{row}\n{row}\n", encoding="utf-8")
         table = read_or_refused(OperatingPoints.read, tmp_path / "a.csv")
-        is_acting = Column.from_heading(head).name in ("friction", "friction.coefficient")
+        is_acting = TableColumn.from_heading(head).name in ("friction", "friction.coefficient")
         words = set() if is_acting else {"n/a", "-", ""}
         assert (
             table is None

@@ -9,7 +9,7 @@ import tribo
 from pipeline.answers.results import sweep_of
 from pipeline.scene import library
 from pipeline.scene.format import RandomSurface
-from pipeline.scene.table_kinds import Table
+from pipeline.scene.table_kinds import TableKind
 from tests.helpers.scenes import SCENE
 from tests.helpers.stored import file_contents, parse_sweep, sweep_text
 from tests.helpers.stores import commit
@@ -29,7 +29,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(tmp_path, monkeypatc
     scene.write_text(f'extends = "base.toml"\n{without}{steel}')
     sweep = pipeline.load_scene(scene)
     commit(path, sweep, ())
-    keys, finer = Table(RandomSurface).keys, {"contact_tolerance": 1e-3}
+    keys, finer = TableKind(RandomSurface).keys, {"contact_tolerance": 1e-3}
     monkeypatch.setitem(keys, "seed", keys["seed"]._replace(default=1))
     standard = replace(tribo.PRESETS["standard"], **finer)
     monkeypatch.setitem(tribo.PRESETS, "standard", standard)

@@ -5,11 +5,11 @@ import pytest
 from pipeline.operating_points import OperatingPoints
 from pipeline.scene import format as scene_format
 from pipeline.scene.faults import Faults
-from pipeline.scene.table_kinds import Table
+from pipeline.scene.table_kinds import TableKind
 from pipeline.table import read_table
 from tribo import InputError
 
-TEST = Table(scene_format.Test)
+TEST = TableKind(scene_format.Test)
 HEADS = "load [N],velocity [m/s]"
 
 
