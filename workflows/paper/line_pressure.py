@@ -96,7 +96,8 @@ def _pressure(sweep: Sweep, kernel: ElasticKernel, periodic: bool = True) -> Arr
     (nx, ny), (dx, dy) = scene.pixels.shape, scene.pixels.spacing
     grid = Grid((nx // block, ny // block), (dx * block, dy * block), (False, periodic))
     solid = ElasticHalfSpace(grid, contact_modulus(scene.pin.material, scene.disk), kernel)
-    load = sweep.loads[-1] / scene.pin.windows(grid)
+    length = grid.size[1]
+    load = sweep.loads[-1] * length / scene.pin.length
     profile = scene.pin.profile(grid)
     return solve_contact(solid, profile, load, scene.hardness, scene.contact_tolerance).pressure
 
