@@ -108,10 +108,11 @@ def test_each_case_has_the_goal_and_a_preset_in_place_of_its_own_numbers(tmp_pat
 def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_path, irg):
     out = tmp_path / "seeds.zarr"
     options = words(**{"sweep.loads": ["400 N"], "sweep.realizations": [3, 5]})
-    output = irg("run", "first_try", *options, "--accuracy", "2%", "-o", out, "--workers", "1")
-    assert "accuracy 2 % reached: at most ± 1." in output
+    output = irg("run", "first_try", *options, "--accuracy", "2.5%", "-o", out, "--workers", "1")
+    assert "accuracy 2.5 % reached: at most ± 2." in output
     (statement,) = (line for line in output.splitlines() if " reached: at most ± " in line)
     assert "surface" not in statement
+    assert ", positions 1." in statement
     assert "which is no part of the goal, because 2 seeds are listed" in output
     assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in output
     assert done(out)[1].sum() == 1
@@ -149,8 +150,8 @@ def test_the_command_tells_what_it_reached_and_a_smaller_goal_goes_on_with_the_s
 
 def test_a_goal_out_of_reach_ends_with_a_line_of_advice_and_exit_code_1(tmp_path, irg):
     arguments = *words(**{"sweep.loads": ["400 N"]}), "-o", tmp_path / "far.zarr"
-    output = irg("run", "first_try", *arguments, "--accuracy", "0.58%", "--workers", "1", code=1)
-    assert "accuracy 0.58 % not reached" in output
+    output = irg("run", "first_try", *arguments, "--accuracy", "0.7%", "--workers", "1", code=1)
+    assert "accuracy 0.7 % not reached" in output
     assert "to reach it: there are too few surface realizations" in output
     assert (done(tmp_path / "far.zarr").sum(axis=0) < 3).all()  # no further realizations
 
