@@ -131,10 +131,14 @@ def grids():
     for spacing in [(8e-6, 8e-9), (8e-9, 8e-6), (8e-6, 8e-3), (8e-3, 8e-6)]:
         name = f"elements of {spacing[0]:g} × {spacing[1]:g} m"
         yield Extreme("grid", name, changed(pixels=Grid(SHAPE, spacing)), load=1.0)
-    for periodic in (True, False):
-        pixels = Grid((12, 16), (8e-6, 8e-6), (False, periodic))
-        name = "contact at the window's edge" + ("" if periodic else "s")
-        yield Extreme("grid", name, changed(pixels=pixels, wear=Wear(1e-15, "local")))
+    pixels, local = Grid((12, 16), (8e-6, 8e-6)), Wear(1e-15, "local")
+    yield Extreme("grid", "contact at the window's edge", changed(pixels=pixels, wear=local))
+    free = Grid((12, 16), (8e-6, 8e-6), (False, False))
+    short = replace(small_scene().pin, length=free.size[1])
+    whole = changed(pixels=free, wear=local, pin=short, loading=Ramp(5.0, 25.0))
+    yield Extreme("grid", "contact at the window's edges", whole, load=22.0)
+    part = changed(pixels=free, wear=local)
+    yield Extreme("grid", "free part of a pin", part, "as long as the pin", InputError)
 
 
 def surfaces():
