@@ -36,9 +36,9 @@ def fig4(study: Study) -> Recomputation:
     hertz = load_per_length, pin.radius, contact_modulus(pin.material, sweep.scene.disk)
     peak, half_width = hertz_line_peak_pressure(*hertz), hertz_line_half_width(*hertz)
     fields = {
-        "free": _pressure(sweep, "periodic", False),
-        "nearest_image": _pressure(sweep, "nearest-image"),
-        "periodic": _pressure(sweep, "periodic"),
+        "free": _pressure(sweep, load_per_length, "periodic", False),
+        "nearest_image": _pressure(sweep, load_per_length, "nearest-image"),
+        "periodic": _pressure(sweep, load_per_length, "periodic"),
     }
     middle = {name: _middle(field) for name, field in fields.items()}
     highest = {name: float(field.max()) for name, field in fields.items()}
@@ -90,14 +90,15 @@ def fig4(study: Study) -> Recomputation:
     )
 
 
-def _pressure(sweep: Sweep, kernel: ElasticKernel, periodic: bool = True) -> Array:
+def _pressure(
+    sweep: Sweep, load_per_length: float, kernel: ElasticKernel, periodic: bool = True
+) -> Array:
     """Contact pressure [Pa] of each element (x, y), with or without periodic images along y."""
     scene, block = sweep.scene, sweep.scene.fidelity.pixels_per_element
     (nx, ny), (dx, dy) = scene.pixels.shape, scene.pixels.spacing
     grid = Grid((nx // block, ny // block), (dx * block, dy * block), (False, periodic))
     solid = ElasticHalfSpace(grid, contact_modulus(scene.pin.material, scene.disk), kernel)
-    length = grid.size[1]
-    load = sweep.loads[-1] * length / scene.pin.length
+    load = load_per_length * grid.size[1]
     profile = scene.pin.profile(grid)
     return solve_contact(solid, profile, load, scene.hardness, scene.contact_tolerance).pressure
 
