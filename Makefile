@@ -30,11 +30,8 @@ scenes: .venv/run     ## run the scenes of workflows/SCENES.md and draw their pi
 	    $(BIN)/irg run $$scene && $(BIN)/irg plot $$scene $$kind --width "14 cm" --dpi 100 --plain \
 	        -o workflows/$$scene.png || exit 1; done
 
-reference: .venv/test ## write the references of the scene file and of the dataset again
-	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
-	$(BIN)/python -m tests.sources.reference scene >> workflows/SCENE.md
-	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
-	$(BIN)/python -m tests.sources.reference dataset >> workflows/DATASET.md
+reference: .venv/test ## write the references of scene file, dataset, commands and Python again
+	$(BIN)/python -m tests.sources.reference
 
 notebooks: .venv/test ## run the notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks

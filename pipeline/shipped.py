@@ -43,7 +43,7 @@ PAGES_BY_TASK = {
     "use tests of a laboratory": ("your-tests",),
     "know how accurate answers are, and how long they take": ("choosing", "measured"),
     "understand the model": ("model", "physics", "reproducing", "paper"),
-    "look up": ("library", "glossary", "dataset"),
+    "look up": ("library", "glossary", "commands", "api", "dataset"),
 }
 """Names of the pages that ``irg help`` prints, by what a reader wants to do."""
 

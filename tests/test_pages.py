@@ -1,6 +1,5 @@
 """The pages: commands, links, paths and references on them hold, and their numbers are printed."""
 
-import importlib
 import re
 import shlex
 import subprocess
@@ -12,6 +11,7 @@ import pytest
 from pipeline.cli import main
 from pipeline.cli.parser import parse
 from pipeline.constants import HIGHEST_TEMPERATURE_BOUNDS, PRESET_BOUNDS
+from tests.sources import reference
 
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = ROOT / "workflows"
@@ -44,7 +44,7 @@ def test_every_command_shown_is_one_that_could_be_typed(page, tmp_path, monkeypa
         parse(shlex.split(command, comments=True)[1:])
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", sorted({*PAGES} - {"workflows/API.md"}))  # it has docstrings
 def test_code_fits_the_width_of_the_site(page):
     blocks = re.findall(r"^```[^\n]*\n(.*?)^```", text_of(page), flags=re.DOTALL | re.MULTILINE)
     lines = [line for block in blocks for line in block.splitlines()]
@@ -65,14 +65,21 @@ def headings_of(file):
     return {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
-def test_paths_and_public_names_on_pages_exist():
+@pytest.mark.parametrize("page", reference.PAGES)
+def test_references_are_written_from_what_they_describe(page):
+    text = text_of(f"workflows/{page}.md")
+    assert reference.written(page, text) == text, "write it again with: make reference"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_reads_as_plain_markdown(page):
+    assert re.findall(r"\{(?:py:\w+|eval-rst|argparse)\}|\{\{.*?\}\}", text_of(page)) == []
+
+
+def test_paths_on_pages_exist():
     for page in PAGES:
-        text = text_of(page)
-        for path in re.findall(r"`((?:tribo|pipeline|workflows|tests)/[\w/.]*)`", text):
+        for path in re.findall(r"`((?:tribo|pipeline|workflows|tests)/[\w/.]*)`", text_of(page)):
             assert (ROOT / path).exists(), f"{page}: {path}"
-        for name in re.findall(r"(?:\{py:(?:func|class|exc)\}`|autoclass:: )([\w.]+)", text):
-            module, _, attribute = name.rpartition(".")
-            assert hasattr(importlib.import_module(module), attribute), f"{page}: {name}"
 
 
 def test_every_page_is_in_the_contents():

@@ -1,13 +1,13 @@
-"""Tables of the pages on the scene file and the dataset, from the format and the variables.
+"""References of pages: scene file, dataset, commands and Python, from what they describe.
 
-    python -m tests.sources.reference scene | dataset
+    python -m tests.sources.reference
 
-writes one of them, as `make reference` puts it below the text of its page.
+writes each below the text of its page.
 """
 
 import math
 import re
-import sys
+from pathlib import Path
 
 import tribo
 from pipeline.messages import quoted
@@ -17,6 +17,8 @@ from pipeline.scene.table_kinds import number_in
 from pipeline.store import schema
 from pipeline.units import typeset
 from tests.helpers.campaigns import table
+from tests.sources.command_reference import commands
+from tests.sources.python_reference import api
 from tests.sources.sections import sections
 
 _HEADS = "key", "value", "meaning"
@@ -136,5 +138,18 @@ def _written(value, kind=None):
     return f"{value:g}" if isinstance(value, float) else quoted(value)
 
 
+PAGES = {"SCENE": scene, "DATASET": dataset, "COMMANDS": commands, "API": api}
+"""Functions that write the reference of each page, which ends with it."""
+
+
+def written(page, text):
+    """Text of a page with its reference written again, below the first heading of the reference."""
+    reference = PAGES[page]()
+    (heading,) = re.findall(r"\A## .*\n", reference)
+    return text.partition(heading)[0] + reference
+
+
 if __name__ == "__main__":
-    print({"scene": scene, "dataset": dataset}[sys.argv[1]](), end="")
+    for page in PAGES:
+        path = Path(__file__).parents[2] / "workflows" / f"{page}.md"
+        path.write_text(written(page, path.read_text(encoding="utf-8")), encoding="utf-8")
