@@ -132,3 +132,20 @@ def test_all_places_from_the_lowest_to_a_mild_limit_are_mild_and_from_a_severe_o
             is_inside = (side == Side.INSIDE).values
             assert within.values[is_inside].all()
             assert not beyond.values[is_inside].any()
+
+
+def test_a_severe_test_at_a_load_below_the_sweep_lowers_the_mild_limits_of_all_loads():
+    repeats = tuple(
+        bare_test(400.0, float(synthetic.critical_velocity(400.0, LIMIT)), number=f"t{k}")
+        for k in range(60)
+    )
+    free = pipeline.boundary(synthetic.sweep(tests=repeats, **SMALL))["mild_velocity"].sel(load=200)
+    velocity = 0.9 * free.item()
+    severe = bare_test(150.0, velocity, outcome="severe")
+    ds = synthetic.sweep(tests=(*repeats, severe), **SMALL)
+    boundary = pipeline.boundary(ds).sel(load=200)
+    assert boundary["mild_velocity"].item() == pytest.approx(velocity, rel=1e-6)
+    assert boundary["mild_velocity"].item() < velocity
+    assert "150 N" in boundary["ruled_out_by"].item()
+    verdicts = pipeline.margin(ds, 200.0, [0.999 * velocity, 1.001 * velocity])["verdict"]
+    assert verdicts.values.tolist() == [MILD, UNDECIDED]

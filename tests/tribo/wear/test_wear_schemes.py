@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tests.helpers.scenes import STEEL
+from tests.helpers.scenes import STEEL, last, small_scene
 from tribo.simulation import advance, start
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
@@ -71,7 +71,7 @@ def test_the_worn_volume_is_that_of_the_load_on_its_way(name, increments):
     scene = replace(scene, loading=LOADINGS[name], pixels=tribo.Grid((48, 1), (8e-6, 456e-6)))
     state = end(scene)
     expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
-    assert tribo.measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
+    assert tribo.measures(scene, state)["mean_pressure"] == pytest.approx(expected, rel=1e-10)
 
 
 def test_worn_depth_converges_at_second_order():
@@ -88,3 +88,13 @@ def test_worn_depth_converges_at_second_order():
         [np.abs(depth - exact).mean() for depth in depths],
     ):
         assert 1.8 < -np.polyfit(np.log(counts), np.log(errors), 1)[0] < 2.2
+
+
+def test_contacts_under_local_wear_are_solved_to_three_percent_at_least():
+    def worn(pattern, tolerance):
+        scene = small_scene(pattern, contact_tolerance=tolerance)
+        return tribo.measures(scene, last(scene, LOAD, VELOCITY))["mean_pressure"]
+
+    assert worn("local", 0.5) == worn("local", 0.03)
+    assert worn("local", 0.03) != worn("local", 0.003)
+    assert worn("swept", 0.5) != worn("swept", 0.03)
