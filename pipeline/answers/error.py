@@ -96,7 +96,7 @@ def surface_sampling_errors(specimen: Specimen, loads: Array, velocities: Array)
     Between two loads their errors add by the correlation that the realizations give them.
     """
     field, covariance = specimen.field, specimen.mean.covariance
-    low, high = field.bracketing_rows(loads)
+    low, high = field.bracketing_rows(loads, velocities)
     correlation = covariance[low, high] / np.sqrt(covariance[low, low] * covariance[high, high])
     sides = field.weighted_sides(specimen.mean.bound, loads, velocities)
     return np.asarray(np.sqrt(np.square(sides).sum(axis=0) + 2 * correlation * sides.prod(axis=0)))
@@ -147,7 +147,8 @@ def interpolation_errors(
     the error between these loads (k,).
     """
     field, pairs = specimen.field, np.arange(len(loads))
-    (low, high), fraction = field.bracketing_rows(loads), field.load_fraction(loads)
+    low, high = field.bracketing_rows(loads, velocities)
+    fraction = field.load_fraction(loads, velocities)
     at_rows = field.row_velocities(loads, velocities)
     low_load, high_load = field.loads[low], field.loads[high]
     has_gap = high_load > low_load

@@ -102,7 +102,7 @@ class Field:
         rows, x, known_x = self.curve_rows, np.log(loads), np.log(self.loads)
         if rows.size < 2:
             return np.broadcast_to(velocities, (len(self.loads), len(velocities)))
-        low, high = self.bracketing_rows(loads)
+        low, high = self.bracketing_rows(loads, velocities)
         first, last = self._velocity_limits
         with np.errstate(divide="ignore", invalid="ignore"):
             max_slant = np.fmin(
@@ -142,20 +142,23 @@ class Field:
         pairs = np.repeat(loads, len(velocities)), np.tile(velocities, len(loads))
         return self(*pairs).reshape(len(loads), -1)
 
-    def bracketing_rows(self, loads: Array) -> tuple[Indices, Indices]:
-        """Indices (k,) of the loads below and above each of `loads` (k,); equal at a known load."""
+    def bracketing_rows(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
+        """Indices (k,) of the loads below and above each of k pairs of load and velocity.
+
+        Both are equal at a load with a curve, and at a known point. A load with a single known
+        point has no value at other velocities, and does not bracket them.
+        """
         candidates = self.curve_rows if self.curve_rows.size else np.arange(len(self.loads))
         upper = np.searchsorted(self.loads[candidates], loads)
         high = candidates[np.minimum(upper, len(candidates) - 1)]
         low = np.where(self.loads[high] == loads, high, candidates[np.maximum(upper - 1, 0)])
         exact = np.minimum(np.searchsorted(self.loads, loads), len(self.loads) - 1)
-        is_exact = (self.loads[exact] == loads) & self.is_known[exact].any(axis=1)
-        exact = np.where(is_exact, exact, -1)  # also a load with a single point
-        return np.where(exact >= 0, exact, low), np.where(exact >= 0, exact, high)
+        is_exact = self.is_point(loads, velocities)
+        return np.where(is_exact, exact, low), np.where(is_exact, exact, high)
 
-    def load_fraction(self, loads: Array) -> Array:
+    def load_fraction(self, loads: Array, velocities: Array) -> Array:
         """Fraction (k,) of ln(load) from the bracketing load below to that above; 0 if equal."""
-        low, high = (self.loads[rows] for rows in self.bracketing_rows(loads))
+        low, high = (self.loads[rows] for rows in self.bracketing_rows(loads, velocities))
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(high > low, np.log(loads / low) / np.log(high / low), 0.0)
 
@@ -169,9 +172,10 @@ class Field:
 
     def weighted_sides(self, values: Array, loads: Array, velocities: Array) -> Array:
         """Summands (2, k) of `bilinear` from the loads below and above."""
-        fraction, x = self.load_fraction(loads), np.log(self.row_velocities(loads, velocities))
+        fraction = self.load_fraction(loads, velocities)
+        x = np.log(self.row_velocities(loads, velocities))
         side_values = np.full((2, len(loads)), np.nan)
-        for side, rows in enumerate(self.bracketing_rows(loads)):
+        for side, rows in enumerate(self.bracketing_rows(loads, velocities)):
             for row in np.unique(rows):
                 pairs, is_known = np.flatnonzero(rows == row), self.is_known[row]
                 if is_known.any():
@@ -193,7 +197,7 @@ class Field:
         at_rows = self.row_velocities(loads, velocities)
         is_inside = [
             (first[row] <= at_rows[row, pairs]) & (at_rows[row, pairs] <= last[row])
-            for row in self.bracketing_rows(loads)
+            for row in self.bracketing_rows(loads, velocities)
         ]
         return ~(is_inside[0] & is_inside[1])
 
@@ -214,8 +218,8 @@ class Field:
         values = self.grid(loads, nodes)
         is_defined = np.isfinite(values)
         is_inside = is_defined.copy()  # no value beyond the known loads
-        for rows in self.bracketing_rows(loads):
-            is_known, is_certain = self._sides(rows[:, None], nodes, levels[:, None])
+        for rows in self.bracketing_rows(loads[:, None], nodes):
+            is_known, is_certain = self._sides(rows, nodes, levels[:, None])
             is_inside &= is_known
             is_defined &= is_certain | (reach > 1)
         points = np.where(is_inside & np.isin(nodes, x), nodes, np.nan)

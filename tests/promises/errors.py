@@ -143,7 +143,7 @@ def flags_around(plane, loads, velocities):
     columns = [
         np.where(is_node, np.searchsorted(plane.field.velocities, velocities), k) for k in ends
     ]
-    rows = plane.field.bracketing_rows(loads)
+    rows = plane.field.bracketing_rows(loads, velocities)
     return np.bitwise_or.reduce([plane.flags[i, j] for i in rows for j in columns])
 
 
