@@ -14,18 +14,22 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.answers.condition_values import QueryPoints
-from pipeline.answers.verdict_model import MILD, SEVERE, VerdictModel
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, VerdictModel
 from tribo.types import Array, Indices, Mask
 
-Side = IntEnum("Side", "INSIDE ABOVE BELOW NONE", start=0)
+Side = IntEnum("Side", "INSIDE ABOVE BELOW OUTSIDE_MODEL UNKNOWN", start=0)
 """Codes of where a limit lies: inside the sweep, above or below it, or nowhere.
 
-A limit is nowhere on a line of a single simulated value, or of places without a verdict.
+A mild limit is nowhere on a line whose lowest place is outside the model, or unknown, and which is
+not mild from the first place with a verdict; likewise a severe limit from the highest place. On a
+line of a single simulated value it is unknown.
 """
+_NOWHERE = Side.OUTSIDE_MODEL, Side.UNKNOWN
 _PARTS_OF_GAP = 12  # between two simulated values
 _BISECTIONS = 24  # of the ratio of neighbouring nodes, to 1e-8 of a limit
 _LOG_FRICTIONS = 25.0  # largest |ln(limit over computed critical friction)|
 _BATCH_SIZE = 4000
+_DIGITS = 6  # of a limit, which is rounded to its own side
 
 
 class Limits(NamedTuple):
@@ -51,7 +55,7 @@ def line_limits(
     nodes = _nodes(np.union1d(simulated, model.ranges[axis]))
     if len(nodes) < 2 or not positions.size:
         shape = positions.shape
-        return Limits(np.full(shape, np.nan), np.full(shape, Side.NONE, np.int8))
+        return Limits(np.full(shape, np.nan), np.full(shape, Side.UNKNOWN, np.int8))
     across = points.load if axis == "velocity" else points.velocity
     line_keys = np.stack([across, points.friction, points.bulk_temperature])
     _, first, line = np.unique(line_keys, axis=1, return_index=True, return_inverse=True)
@@ -66,9 +70,9 @@ def line_limits(
         brackets, inverse = np.unique(keys, axis=1, return_inverse=True)
         line_points = lines.take(brackets[0].astype(int))
         found = _bisect(model, axis, verdict, line_points, brackets[1], brackets[2])
-        values[is_inside] = found[inverse.ravel()]
+        values[is_inside] = _rounded(found, brackets[1], verdict)[inverse.ravel()]
     if verdict == SEVERE:
-        sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, Side.NONE])
+        sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, *_NOWHERE])
     return Limits(values, sides.astype(np.int8))
 
 
@@ -121,7 +125,10 @@ def _brackets(
     sides = np.full(len(stop), Side.INSIDE)
     sides[~np.isfinite(edge)] = Side.ABOVE
     sides[(stop == start) & ~is_point_in] = Side.BELOW
-    sides[~has_verdict.any(axis=1) & ~is_point_in] = Side.NONE
+    is_nowhere = (start > 0) & (stop == start) & ~is_point_in
+    sides[is_nowhere] = np.where(codes[:, 0] == OUTSIDE, Side.OUTSIDE_MODEL, Side.UNKNOWN)[
+        is_nowhere
+    ]
     return last, edge, sides
 
 
@@ -137,13 +144,16 @@ def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -
     at_point = is_mild(points.friction)
     lower = np.where(at_point, np.maximum(lower, points.friction), lower)
     upper = np.where(at_point, upper, np.minimum(upper, points.friction))
+    first = lower
     for _ in range(2 * _BISECTIONS):
         middle = np.sqrt(lower * upper)
         is_lower = is_mild(middle)
         lower, upper = np.where(is_lower, middle, lower), np.where(is_lower, upper, middle)
-    codes = int(Side.NONE), int(Side.BELOW), int(Side.ABOVE)
-    sides = np.select((np.isnan(critical), is_below, is_above), codes, int(Side.INSIDE))
-    return Limits(np.where(sides == Side.INSIDE, lower, np.nan), sides.astype(np.int8))
+    codes = (*map(int, _NOWHERE), int(Side.BELOW), int(Side.ABOVE))
+    is_nowhere = places.is_outside, np.isnan(critical)
+    sides = np.select((*is_nowhere, is_below, is_above), codes, int(Side.INSIDE))
+    limits = np.where(sides == Side.INSIDE, _rounded(lower, first, MILD), np.nan)
+    return Limits(limits, sides.astype(np.int8))
 
 
 def _bisect(
@@ -155,3 +165,12 @@ def _bisect(
         is_in = model.verdicts(lines._replace(**{axis: middle})) == verdict
         last, edge = np.where(is_in, middle, last), np.where(is_in, edge, middle)
     return last
+
+
+def _rounded(limits: Array, inside: Array, verdict: int) -> Array:
+    """Limits (k,) rounded to `_DIGITS` towards values `inside` of them, but no farther."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        unit = 10.0 ** (np.floor(np.log10(limits)) - _DIGITS + 1)
+    if verdict == MILD:
+        return np.asarray(np.maximum(np.floor(limits / unit) * unit, inside))
+    return np.asarray(np.minimum(np.ceil(limits / unit) * unit, inside))
