@@ -42,7 +42,7 @@ def error_lines(answer: xr.Dataset) -> Iterator[str]:
         yield "no numerical error, as no critical velocity lies within the sweep"
     elif np.isfinite(errors).any():
         parts = [
-            f", {ERROR_PARTS[name][0]} {_percents(part)}"
+            f", {ERROR_PARTS[name]} {_percents(part)}"
             for name, part in (("surface", surface), ("positions", positions))
             if np.nanmax(part)
         ]

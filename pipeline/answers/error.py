@@ -58,7 +58,7 @@ PARTS = {
     "surface": "surface sampling",
 }
 """Meaning of each part, by its name, in their order."""
-INTERPOLATION, PRESET, _, POSITIONS, SURFACE = range(len(PARTS))
+INTERPOLATION, PRESET, WARNINGS, POSITIONS, SURFACE = range(len(PARTS))
 ROUGH_LOAD = 0.03
 """Like `ROUGHNESS_ERROR`, but between loads, for a single realization.
 
@@ -311,6 +311,17 @@ def preset_bound(preset: str, share: float) -> float | None:
     elif share >= LARGE_AREA_FRACTION:
         bounds = LARGE_FRACTION_BOUNDS
     return bounds.get(preset, PRESET_BOUNDS.get(preset))
+
+
+def finer_preset_error(sweep: Sweep) -> float:
+    """Bound of the relative error of a sweep's critical velocity with the next finer preset.
+
+    It is that of the coarsest preset for custom settings, and of the finest for the finest.
+    """
+    presets, preset = [*PRESET_BOUNDS], _preset(sweep)
+    finer = presets.index(preset) + 1 if preset in presets else 0
+    name = presets[min(finer, len(presets) - 1)]
+    return float(preset_bound(name, sweep.conditions.critical_area_fraction) or math.nan)
 
 
 def position_limit(sweep: Sweep) -> float:

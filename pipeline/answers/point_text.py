@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_lines import edge_warnings, not_included_lines
@@ -13,6 +12,7 @@ from pipeline.answers.value_text import (
     OUTSIDE,
     attribute_texts,
     code_text,
+    flag_names,
     format_error,
     format_limit,
     format_variable,
@@ -20,7 +20,6 @@ from pipeline.answers.value_text import (
     probability_text,
     verdict_text,
 )
-from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.quantities import UNITS, ZERO
 
 _PROBABILITIES = {
@@ -36,19 +35,22 @@ _ORIGINS = {
 }
 """Governing temperature with its origin."""
 ERROR_PARTS = {
-    "interpolation": ("interpolation", "simulate more points nearby"),
-    "discretization": ("discretization", "use a finer preset"),
-    "warnings": ("warnings", "follow the warnings of its points"),
-    "positions": (
-        "positions of the disk",
-        "use a finer preset, or simulate more surface realizations (sweep.realizations)",
-    ),
-    "surface": (
-        "surface sampling",
-        "simulate more surface realizations (sweep.realizations)",
-    ),
+    "interpolation": "interpolation",
+    "discretization": "discretization",
+    "warnings": "warnings",
+    "positions": "positions of the disk",
+    "surface": "surface sampling",
 }
-"""Name of each part of the numerical error, and what makes it smaller."""
+"""Name of each part of the numerical error."""
+_REMEDIES = {
+    "points": "simulate more points nearby",
+    "warnings": "follow the warnings of its points",
+    "realizations": "simulate more surface realizations (sweep.realizations)",
+    "preset": "use a finer preset",
+    "test": "run a test at this point",
+}
+"""What decides an undecided verdict."""
+_PRESET_FOR_CUSTOM_SETTINGS = "use a preset, whose error is known"
 
 
 def margin_lines(point: xr.Dataset) -> Iterator[str]:
@@ -57,8 +59,6 @@ def margin_lines(point: xr.Dataset) -> Iterator[str]:
         yield f"Unknown: {point['reason'].item()}"
         return
     yield headline(point)
-    if advice := to_decide(point):
-        yield f"to decide it: {advice}"
     if line := probability_line(point):
         yield line
     yield from not_included_lines(point)
@@ -67,15 +67,16 @@ def margin_lines(point: xr.Dataset) -> Iterator[str]:
 
 
 def headline(point: xr.Dataset) -> str:
-    """The verdict on one point, up to where wear is mild, and the safety factors."""
+    """The verdict on one point, up to where wear is mild, and what would decide a verdict."""
     verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
     at = f"{load:.4g} N and {velocity:.4g} m/s"
     if verdict == "outside the model":
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
     limits = [*filter(None, (limit_text(point, axis) for axis in ("load", "velocity")))]
-    if not limits:
-        return f"{verdict.capitalize()} at {at}"
-    return f"{verdict.capitalize()} at {at}; {', and '.join(limits)}"
+    parts = [f"{verdict.capitalize()} at {at}", ", and ".join(limits)]
+    if advice := to_decide(point):
+        parts.append(f"to decide it, {advice}")
+    return "; ".join(filter(None, parts))
 
 
 def limit_text(point: xr.Dataset, axis: str) -> str:
@@ -90,9 +91,11 @@ def limit_text(point: xr.Dataset, axis: str) -> str:
             f"mild up to the highest simulated {axis}, {high:.4g}{unit}, {line} "
             f"(factor at least {format_limit(least)})"
         )
+    if side == "below" and axis == "friction":
+        return "not mild at any friction"
     if side == "below":
         return f"not mild from the lowest simulated {axis}, {low:.4g}{unit}, {line}"
-    if side == "none":
+    if side in ("outside the model", "unknown"):
         return ""
     limit, factor = point[f"mild_{axis}"].item(), point[f"{axis}_safety_factor"].item()
     factor_text = f" (factor {format_limit(factor)})" if math.isfinite(factor) else ""
@@ -155,7 +158,7 @@ def _error_parts(point: xr.Dataset) -> dict[str, float]:
 
 def error_text(point: xr.Dataset) -> str:
     """The numerical error of a temperature and its parts."""
-    parts = {ERROR_PARTS[name][0]: error for name, error in _error_parts(point).items()}
+    parts = {ERROR_PARTS[name]: error for name, error in _error_parts(point).items()}
     known = ", ".join(f"{name} {format_error(part)} K" for name, part in parts.items() if part > 0)
     unknown = " and ".join(name for name, part in parts.items() if math.isnan(part))
     if unknown and known:
@@ -166,19 +169,9 @@ def error_text(point: xr.Dataset) -> str:
 
 
 def to_decide(point: xr.Dataset) -> str:
-    """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test.
-
-    A smaller numerical error comes first, if a verdict is possible within that error.
-    """
-    if verdict_text(point) != "undecided" or point["reason"].item():
-        return ""
-    low, middle, high = (point[f"probability{end}"].item() for end in ("_low", "", "_high"))
-    mild, _, severe = VERDICT_PROBABILITIES
-    errors, test = _error_parts(point), "run a test at this point"
-    largest = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=math.inf))
-    remedy = ERROR_PARTS[largest][1]
-    if not mild < middle < severe:
-        return remedy
-    if mild < low and high < severe:
-        return test
-    return f"to reduce the numerical error, {remedy}; if it stays undecided, {test}"
+    """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test."""
+    names = flag_names(point["decided_by"], int(point["decided_by"].item()))
+    texts = dict(_REMEDIES)
+    if math.isnan(point["temperature_error_discretization"].item()):
+        texts["preset"] = _PRESET_FOR_CUSTOM_SETTINGS
+    return " and ".join(texts[name] for name in names)

@@ -182,32 +182,56 @@ def advice(ds, load, velocity, **conditions):
     return to_decide(pipeline.margin(ds, load, velocity, **conditions))
 
 
-def test_a_test_is_advised_only_after_the_computing_that_may_decide():
+def test_a_test_is_advised_only_where_no_computing_decides():
     """A small model error leaves the verdict to the numerical one, a large one to tests."""
     sure, unsure = without_model_error(rise=wavy), synthetic.sweep(rise=wavy, tests=())
-    critical = asked(sure, 425.0, 2.23)
-    at_half = {"critical_temperature": critical.governing_temperature + 0.05}
-    margin = asked(sure, 425.0, 2.23, **at_half)
-    assert margin.probability_low <= 0.05 < margin.probability < 0.95 <= margin.probability_high
-    assert advice(sure, 425.0, 2.23, **at_half) == (
-        "to reduce the numerical error, simulate more points nearby; if it stays undecided, "
-        "run a test at this point"
-    )
-    assert advice(unsure, 425.0, 2.23, **at_half) == "run a test at this point"
-    beside = {
-        "critical_temperature": critical.governing_temperature + 0.8 * critical.temperature_error
-    }
-    assert advice(sure, 425.0, 2.23, **beside) == "simulate more points nearby"
-    assert advice(sure, 425.0, 0.6) == ""
+    margin = asked(sure, 425.0, 2.23)
+
+    def at(error_count):
+        critical = margin.governing_temperature + error_count * margin.temperature_error
+        return {"critical_temperature": critical}
+
+    middle = asked(sure, 425.0, 2.23, **at(0.05))
+    assert middle.probability_low <= 0.05 < middle.probability < 0.95 <= middle.probability_high
+    assert advice(sure, 425.0, 2.23, **at(0.05)).endswith(" and run a test at this point")
+    assert "test" not in advice(sure, 425.0, 2.23, **at(1.1))
+    assert advice(unsure, 425.0, 2.23, **at(1.5)) == "run a test at this point"
+    assert advice(sure, 425.0, 0.6) == advice(sure, 425.0, 4.0) == ""
 
 
-def test_the_computing_that_is_advised_decides():
-    ds = without_model_error(rise=wavy)
+@pytest.mark.parametrize(
+    ("preset", "error_count", "remedy"),
+    [
+        ("fine", 1.3, "simulate more points nearby"),
+        ("standard", 1.1, "use a finer preset"),
+    ],
+)
+def test_the_computing_that_is_advised_decides(preset, error_count, remedy):
+    """Points at the place itself remove the interpolation; the preset halves its own part."""
+    ds = without_model_error(rise=wavy, preset=preset)
     margin = asked(ds, 425.0, 2.23)
-    side = {"critical_temperature": margin.governing_temperature + 1.1 * margin.temperature_error}
-    assert advice(ds, 425.0, 2.23, **side) == "simulate more points nearby"
-    nearby = {"loads": (375.0, 400.0, 425.0, 450.0), "velocities": (1.9, 2.0, 2.1, 2.23, 2.3, 2.4)}
-    assert asked(without_model_error(rise=wavy, **nearby), 425.0, 2.23, **side).verdict == "mild"
+    critical = margin.governing_temperature + error_count * margin.temperature_error
+    side = {"critical_temperature": critical}
+    assert asked(ds, 425.0, 2.23, **side).verdict == "undecided"
+    assert advice(ds, 425.0, 2.23, **side) == remedy
+    better = {
+        "simulate more points nearby": {
+            "loads": (375.0, 400.0, 425.0, 450.0), "velocities": (1.9, 2.0, 2.1, 2.23, 2.3, 2.4)
+        },
+        "use a finer preset": {"preset": "fine"},
+    }  # fmt: skip
+    assert asked(without_model_error(rise=wavy, **better[remedy]), 425.0, 2.23, **side).verdict == (
+        "mild"
+    )
+
+
+def test_custom_settings_are_advised_a_preset_and_a_ruled_out_verdict_nothing():
+    custom = synthetic.sweep(preset=None, tests=())
+    assert advice(custom, 400.0, 0.5) == "use a preset, whose error is known"
+    tests = tuple(bare_test(400.0, 1.2, outcome="mild", number=f"m{k}") for k in range(40))
+    ruled_out = synthetic.sweep(tests=(*tests, bare_test(300.0, 0.9, outcome="severe")))
+    assert pipeline.margin(ruled_out, 300.0, 0.95)["reason"].item()
+    assert advice(ruled_out, 300.0, 0.95) == ""
 
 
 def facts_of(ds, *point, **conditions):
@@ -216,8 +240,9 @@ def facts_of(ds, *point, **conditions):
 
 def test_a_critical_value_is_stated_or_why_there_is_none():
     facts = facts_of(synthetic.sweep(velocities=(1.0, 1.5, 2.0)), 200.0, 1.9)
-    assert facts["critical velocity"] == "mild over the whole sweep"
-    assert re.fullmatch(r"\d+ N, safety factor [\d.]+", facts["critical load"])
+    assert facts["computed velocity"] == "mild over the whole sweep"
+    load = re.fullmatch(r"severe from (\d+) N", facts["computed load"])[1]
+    assert float(load) == pytest.approx(synthetic.critical_load(1.9, LIMIT), rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -248,6 +273,9 @@ def test_the_headline_states_the_verdict_the_mild_limits_and_their_factors():
         "mild up to the highest simulated load, 750 N, at this velocity (factor at least 2.50)"
         in low
     )
+    undecided = pipeline.margin(ds, 300.0, at_limit)
+    assert headline(undecided).startswith(f"Undecided at 300 N and {at_limit:.4g} m/s; mild up to")
+    assert headline(undecided).endswith(f"; to decide it, {to_decide(undecided)}")
     severe = headline(pipeline.margin(ds, 300.0, 4.0))
     assert severe.startswith(
         "Severe at 300 N and 4 m/s; not mild from the lowest simulated load, 200 N, at this "

@@ -1,0 +1,90 @@
+"""What would decide an undecided verdict: computing, a better input, or a test.
+
+The verdict is judged without the error that a remedy removes. The first remedy is proposed that
+makes the verdict definite: computing, which costs least, then a test.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from enum import IntFlag
+
+import numpy as np
+
+from pipeline.answers.condition_values import QueryPoints
+from pipeline.answers.error import (
+    INTERPOLATION,
+    POSITIONS,
+    PRESET,
+    SURFACE,
+    WARNINGS,
+    finer_preset_error,
+)
+from pipeline.answers.verdict_model import MILD, SEVERE, Places, VerdictModel
+from pipeline.constants import RISE_EXPONENT
+from tribo.types import Array, Indices, Mask
+
+
+class Remedy(IntFlag):
+    """Remedies for an undecided verdict; several are needed together."""
+
+    POINTS = 1  # simulate more points nearby
+    WARNINGS = 2  # follow the warnings of the points nearby
+    REALIZATIONS = 4  # simulate more surface realizations
+    PRESET = 8  # use a finer preset
+    TEST = 16  # run a test at this point
+
+
+_PARTS = {
+    Remedy.POINTS: [INTERPOLATION],
+    Remedy.WARNINGS: [WARNINGS],
+    Remedy.REALIZATIONS: [SURFACE, POSITIONS],
+    Remedy.PRESET: [PRESET],
+}
+"""Parts of the numerical error that each remedy by computing removes, the cheapest first.
+
+A finer preset leaves its own error.
+"""
+
+
+def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
+    """Sums of `Remedy` codes (k,) that would decide the verdicts on undecided points."""
+    places = model.places(points)
+    codes = np.zeros(points.load.shape, np.int16)
+    is_computable = _is_decided_without(model, points, places, [*_PARTS])
+    for combination in _combinations():
+        rest = np.flatnonzero(is_computable & (codes == 0))
+        rest_places = Places(*(column[..., rest] for column in places))
+        is_decided = _is_decided_without(model, points.take(rest), rest_places, combination)
+        codes[rest[is_decided]] = sum(combination)
+    # Next is an input, without whose uncertainty the verdict is definite; the last is a test.
+    judgement = model.judge(points, places)
+    is_within_error = ~(abs(judgement.log_ratio) > np.log1p(judgement.error))
+    test = Remedy.TEST | np.where(is_within_error, _largest(places.errors), 0)
+    return np.where(codes == 0, test, codes).astype(np.int16)
+
+
+def _combinations() -> list[tuple[Remedy, ...]]:
+    """Remedies by computing, alone and together, by their number."""
+    numbers = range(1, len(_PARTS) + 1)
+    return [*itertools.chain(*(itertools.combinations(_PARTS, number) for number in numbers))]
+
+
+def _is_decided_without(
+    model: VerdictModel, points: QueryPoints, places: Places, removed: Iterable[Remedy]
+) -> Mask:
+    """True at points (k,) whose verdict is definite once remedies have `removed` errors."""
+    errors = places.errors.copy()
+    for remedy in removed:
+        left = finer_preset_error(model.case.sweep) if remedy == Remedy.PRESET else 0.0
+        errors[_PARTS[remedy]] = RISE_EXPONENT * left
+    verdicts = model.judge(points, places._replace(errors=errors)).verdict
+    return np.isin(verdicts, (MILD, SEVERE))
+
+
+def _largest(errors: Array) -> Indices:
+    """Code (k,) of the remedy for the largest, or unknown, part of `errors` (5, k)."""
+    squares = np.nan_to_num(np.square(errors), nan=np.inf)
+    removed = np.stack([squares[parts].sum(axis=0) for parts in _PARTS.values()])
+    return np.array([*map(int, _PARTS)])[removed.argmax(axis=0)]
