@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -93,6 +93,11 @@ class CaseResults:
     def velocities(self) -> Array:
         """Ascending velocities above 0 [m/s]."""
         return np.asarray(self.ds["velocity"].values, float)
+
+    @property
+    def without_tests(self) -> CaseResults:
+        """The same results without the tests of the scene."""
+        return replace(self, sweep=replace(self.sweep, tests=()), tests=())
 
     def cached(self, key: Any, compute: Callable[[], Any]) -> Any:
         """The result of `compute`, which is called once for each `key`."""

@@ -19,6 +19,7 @@ from pipeline.answers.verdict_model import verdict_model
 from pipeline.arguments import typed_arguments
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.store.location import PathLike
+from tribo import InputError
 
 
 @typed_arguments
@@ -39,6 +40,8 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     """
     case = cases_of(ds)[0]
     model = verdict_model(case, override_conditions(case.conditions, conditions))
+    if model.omitted_tests:
+        raise InputError(f"no tests to compare: {model.omitted_tests}")
     evidence = model.evidence
     pairs = zip(evidence.specimens, evidence.posterior.loo_probabilities, strict=True)
     loo_probabilities = {id(row): probability for rows, probability in pairs for row in rows}

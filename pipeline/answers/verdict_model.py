@@ -30,7 +30,7 @@ from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, LineOutcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
-from pipeline.quantities import UNITS
+from pipeline.quantities import UNITS, display
 from pipeline.sweep.case import Conditions, known_critical_temperature
 from tribo import Stages, WarningKind
 from tribo.types import Array, Indices, Mask
@@ -57,7 +57,7 @@ def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
     """Verdict model of a case; points may replace friction and bulk temperature of `conditions`.
 
     A critical temperature that is missing in `conditions` is inferred from the tests, if the scene
-    says so.
+    says so. The tests hold for the oil of the scene, and are left out under another one.
     """
     is_from_tests = conditions.critical_temperature is None
     if is_from_tests and not case.sweep.base.critical_from_tests:
@@ -66,10 +66,19 @@ def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
     oil_key = conditions.critical_temperature, conditions.added_rise_fraction, *rise_key
     specimen = case.cached(("specimen", rise_key), lambda: specimen_of(case, conditions))
     infer = evidence_with_critical_temperature if is_from_tests else evidence_of
-    evidence = case.cached(("evidence", oil_key), lambda: infer(case, specimen, conditions))
+    tested = case if _is_oil_of_scene(case, conditions) else case.without_tests
+    evidence = case.cached(("evidence", oil_key), lambda: infer(tested, specimen, conditions))
     if is_from_tests:
         conditions = replace(conditions, critical_temperature=evidence.critical.temperature)
     return VerdictModel(case, conditions, specimen, evidence)
+
+
+def _is_oil_of_scene(case: CaseResults, conditions: Conditions) -> bool:
+    """True if `conditions` have the critical temperature of the scene, at which its tests count."""
+    own, critical = case.conditions.critical_temperature, conditions.critical_temperature
+    if own is None or critical is None:
+        return own is critical
+    return math.isclose(own, critical, rel_tol=1e-9)
 
 
 def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
@@ -109,6 +118,22 @@ class VerdictModel:
     conditions: Conditions
     specimen: Specimen
     evidence: Evidence
+
+    @property
+    def omitted_tests(self) -> str:
+        """Reason why the tests of the scene are left out, as text; empty if they count."""
+        if not self.case.sweep.tests or self.evidence.rows:
+            return ""
+        own = self.case.conditions.critical_temperature
+        if own is None:
+            return (
+                "the tests are left out: the scene infers its critical temperature from them, and "
+                "another one is given"
+            )
+        return (
+            "the tests are left out: they hold for the critical temperature of the scene, "
+            f"{display(own, '°C', 5)}"
+        )
 
     @functools.cached_property
     def preset_error(self) -> float | None:
@@ -337,7 +362,7 @@ class VerdictModel:
             ("severe", severe, "severe wear up to"),
         ):
             velocities, names = self.evidence.velocity_limits(verdict, points)
-            is_decided = np.isclose(limits, velocities, rtol=1e-6) & (names != "")
+            is_decided = np.isclose(limits, velocities, rtol=2e-5) & (names != "")
             for k in np.flatnonzero(is_decided).tolist():
                 text = f"{names[k]} rules out {words} {velocities[k]:g} m/s"
                 notes[k] = f"{notes[k]} | {text}" if notes[k] else text

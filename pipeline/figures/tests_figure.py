@@ -121,6 +121,8 @@ def mark_tests(
     if not case.sweep.tests:
         return [], {}, []
     model = verdict_model(case, override_conditions(case.conditions, conditions))
+    if model.omitted_tests:
+        return [], {}, []
     legend, has_faint = dict[str, Any](), False
     for index, test in enumerate(case.sweep.tests):
         number = test.number or str(index + 1)
