@@ -32,8 +32,8 @@ def scene_of(name):
 @pytest.mark.parametrize(
     ("name", "load", "velocity", "excess"),
     [  # by load sharing on the rough worn contact, solved beside this program
-        ("first_try", 200.0, 3.75, -0.62),
-        ("oil_a", 550.0, 5.75, -0.64),
+        ("first_try", 200.0, 3.75, -0.68),
+        ("oil_a", 550.0, 5.75, -0.72),
         ("twin_disc", 8000.0, 1.3, -0.06),
         ("twin_disc", 8000.0, 1.4, 0.01),
         ("twin_disc", 3000.0, 4.5, 1.02),
@@ -136,7 +136,7 @@ def test_a_place_outside_has_a_temperature_and_no_verdict(store, irg, tmp_path):
     output = irg("margin", "out.zarr", *out).replace("\n    ", " ")
     assert output.startswith(f"{OUTSIDE_MODEL}; governing temperature ")
     assert "probability" not in output.splitlines()[0]
-    assert irg("margin", "out.zarr", *within).startswith("Undecided: probability of")
+    assert irg("margin", "out.zarr", *within).startswith("Undecided at 400 N and 1.9 m/s; ")
     (row,) = irg("margin", "out.zarr", *out, "--json")
     assert (row["verdict"], row["probability"]) == ("outside the model", None)
     assert row["governing temperature [°C]"] > 100
