@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from enum import IntFlag
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from pipeline.answers.condition_values import CONDITION_NAMES
 from pipeline.answers.error import PARTS, preset_error_text
 from pipeline.answers.evidence import Evidence
 from pipeline.answers.field import LineOutcome
+from pipeline.answers.remedies import Remedy
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import (
     added_rise_words,
@@ -61,6 +63,8 @@ _VARIABLES = {
     "velocity_safety_factor": ("1", "mild limit of velocity over operating velocity"),
     "load_safety_factor": ("1", "mild limit of load over operating load"),
     "critical_velocity_p50": ("m/s", "critical velocity with tests: severe wear is 50 % probable"),
+    "film_parameter_at_load": ("1", "film parameter on the boundary"),
+    "film_parameter_at_velocity": ("1", "film parameter on the boundary"),
     "ruled_out_by": ("", "tests that decide mild_velocity or severe_velocity"),
     "velocity_error": ("1", "relative numerical error of the critical velocity (95 % bound)"),
     **{
@@ -71,6 +75,7 @@ _VARIABLES = {
     "outcome_along_load": ("", "outcome along the line of rising load"),
     "origin": ("", "origin of the result"),
     "warning_flags": ("", "what limits this answer"),
+    "decided_by": ("", "what would decide an undecided verdict"),
     "reason": ("", "why the verdict is withheld or unknown"),
     "outcome": ("", "outcome of the test"),
     "loo_probability": ("1", "probability of this outcome, predicted from the other tests"),
@@ -96,6 +101,8 @@ _CODES = {
     **{f"{name}_side": tuple(side.name.lower() for side in Side) for name in _LIMITS},
 }
 """Names of the codes 0, 1, 2 … of a variable."""
+_FLAGS: dict[str, type[IntFlag]] = {"warning_flags": Flag, "decided_by": Remedy}
+"""Flags of a variable, each a bit."""
 ATTRIBUTES = (
     "conditions", "model_error", "realizations", "tests", "outliers", "tests_without_result",
     "verdicts_withheld", "not_included", "notes",
@@ -146,9 +153,9 @@ def with_attributes(ds: xr.Dataset) -> xr.Dataset:
         if codes := _CODES.get(name):
             attributes["flag_values"] = np.arange(len(codes), dtype=np.int8)
             attributes["flag_meanings"] = " ".join(codes)
-        if name == "warning_flags":
-            attributes["flag_masks"] = np.array([*map(int, Flag)], np.int16)
-            attributes["flag_meanings"] = " ".join(str(flag.name).lower() for flag in Flag)
+        if flags := _FLAGS.get(name):
+            attributes["flag_masks"] = np.array([*map(int, flags)], np.int16)
+            attributes["flag_meanings"] = " ".join(str(flag.name).lower() for flag in flags)
         ds.variables[name].attrs.update(attributes)
     return ds
 
@@ -262,5 +269,6 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits of all answers of a case, in addition to the effects that are not included."""
     sweep = model.case.sweep
     unknown = preset_error_text(sweep) if model.preset_error is None else ""
-    lines = sweep.note, *warning_lines(sweep, answered=True), added_rise_words(model.conditions)
-    yield from filter(None, (*lines, unknown))
+    warnings = warning_lines(sweep, answered=True)
+    lines = model.omitted_tests, sweep.note, *warnings, added_rise_words(model.conditions), unknown
+    yield from filter(None, lines)

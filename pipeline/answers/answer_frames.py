@@ -18,8 +18,8 @@ from pipeline.answers.value_text import (
     format_error,
     format_limit,
     format_value,
+    line_sides,
     probability_text,
-    side_text,
 )
 from pipeline.frames import frame_of, without_columns
 from pipeline.store.schema import PLANE
@@ -153,20 +153,38 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
     """Rows of `pipeline.boundary` by load or by velocity, for a reader.
 
-    The limits by the verdict, and between them the boundary at which severe wear is 50 % probable.
+    Between the limits by the verdict stands the boundary, as computed and with tests. A value
+    outside the sweep is "below" or "above" its end.
     """
     axis = "velocity" if by == "load" else "load"
-    names = [f"mild_{axis}", f"critical_{axis}", f"severe_{axis}"]
-    if by == "load":
-        names[1:2] = ["critical_velocity_p50"] if has_counted_tests(answer) else names[1:2]
-        names.append("velocity_error")
+    headings = {
+        f"mild_{axis}": "mild up to", f"critical_{axis}": "computed",
+        "critical_velocity_p50": "50 %", f"severe_{axis}": "severe from",
+        f"film_parameter_at_{by}": "film", "velocity_error": "error",
+    }  # fmt: skip
+    if not has_counted_tests(answer):
+        del headings["critical_velocity_p50"]
+    names = [name for name in headings if name in answer and by in answer[name].dims]
     frame = _rounded_frame(answer, *names)
-    for name in (f"mild_{axis}", f"severe_{axis}"):
-        limits = answer_frame(answer, name, f"{name}_side").iloc[:, -2:]
-        frame[_heading(name, answer)] = [
-            side_text(name, side) if np.isnan(value) else format_limit(value, name[:4] == "mild")
-            for value, side in limits.itertuples(index=False, name=None)
-        ]
+    codes = f"mild_{axis}_side", f"severe_{axis}_side", f"outcome_along_{axis}"
+    lines = answer_frame(answer, *codes).iloc[:, -3:].itertuples(index=False, name=None)
+    low, high = answer[f"mild_{axis}"].attrs["valid_range"]
+    words = {"below": f"below {low:g}", "above": f"above {high:g}", "outside the model": "outside"}
+    sides = pd.DataFrame([line_sides(*line) for line in lines])
+    for name in names:
+        heading, kind = _heading(name, answer), name.removesuffix(f"_{axis}")
+        if kind in ("mild", "severe"):
+            limits = answer_frame(answer, name).iloc[:, -1]
+            frame[heading] = [format_limit(limit, kind == "mild") or None for limit in limits]
+        if kind in sides:
+            cells = zip(frame[heading], sides[kind], strict=True)
+            frame[heading] = [
+                words.get(side, side) if pd.isna(cell) else cell for cell, side in cells
+            ]
+        elif name.startswith("film"):
+            frame[heading] = [None if np.isnan(film) else f"{film:.2g}" for film in frame[heading]]
+        unit = heading.partition(" [")
+        frame = frame.rename(columns={heading: "".join((headings[name], *unit[1:]))})
     return frame
 
 

@@ -23,12 +23,14 @@ from pipeline.answers.condition_values import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
+from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits
 from pipeline.answers.verdict_model import (
     MILD,
     OUTSIDE,
     SEVERE,
+    UNDECIDED,
     UNKNOWN,
     VerdictModel,
     verdict_model,
@@ -39,6 +41,7 @@ from pipeline.quantities import snap
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
 from tribo import InputError
+from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array, Indices
 
 _BATCH_SIZE = 4000  # operating points evaluated at once, with about 100 MB of memory
@@ -77,7 +80,8 @@ def margin(
         parts; ``mild_load``, ``mild_velocity`` and ``mild_friction``, up to which the verdict is
         mild, and their safety factors, these limits over the values of the point; the code
         ``mild_…_side`` of a limit outside the sweep, which is NaN; computed critical velocity, load
-        and friction; flags. Each has ``units`` and ``long_name``, and codes ``flag_meanings``.
+        and friction; flags, and ``decided_by``, what would decide an undecided verdict. Each has
+        ``units`` and ``long_name``, and codes ``flag_meanings``.
         Attributes state what applies to all points.
 
     Examples
@@ -202,6 +206,10 @@ def _judge(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     columns["critical_velocity_p50"] = np.full(is_known.shape, np.nan)
     if model.evidence.specimens and is_known.any():
         columns["critical_velocity_p50"][is_known] = model.velocity_of_probability(known_points)
+    is_open = (columns["verdict"] == UNDECIDED) & (columns["reason"] == "")
+    columns["decided_by"] = np.zeros(is_known.shape, np.int16)
+    if is_open.any():
+        columns["decided_by"][is_open] = remedies(model, points.take(is_open))
     columns |= _mild_limits(model, points, columns["verdict"], columns["critical_friction"])
     return columns | points._asdict()
 
@@ -219,7 +227,7 @@ def _mild_limits(
         mild_limits = np.full(is_known.shape, np.nan)
         mild_limits[is_known] = values
         columns[f"mild_{name}"] = mild_limits
-        columns[f"mild_{name}_side"] = np.full(is_known.shape, Side.NONE, np.int8)
+        columns[f"mild_{name}_side"] = np.full(is_known.shape, Side.UNKNOWN, np.int8)
         columns[f"mild_{name}_side"][is_known] = sides
         with np.errstate(divide="ignore"):
             factor = mild_limits / getattr(points, name)
@@ -247,7 +255,9 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
         ``severe_load(velocity)``; for each the code ``…_side`` of a limit outside the sweep, which
         is NaN; ``ruled_out_by(load)``, the tests that decide a limit. Furthermore
         ``critical_velocity(load)`` and ``critical_load(velocity)``, computed without tests;
-        ``velocity_error(load)`` and its parts; ``critical_velocity_p50`` with tests; the outcomes
+        ``velocity_error(load)`` and its parts; ``critical_velocity_p50`` with tests;
+        ``film_parameter_at_load`` and ``film_parameter_at_velocity``, those of the smooth bodies on
+        the boundary, if the scene has an oil and a rough disk; the outcomes
         ``outcome_along_velocity(load)`` and ``outcome_along_load(velocity)``. Varied entries, and
         conditions given as lists, are further dimensions.
 
@@ -299,16 +309,30 @@ def _along_velocity(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
         "velocity_error": total(parts),
         **{f"velocity_error_{part}": error for part, error in zip(PARTS, parts, strict=True)},
         "ruled_out_by": model.ruling_tests(points, mild.values, severe.values),
+        **_film_parameters(model, "load", points._replace(velocity=columns["critical_velocity"])),
     }
 
 
 def _along_load(model: VerdictModel, points: QueryPoints) -> dict[str, Any]:
     """Critical loads at the velocities of points, and limits by the verdict."""
+    columns = model.critical("load", points)
     mild, severe = (line_limits(model, "load", verdict, points, None) for verdict in (MILD, SEVERE))
     return {
         "mild_load": mild.values,
         "mild_load_side": mild.sides,
-        **model.critical("load", points),
+        **columns,
         "severe_load": severe.values,
         "severe_load_side": severe.sides,
+        **_film_parameters(model, "velocity", points._replace(load=columns["critical_load"])),
     }
+
+
+def _film_parameters(model: VerdictModel, dim: str, points: QueryPoints) -> dict[str, Any]:
+    """Film parameters at points (k,) on the boundary; none without an oil or a roughness."""
+    sweep = model.case.sweep
+    oil = find_lubrication(sweep.scene, sweep.lubricant)
+    if oil is None:
+        return {}
+    columns = zip(*(column.tolist() for column in points), strict=True)
+    films = [oil.film_parameter(load, velocity, bulk) for load, velocity, _, bulk in columns]
+    return {f"film_parameter_at_{dim}": np.array(films, float)}

@@ -114,11 +114,15 @@ def format_error(error: float) -> str:
 def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
     """Write a limit with 3 digits, rounded to its own side: mild downwards, severe upwards.
 
+    It is empty if the limit is NaN.
+
     Examples
     --------
     >>> format_limit(2.2957), format_limit(2.2911, is_mild=False), format_limit(402.9)
     ('2.29', '2.30', '402')
     """
+    if math.isnan(value):
+        return ""
     if not (math.isfinite(value) and value > 0):
         return f"{value:g}"
     last = math.floor(math.log10(value)) - digits + 1
@@ -127,11 +131,27 @@ def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
     return f"{whole / scale:.{max(-last, 0)}f}"
 
 
-def side_text(name: str, side: str) -> str:
-    """Text on a limit that lies outside the sweep, such as "all" for one above it."""
-    is_mild = name.startswith("mild")
-    texts = {"above": ("none", "all"), "below": ("all", "none")}
-    return texts[side][is_mild] if side in texts else ""
+def line_sides(mild: str, severe: str, outcome: str) -> dict[str, str]:
+    """Where the values of a boundary lie on one line, if they are not inside the sweep.
+
+    `mild` and `severe` are the sides of both limits, and `outcome` is the computed one. The
+    boundary with tests lies between the limits.
+
+    Examples
+    --------
+    >>> line_sides("inside", "above", "mild")["critical_velocity_p50"]
+    'above'
+    """
+    outside = outcome if outcome == "outside the model" else "unknown"
+    with_tests = {("inside", "above"): "above", ("above", "above"): "above"} | {
+        ("below", "inside"): "below", ("below", "below"): "below"
+    }  # fmt: skip
+    return {
+        "mild": mild,
+        "critical": {"mild": "above", "severe": "below"}.get(outcome, outside),
+        "critical_velocity_p50": with_tests.get((mild, severe), outside),
+        "severe": severe,
+    }
 
 
 def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:

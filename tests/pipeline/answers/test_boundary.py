@@ -5,9 +5,13 @@ import pytest
 
 from pipeline import boundary
 from pipeline.answers.answer_frames import boundary_frame
+from pipeline.answers.results import sweep_of
+from pipeline.frames import lines_of
 from tests.helpers import synthetic
 from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
+from tests.pipeline.test_film import filmed
+from tribo.simulation.lubrication import find_lubrication
 
 TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 5
 
@@ -75,6 +79,34 @@ def test_only_the_last_step_counts():
     assert (boundary(unfinished)["outcome_along_velocity"] == UNKNOWN).all()
 
 
+def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
+    plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
+    assert not [name for name in boundary(plain) if name.startswith("film")]
+    crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
+    film_parameter = find_lubrication(
+        sweep_of(oiled).scene, sweep_of(oiled).lubricant
+    ).film_parameter
+    for friction in (0.09, 0.1):
+        part = crossings.sel(friction=friction)
+        expected = film_parameter(part["load"], part["critical_velocity"], 320.0)
+        np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
+        expected = film_parameter(part["critical_load"], part["velocity"], 320.0)
+        np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
+    assert crossings["film_parameter_at_load"].notnull().any()
+
+
+def test_a_table_says_on_which_side_of_the_sweep_a_value_lies():
+    """At 10 times the limit all is mild, at a tenth severe; a film hides the rest."""
+    for factor, side in ((10.0, "above 4"), (0.1, "below 0.5")):
+        critical = 298.15 + factor * 120.0
+        frame = boundary_frame(boundary(synthetic.sweep(tests=()), critical_temperature=critical))
+        columns = ["mild up to [m/s]", "computed [m/s]", "severe from [m/s]"]
+        assert (frame[columns] == side).all(axis=None)
+    frame = boundary_frame(boundary(filmed()))
+    assert frame["severe from [m/s]"].tolist()[:4] == ["outside"] * 4
+    assert all(len(line) <= 80 for line in lines_of(frame))
+
+
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_the_line_with_tests_is_where_half_of_the_runs_are_severe(share):
     """Transitions at a share of the limit move the line with tests, but not the computed one."""
@@ -96,7 +128,7 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe(share):
 def test_rows_by_velocity_have_the_critical_load_and_rows_by_load_the_critical_velocity(sweep):
     by_load, by_velocity = (boundary_frame(boundary(sweep), by) for by in ("load", "velocity"))
     assert [*by_load][:2] == ["load [N]", "mild up to [m/s]"]
-    assert [*by_velocity][:3] == ["velocity [m/s]", "mild up to [N]", "critical load [N]"]
+    assert [*by_velocity][:3] == ["velocity [m/s]", "mild up to [N]", "computed [N]"]
     assert len(by_velocity) == len(VELOCITIES)
 
 

@@ -131,7 +131,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own_and_is_a_table(scen
             "temperature.critical_area_fraction=0.05")  # fmt: skip
     out = tmp_path / "point.csv"
     output = irg(*point, *options, "--set", "note=of no rig", "-o", out)
-    assert output.startswith("Severe: probability of severe wear ")
+    assert output.startswith("Severe at 600 N and 4 m/s; ")
     assert "  numerical error (95 %)  ± " in output
     (written_row,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
     assert (written_row["load [N]"], written_row["verdict"]) == ("600", "severe")

@@ -52,7 +52,7 @@ def test_diagram_says_its_conditions(drawn):
         lines,
     )
     assert labels(legend) == [
-        "undecided: severe wear 5 to 95 % probable",
+        "undecided: neither mild nor severe wear is sure",
         "boundary with tests (50 %)",
         "computed boundary, numerical error",
         "computed at friction 0.09 and 0.103",
@@ -87,7 +87,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         expected = [ratio(test, velocity) for velocity in velocities]
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
     legend_texts = [text.get_text() for text in axes.figure.legends[0].get_texts()]
-    assert {"undecided: severe wear 5 to 95 % probable", "boundary with tests (50 %)"} < {
+    assert {"undecided: neither mild nor severe wear is sure", "boundary with tests (50 %)"} < {
         *legend_texts
     }
 

@@ -11,7 +11,7 @@ import pipeline
 import tribo
 from pipeline.answers.answer_frames import boundary_frame
 from pipeline.answers.point_text import to_decide
-from pipeline.answers.value_text import probability_text, verdict_text
+from pipeline.answers.value_text import format_limit, probability_text, verdict_text
 from pipeline.figures.rows_figure import most_critical_row
 from pipeline.frames import cells_of
 from pipeline.page.report import HEADLINES
@@ -100,11 +100,11 @@ def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     assert box["class"] == verdict_text(margin)
     headline = f"{HEADLINES[margin['verdict'].item()]} at 400 N and 1.9 m/s"
     first = parsed.words[parsed.words.index(headline) :]
-    statement = (
-        f"The probability of severe wear is {probability_text(margin['probability'].item())}"
-    )
+    limit = f"Mild up to {format_limit(margin['mild_load'].item())} N at this velocity"
+    statement = f"Probability of severe wear {probability_text(margin['probability'].item())}"
     advice = f"To decide it, {to_decide(margin)}.\n"
-    assert first.index(statement) < first.index(advice) < first.index("Transition diagram")
+    positions = [first.index(text) for text in (limit, statement, advice, "Transition diagram")]
+    assert positions == sorted(positions)
 
 
 def test_the_tables_are_those_of_the_answers(sweep, page):
@@ -149,7 +149,7 @@ ONE_ROW = {
 REPORTS = {
     "boundary": (
         plane, {},
-        ("Boundary between mild and severe wear", "where severe wear is 5, 50, 95 % probable"),
+        ("Boundary between mild and severe wear", "Velocities up to which the verdict is mild"),
     ),
     "point": (plane, {"load": 400.0, "velocity": 1.0}, ("Mild wear at 400 N and 1 m/s",)),
     "half done": (
@@ -158,7 +158,7 @@ REPORTS = {
     ),
     "two pins": (
         two_pins, {"load": 300.0, "velocity": 4.0},
-        ("most critical operating point: pin radius 1", "Critical velocity as computed"),
+        ("most critical operating point: pin radius 1", "Velocities up to which the verdict is"),
     ),
     "a rolling pin": (
         lambda: plane(motion=tribo.Motion(slide_roll_ratio=0.5)), {},
