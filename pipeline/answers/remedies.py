@@ -55,8 +55,8 @@ def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
     is_computable = _is_decided_without(model, points, places, [*_PARTS])
     for combination in _combinations():
         rest = np.flatnonzero(is_computable & (codes == 0))
-        rest_places = Places(*(column[..., rest] for column in places))
-        is_decided = _is_decided_without(model, points.take(rest), rest_places, combination)
+        rest_points = points.take(rest), places.take(rest)
+        is_decided = _is_decided_without(model, *rest_points, combination)
         codes[rest[is_decided]] = sum(combination)
     # Next is an input, without whose uncertainty the verdict is definite; the last is a test.
     judgement = model.judge(points, places)
@@ -87,4 +87,4 @@ def _largest(errors: Array) -> Indices:
     """Code (k,) of the remedy for the largest, or unknown, part of `errors` (5, k)."""
     squares = np.nan_to_num(np.square(errors), nan=np.inf)
     removed = np.stack([squares[parts].sum(axis=0) for parts in _PARTS.values()])
-    return np.array([*map(int, _PARTS)])[removed.argmax(axis=0)]
+    return np.asarray(np.array([*map(int, _PARTS)])[removed.argmax(axis=0)])

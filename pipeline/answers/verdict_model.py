@@ -99,6 +99,11 @@ class Places(NamedTuple):
     is_outside: Mask  # the film carries more load than the model allows
     is_film_unknown: Mask
 
+    def take(self, index: Any) -> Places:
+        """Points selected by `index`, which may be a mask."""
+        columns: Any = (column[..., index] for column in self)
+        return Places(*columns)
+
 
 class Judgement(NamedTuple):
     """Verdicts on operating points (k,)."""
