@@ -20,13 +20,15 @@ class Progress:
     elapsed: float | None = None  #: Time since it began [s].
     #: Estimated time until the end [s]; None until enough is done.
     time_to_go: float | None = None
+    parts: str = ""  #: What the total consists of, such as "24 of the plane, 4 for tests".
 
     def __str__(self) -> str:
         if self.words:
             return self.words
         parts = [f"{self.done} of {self.total} done"]
         if self.failed is not None:
-            parts = [f"{self.done} of {self.total} points done", f"{self.failed} failed"]
+            total = f"{self.total} points" + (f" ({self.parts})" if self.parts else "")
+            parts = [f"{self.done} of {total} done", f"{self.failed} failed"]
         if self.elapsed is not None:
             parts.append(f"{duration(self.elapsed)} so far")
         if self.time_to_go:

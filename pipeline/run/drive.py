@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from distributed import Client, Future, KilledWorker, as_completed
 
+from pipeline.answers.scene_wording import test_group_words
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.watch import CANNOT, POLL, Watch
 from pipeline.run.work import CaseInputs, ExecutionError, simulate_point, unpack_result
@@ -260,14 +261,19 @@ class Tally:
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
-        flags = np.concatenate([group.flags[group.flags != NOT_NEEDED] for group in self._groups])
+        by_group = [group.flags[group.flags != NOT_NEEDED] for group in self._groups]
+        flags, plane = np.concatenate(by_group), by_group[0].size
         done, failed, pending = (int(np.sum(flags == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None
         if self.computed:
             rounds = max(pending / max(workers, 1), min(pending, 1))
             time_to_go = rounds * self._seconds / self.computed
         elapsed = time.monotonic() - self._began
-        self._progress(Progress("", done, flags.size, failed, elapsed, time_to_go))
+        parts = ""
+        if beside_plane := flags.size - plane:
+            words = test_group_words(self._groups[0].sweep)
+            parts = f"{plane} of the plane, {beside_plane} for {words}"
+        self._progress(Progress("", done, flags.size, failed, elapsed, time_to_go, parts))
 
 
 def notebook_progress(progress: Report | None) -> Report:

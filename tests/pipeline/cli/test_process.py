@@ -118,6 +118,11 @@ def test_the_help_and_a_check_import_no_library_of_arrays_and_of_stores():
 # Progress on stderr, and faults that are found before the work begins.
 
 
+def test_progress_names_what_its_points_are_for():
+    progress = Progress("", 13, 28, 0, parts="24 of the plane, 4 for tests")
+    assert str(progress) == "13 of 28 points (24 of the plane, 4 for tests) done, 0 failed"
+
+
 def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
     with output.run_line() as show:
