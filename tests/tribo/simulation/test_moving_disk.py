@@ -44,10 +44,11 @@ def end(scene, ramp_cache=None, load=LOAD):
 
 
 @pytest.mark.parametrize(("surface", "largest"), [
-    ("no lay", 0.012), ("along", 0.012), ("across", 0.03), ("oblique", 0.012),
+    ("no lay", 0.008), ("along", 0.008), ("across", 0.012), ("oblique", 0.008),
 ])  # fmt: skip
 def test_a_pin_is_as_hot_as_under_a_moving_disk(surface, largest):
-    found = errors(scene_of(surface), LOAD, VELOCITY, steps=64, loops=2)
+    """With the parts of the preset `fine`; with one part a rise errs at random by 0.4 %."""
+    found = errors(scene_of(surface, parts=4), LOAD, VELOCITY, steps=64, loops=2)
     assert abs(found.mean()) < largest
     assert abs(found[0]) < 4 * largest  # the pin fits its own position no better than others
 
