@@ -11,7 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from tribo.constants import STEPS_OF_HOLD, STEPS_OF_LATER_RAMP
+from tribo.constants import (
+    HOLD_SHARE,
+    LATER_RAMP_SHARE,
+    STEPS_OF_HOLD,
+    STEPS_OF_LATER_RAMP,
+)
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.loading.ramp import MOST_STEPS, LoadStep
 
@@ -35,15 +40,11 @@ class Stages:
     --------
     >>> stages = Stages(loads=(100.0, 200.0), hold_times=(60.0, 60.0), rate=150.0)
     >>> for load_step in stages.load_steps(200.0, increments=2):
-    ...     print(f"{load_step.normal_load:.0f} N at {load_step.time:.1f} s")
-    50 N at 0.3 s
+    ...     if load_step.bounds_hold:
+    ...         print(f"{load_step.normal_load:.0f} N at {load_step.time:.1f} s")
     100 N at 0.7 s
-    100 N at 4.8 s
     100 N at 60.7 s
-    133 N at 60.9 s
-    167 N at 61.1 s
     200 N at 61.3 s
-    200 N at 83.4 s
     200 N at 121.3 s
     """
 
@@ -135,22 +136,24 @@ class Stages:
     def load_steps(self, normal_load: float, increments: int) -> Iterator[LoadStep]:
         """Times at which the contact is solved, up to the end of the stage at `normal_load` [N].
 
-        The first ramp has `increments` steps, each later one 3, each hold 2, in which ln ∫F dt
-        grows equally.
+        The first ramp has `increments` steps, each later one a quarter of them, but at least 6. A
+        hold has a sixth of them, but at least 4; in each, ln ∫F dt grows equally.
         """
         require_integer(1, increments=increments)
         count = self.count(normal_load)
-        if increments + count * (STEPS_OF_LATER_RAMP + STEPS_OF_HOLD) > MOST_STEPS:
+        ramp_steps = max(STEPS_OF_LATER_RAMP, math.ceil(LATER_RAMP_SHARE * increments))
+        hold_steps = max(STEPS_OF_HOLD, math.ceil(HOLD_SHARE * increments))
+        if increments + count * (ramp_steps + hold_steps) > MOST_STEPS:
             raise InputError(f"{count} stages take over {MOST_STEPS} steps; give fewer")
         load_step = LoadStep(0.0, 0.0, True, 0, 0.0)
         for number, (load, hold) in enumerate(
             zip(self.loads[:count], self.hold_times[:count], strict=True)
         ):
-            steps = STEPS_OF_LATER_RAMP if number else increments
+            steps = ramp_steps if number else increments
             for ramp_step in self._ramp_steps(load_step, load, steps):
                 load_step = ramp_step
                 yield load_step
-            for hold_step in _hold_steps(load_step, hold):
+            for hold_step in _hold_steps(load_step, hold, hold_steps):
                 load_step = hold_step
                 yield load_step
 
@@ -169,11 +172,11 @@ def _shares(steps: int) -> list[float]:
     return [number / steps for number in range(1, steps + 1)]
 
 
-def _hold_steps(begin: LoadStep, hold: float) -> Iterator[LoadStep]:
+def _hold_steps(begin: LoadStep, hold: float, steps: int) -> Iterator[LoadStep]:
     """Load steps of a hold of `hold` [s] that starts at the load step `begin`."""
     equivalent_time = begin.impulse / begin.normal_load  # time at this load for the same wear [s]
     log_growth = math.log1p(hold / equivalent_time)
-    for number, share in enumerate(_shares(STEPS_OF_HOLD), 1):
+    for number, share in enumerate(_shares(steps), 1):
         duration = hold if share == 1 else equivalent_time * math.expm1(log_growth * share)
         yield _step_after(begin, number, begin.normal_load, duration, share == 1, True)
 
