@@ -222,7 +222,8 @@ def _final_states(
                 _later_state(state_at_load, load_step, velocity), is_requested=is_requested
             )
             continue
-        before, state = _last_part(levels, velocity, state, load_step)
+        ends_hold = load_step is load_steps[-1]
+        before, state = _last_part(levels, velocity, state, load_step, ends_hold)
         is_reached = load_step.normal_load == normal_load and not load_step.holding
         if load_step is load_steps[-1] or is_reached or load_step.index in requested:
             is_judged = load_step is load_steps[-1] or load_step.normal_load >= normal_load
@@ -250,12 +251,16 @@ def _check_arguments(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _last_part(
-    levels: tuple[Scene, ...], velocity: float, before: State, load_step: LoadStep
+    levels: tuple[Scene, ...],
+    velocity: float,
+    before: State,
+    load_step: LoadStep,
+    ends_hold: bool = False,
 ) -> tuple[State, State]:
     """States before and after the last part of a step to `load_step`, on the coarsest grid."""
     scene, after, iterations = levels[0], before, 0
     observed = len(levels) == 1 and not scene.wears_by_strips
-    for part in step_parts(scene, before, load_step, velocity):
+    for part in step_parts(scene, before, load_step, velocity, ends_hold):
         begin, after = after, advance(scene, after, part, velocity, observed=observed)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)

@@ -16,7 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.constants import MOST_PARTS_OF_STEP, RESOLVING_STEPS
+from tribo.constants import (
+    END_IMPRINT,
+    END_PARTS,
+    MAX_END_RATIO,
+    MOST_PARTS_OF_STEP,
+    RESOLVING_STEPS,
+)
 from tribo.loading import LoadStep
 from tribo.simulation.disk_positions import imprint_ratio
 from tribo.simulation.scene import Scene
@@ -83,21 +89,40 @@ def _span(contact: Mask, axis: int) -> float:
 
 
 def step_parts(
-    scene: Scene, before: State, load_step: LoadStep, velocity: float
+    scene: Scene, before: State, load_step: LoadStep, velocity: float, ends_hold: bool = False
 ) -> Iterator[LoadStep]:
-    """Cut a step into parts of equal duration; yield time and load at the end of each part.
+    """Cut a step into parts; yield time and load at the end of each part.
 
     The step leads from the state `before` to `load_step`, which is yielded last. The step has so
-    many parts that in each the roughness wears only a shallow imprint into the pin, but at most 4,
-    and only one with 25 steps or more. A dense contact has more parts, see
-    `tribo.simulation.element_size`.
+    many parts of equal duration that in each the roughness wears only a shallow imprint into the
+    pin, but at most 4, and only one with 25 steps or more. A dense contact has more parts, see
+    `tribo.simulation.element_size`. If the step `ends_hold`, a hold of a pin at rest, the parts
+    become shorter towards its end.
     """
     distance = abs(velocity) * (load_step.time - before.time)
-    count = 1 if load_step.holding or not scene.wears else scene.fidelity.parts
-    count *= _part_count(scene, before, distance / count, velocity)
-    for part in range(1, count):
-        yield replace(interpolate_step(before, load_step, part / count), part=part - 1)
-    yield load_step if count == 1 else replace(load_step, part=count - 1)
+    if ends_hold and load_step.holding and scene.wears_by_strips and distance:
+        shares = _end_shares(scene, before, distance, velocity)
+    else:
+        count = 1 if load_step.holding or not scene.wears else scene.fidelity.parts
+        count *= _part_count(scene, before, distance / count, velocity)
+        shares = [part / count for part in range(1, count)]
+    for part, share in enumerate(shares):
+        yield replace(interpolate_step(before, load_step, share), part=part)
+    yield replace(load_step, part=len(shares)) if shares else load_step
+
+
+def _end_shares(scene: Scene, before: State, distance: float, velocity: float) -> list[float]:
+    """Ends of the parts of a hold's last step, without the last, as shares of its duration.
+
+    A long step would wear the imprint of its last strips as deep as the roughness. So each part is
+    half of what remains, until the imprint of the rest is shallow. The rest has equal parts.
+    """
+    wear = step_wear(scene, before, distance, velocity)
+    imprint = imprint_ratio(scene, wear, distance) / END_IMPRINT if wear else 0.0
+    halvings = math.ceil(math.log2(min(max(imprint, 1.0), MAX_END_RATIO)))
+    rest, count = 0.5**halvings, END_PARTS * scene.fidelity.parts
+    halves = [1 - 0.5**number for number in range(1, halvings + 1)]
+    return halves + [1 - rest * (1 - part / count) for part in range(1, count)]
 
 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
