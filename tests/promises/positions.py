@@ -28,7 +28,7 @@ HEADS = "lengths [µm]", "angle", "N", "wear [m²/N]", "random [%]", "stated [%]
 
 def drawn(number, preset):
     """Scene, load [N], velocity [m/s] and description of the scene of a number, odd with a lay."""
-    rng, has_lay = np.random.default_rng(7000 + number), number % 2
+    rng, has_lay = np.random.default_rng(17000 + number), number % 2
     across = np.exp(rng.uniform(np.log(3), np.log(6 if has_lay else 12)))
     along = np.exp(rng.uniform(np.log(20), np.log(300))) if has_lay else across
     angle = float(rng.choice([0, 0, 20, 45, 90])) if has_lay else 0.0
@@ -37,7 +37,7 @@ def drawn(number, preset):
     ra, wear_rate = np.exp(rng.uniform(np.log([1e-7, 2e-16]), np.log([6e-7, 4e-15])))
     pixels = Grid((400, int(rng.choice([64, 96, 160, 240]))), (1.632e-6, 1.9e-6), (False, True))
     lengths = 1e-6 * across, 1e-6 * along
-    heights = oblique_heights(pixels, angle, 9000 + number, lengths, ra)
+    heights = oblique_heights(pixels, angle, 19000 + number, lengths, ra)
     scene = pipeline.load_scene("first_try", preset).scene
     material = replace(scene.disk, hardness=rng.uniform(3e9, 9e9))
     scene = replace(
