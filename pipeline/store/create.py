@@ -117,7 +117,8 @@ def _remove_leftovers(location: Path) -> None:
 def _remove_folder(folder: Path) -> None:
     """Delete a folder, its root first: after a kill, what is left of it is no store."""
     if folder.exists():
-        (folder / FACTS).unlink(missing_ok=True)
+        for key in (ROOT, FACTS):
+            (folder / key).unlink(missing_ok=True)
         shutil.rmtree(folder)
 
 

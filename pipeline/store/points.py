@@ -79,6 +79,8 @@ def _faults(store: Store, indices: Indices, values: dict[str, Any]) -> list[str]
     faults = [""] * len(indices)
     for name, column in values.items():
         has_value = is_done & has_fields if name in FIELDS else is_done | (name not in _OF_DONE)
+        if name == "message":  # which a point that is done does not have
+            has_value = ~is_done
         if column is None:
             is_lost, problem = has_value, "cannot be read"
         elif name in FIELDS:
@@ -165,6 +167,7 @@ def transfer(target: Store, source: Store, states: Collection[int]) -> tuple[int
                 for name, column in columns.items()
                 if name in target.arrays and column is not None
             }
+            values.setdefault("message", [""] * len(rows))
             target.write(np.array(target_indices), values, flags[rows])
         copied += len(rows)
     return copied, damaged

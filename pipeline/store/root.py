@@ -1,6 +1,7 @@
 """Documents of a store: the data of its sweep in the group ``about``, and metadata of Zarr.
 
-This program derives all arrays from the data of the sweep, which have a digest. All other documents
+This program derives all arrays from the data of the sweep, which have a digest. They are stored
+twice: in the document `FACTS`, and in Zarr's copy of all metadata in the root. All other documents
 are for other programs.
 """
 
@@ -9,8 +10,9 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -132,17 +134,21 @@ class Root:
         parents = dict.fromkeys(path.rpartition("/")[0] for path in documents)
         documents |= {path: _group({}) for path in parents if path}
         documents[ABOUT] = _group(facts)
-        # Zarr finds the members of a group only if they are consecutive.
-        members = {
-            path: documents[path] for path in sorted(documents, key=lambda p: p.rpartition("/")[0])
-        }
-        consolidated = {"kind": "inline", "must_understand": False, "metadata": members}
         keys = {f"{path}/{ROOT}": document for path, document in documents.items()}
-        return {ROOT: _group(self.attributes) | {_CONSOLIDATED: consolidated}} | keys
+        root = _group(self.attributes) | {_CONSOLIDATED: _consolidated(documents)}
+        return {ROOT: root} | keys
 
 
 def _group(attributes: Document) -> Document:
     return {"zarr_format": 3, "node_type": "group", "attributes": attributes}
+
+
+def _consolidated(documents: Mapping[str, Document]) -> Document:
+    """Zarr's copy of all metadata, from the documents by the path of their array or group."""
+    # Zarr finds the members of a group only if they are consecutive.
+    paths = sorted(documents, key=lambda path: path.rpartition("/")[0])
+    members = {path: documents[path] for path in paths}
+    return {"kind": "inline", "must_understand": False, "metadata": members}
 
 
 def _digest(facts: Mapping[str, Any]) -> str:
@@ -161,14 +167,13 @@ def write_documents(location: Path, root: Root, previous: Path) -> None:
     """
     documents = root.documents()
     stored = {key: _read_document(previous, key) for key in documents}
-    for key, document in documents.items():
+    for key in documents.keys() - {FACTS}:  # whose attributes have a digest
+        document = documents[key]
         document["attributes"] = stored[key].get("attributes", {}) | document["attributes"]
-    if stored[ROOT] and location == previous:
+    if location == previous:
         # Zarr drops the copy of all metadata if an array is added.
-        members = (stored[ROOT].get(_CONSOLIDATED) or {}).get("metadata", {})
-        copies = documents[ROOT][_CONSOLIDATED]
-        copies["metadata"] = members | copies["metadata"]
-        documents[ROOT][_CONSOLIDATED] = copies if members else None
+        members = _added_documents(location, documents) | documents[ROOT][_CONSOLIDATED]["metadata"]
+        documents[ROOT][_CONSOLIDATED] = _consolidated(members)
     changed = {
         key: json.dumps(document).encode()
         for key, document in documents.items()
@@ -177,6 +182,18 @@ def write_documents(location: Path, root: Root, previous: Path) -> None:
     with ThreadPoolExecutor() as threads:
         folders = threads.map(store_file, [location] * len(changed), changed, changed.values())
         _ = [*threads.map(sync, {*folders})]
+
+
+def _added_documents(location: Path, documents: Collection[str]) -> dict[str, Document]:
+    """Metadata of the arrays and groups that users added, by path."""
+    files = (file for file in sorted(location.rglob(f"*/{ROOT}")) if not file.is_symlink())
+    keys = {
+        str(file.relative_to(location)): str(file.parent.relative_to(location)) for file in files
+    }
+    added = {
+        path: _read_document(location, key) for key, path in keys.items() if key not in documents
+    }
+    return {path: document for path, document in added.items() if document}
 
 
 def damaged_documents(location: Path, root: Root) -> list[str]:
@@ -218,29 +235,48 @@ def read_root(location: Path) -> Root:
 def find_root(location: Path) -> Root | None:
     """Read the root of a store; None if there is nothing, `StoreError` for other content.
 
-    Raises a `DamagedError` if the document with the data of the sweep is damaged.
+    The data of the sweep are read from their copy if their own document is lost or damaged. Raises
+    a `DamagedError` if both are.
     """
+    errors = list[StoreError]()
     with io_errors(location):
+        if folder := next((path for path in location.parents if (path / FACTS).is_file()), None):
+            raise StoreError(
+                f"{location} is inside the store {folder}; give the path of the store itself, or "
+                "one outside it"
+            )
         if not location.exists() or (location.is_dir() and not any(location.iterdir())):
             return None
-        if (location / FACTS).is_file():
-            return _parse(location, read_file(location / FACTS, _MAX_BYTES))
+        for content in _stored_facts(location):
+            try:
+                return _parse(location, content)
+            except StoreError as error:
+                errors.append(error)
+    if errors:
+        raise errors[0]
     raise StoreError(f"{location} is not a store: {_describe_content(location)}")
+
+
+def _stored_facts(location: Path) -> Iterator[bytes]:
+    """Yield the document `FACTS` if it is there, then its copy in the document of the root."""
+    if (location / FACTS).is_file():
+        yield read_file(location / FACTS, _MAX_BYTES)
+    with suppress(*_WRONG_KIND):
+        copies = _read_document(location, ROOT)[_CONSOLIDATED]["metadata"]
+        yield json.dumps(copies[ABOUT]).encode()
 
 
 def _describe_content(location: Path) -> str:
     """Say what is at a path that is no store, and what to do."""
     if location.suffix == ".toml":
         return "it is a scene file; run it with irg run, then give the resulting store"
+    if (location / ROOT).exists() or (location / "status" / ROOT).exists():
+        return (
+            f"it is of another program, or has lost {FACTS} and its copy in {ROOT}; restore it "
+            "from a backup, or run the scene into another store"
+        )
     if inner := sorted(location.glob(f"*/{FACTS}")):
         return f"it is a folder of stores; choose one, such as {inner[0].parents[1].name}"
-    for folder in location.parents:
-        if (folder / FACTS).is_file():
-            return f"it is a part of the store {folder}; give the path of the store"
-    if (location / ROOT).exists():
-        return (
-            f"it is of another program, or has lost its {FACTS}; run the scene into another store"
-        )
     kind = "a folder with other files" if location.is_dir() else "not a folder"
     return f"it is {kind}; give the folder written by irg run, or a new one"
 
@@ -277,8 +313,8 @@ def _parse(location: Path, content: bytes) -> Root:
 
 def _damaged(location: Path, reason: object) -> DamagedError:
     return DamagedError(
-        f"{location}: its {FACTS} is damaged ({f'{reason}'[:300]}); restore it from a backup, or "
-        "run the scene into another store"
+        f"{location}: its {FACTS} and the copy in {ROOT} are damaged ({f'{reason}'[:300]}); "
+        "restore one of them from a backup, or run the scene into another store"
     )
 
 

@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.run.serial import run_serial
 from pipeline.store import files, root
 from pipeline.store.create import writing
-from pipeline.store.location import LOCK
+from pipeline.store.location import LOCK, ROOT
 from pipeline.store.schema import DONE
 from pipeline.store.store import opened
 from pipeline.sweep.plan import PointRecord, points, tasks
@@ -138,7 +138,7 @@ def killed_after(monkeypatch, count):
 
 
 def forge(store, change):
-    """Change the facts of a store, and give them the right digest.
+    """Change the facts of a store and their copy, and give them the right digest.
 
     `change` is called with the sweep and the facts.
     """
@@ -146,7 +146,14 @@ def forge(store, change):
     facts = document["attributes"]
     change(facts["sweep"], facts)
     facts["digest"] = root._digest(facts)
-    (store / root.FACTS).write_text(json.dumps(document))
+    write_facts(store, json.dumps(document).encode())
+
+
+def write_facts(store, content):
+    """Replace the document with the facts of a store, and remove its copy."""
+    (store / root.FACTS).write_bytes(content)
+    document = json.loads((store / ROOT).read_bytes())
+    (store / ROOT).write_text(json.dumps(document | {"consolidated_metadata": None}))
 
 
 def contents(path):

@@ -1,15 +1,17 @@
 """Runs that find what a killed growth left, or a store with damaged documents."""
 
-import dataclasses
 import shutil
+from dataclasses import astuple, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+import zarr
 
 import pipeline
 from pipeline import StoreError, summary, verify_store
 from pipeline.store import arrays, create
-from pipeline.store.create import find_sweep
+from pipeline.store.create import find_sweep, writing
 from pipeline.store.location import NEW, OLD, ROOT
 from pipeline.store.root import FACTS
 from pipeline.sweep.case_table import surface_table
@@ -23,6 +25,7 @@ from tests.helpers.stores import (
     commit_all,
     contents,
     done_points,
+    fail,
 )
 
 SWEEP = tiny.full()
@@ -84,11 +87,28 @@ def test_a_growth_that_is_killed_between_its_renames_loses_no_point(renames, swe
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
-@pytest.mark.parametrize("harm", [Path.unlink, lambda file: cut("")(file)])
-def test_a_store_whose_data_of_the_sweep_are_lost_is_refused_and_nothing_is_deleted(path, harm):
+def flip(file, position=0):
+    """Change a bit of a file at a position, by default so that a document is none any more."""
+    content = bytearray(file.read_bytes())
+    content[position] ^= 1
+    file.write_bytes(content)
+
+
+HARMS = {
+    "deleted": Path.unlink,
+    "cut": lambda file: cut("")(file),
+    "empty": lambda file: file.write_bytes(b""),
+    "other": lambda file: file.write_text("{}"),
+    "flipped": flip,
+}
+
+
+@pytest.mark.parametrize("harm", [HARMS["deleted"], HARMS["cut"]])
+def test_a_store_without_its_facts_and_their_copy_is_refused_and_nothing_is_deleted(path, harm):
     commit(path, TWO_POINTS)
     grow_until(2, path)
-    harm(path / FACTS)
+    for key in (FACTS, ROOT):
+        harm(path / key)
     before = contents(path.parent)
     for sweep in (TWO_POINTS, THREE_POINTS):
         with pytest.raises(StoreError, match="run the scene into another store"):
@@ -96,18 +116,64 @@ def test_a_store_whose_data_of_the_sweep_are_lost_is_refused_and_nothing_is_dele
     assert contents(path.parent) == before
 
 
-@pytest.mark.parametrize(
-    "harm", [Path.unlink, lambda file: cut("")(file), lambda f: f.write_text("{}")]
-)
-@pytest.mark.parametrize("key", [ROOT, f"status/{ROOT}"])
-def test_a_damaged_document_of_other_programs_is_mended_by_the_first_run(copy, harm, key):
+@pytest.mark.parametrize("harm", HARMS.values(), ids=HARMS)
+@pytest.mark.parametrize("key", [FACTS, ROOT, f"status/{ROOT}", f"about/message/{ROOT}"])
+def test_a_damaged_document_is_named_costs_no_point_and_is_mended_by_the_first_run(
+    copy, tiny_store, harm, key
+):
     before = contents(copy)
     harm(copy / key)
-    assert pipeline.boundary(copy).equals(pipeline.boundary(copy))
+    harmed = contents(copy)
+    assert summary(copy).done == 9
+    assert pipeline.boundary(copy).equals(pipeline.boundary(tiny_store))
     verification = verify_store(copy)
     assert (verification.done, verification.damaged, verification.shared) == (9, (), (key,))
-    assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
+    assert contents(copy) == harmed  # answers write nothing
+    commit(copy, SWEEP, ())
     assert contents(copy) == before
+
+
+def test_a_flipped_bit_anywhere_in_the_facts_costs_no_store_and_is_mended(path):
+    commit(path, TWO_POINTS, ())
+    before = contents(path)
+    for position in range(0, len(before[FACTS]), 61):
+        flip(path / FACTS, position)
+        assert find_sweep(path) == TWO_POINTS
+        assert verify_store(path).shared == (FACTS,)
+        commit(path, TWO_POINTS, ())
+        assert contents(path) == before
+
+
+def test_arrays_that_users_added_stay_beside_a_copy_of_the_facts(path):
+    commit(path, TWO_POINTS)
+    zarr.open_group(path, mode="r+").create_array("notes/rig", data=np.arange(3))
+    commit(path, TWO_POINTS, ())  # Zarr has dropped the copy
+    (path / FACTS).unlink()
+    assert summary(path).done == 2
+    commit(path, TWO_POINTS, ())
+    with_copy = zarr.open_group(path, mode="r", use_consolidated=True)
+    assert with_copy["notes/rig"][:].tolist() == [0, 1, 2]
+    assert verify_store(path).is_clean
+
+
+@pytest.mark.parametrize("failing", [(), (Point(600.0, 0.5),)], ids=["done", "one failed"])
+def test_a_store_that_has_lost_its_folder_about_has_all_finished_points(path, failing):
+    commit(path, TWO_POINTS)
+    for point in failing:
+        with writing(path, TWO_POINTS) as store:
+            store.forget([point])
+        fail(path, TWO_POINTS, point, "out of memory")
+    finished = [point for point in points(TWO_POINTS) if point not in failing]
+    shutil.rmtree(path / "about")
+    assert summary(path).done == len(finished)
+    assert pipeline.open_sweep(path)["mean_rise"].notnull().sum() > 0
+    verification = verify_store(path)
+    assert [Point(*damage[:2]) for damage in map(astuple, verification.damaged)] == [*failing]
+    assert verification.shared == ("about/message/c.0.0", FACTS, f"about/message/{ROOT}")
+    commit(path, TWO_POINTS, ())
+    assert_is_as_computed(path, finished)
+    assert summary(path).pending == len(failing)
+    assert verify_store(path).is_clean
 
 
 @pytest.mark.parametrize("name", ["x", "pressure", "field_realization"])
@@ -134,7 +200,7 @@ def test_a_store_is_readable_however_often_it_grows(path, monkeypatch):
 
 
 def test_a_flipped_bit_in_the_text_of_the_scene_is_found_and_mended(path):
-    sweep = dataclasses.replace(TWO_POINTS, text='radius = "2 mm"\n')
+    sweep = replace(TWO_POINTS, text='radius = "2 mm"\n')
     commit(path, sweep)
     before = contents(path)
     content = bytearray(before[ROOT])

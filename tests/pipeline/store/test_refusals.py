@@ -17,7 +17,7 @@ from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
-from tests.helpers.stores import commit, forge, lock_of
+from tests.helpers.stores import commit, forge, lock_of, write_facts
 
 SWEEP = tiny.full()
 
@@ -45,8 +45,18 @@ def put(name, content):
     return lambda path: (path / name).write_bytes(content)
 
 
-def flip_root(path):
-    put(FACTS, (path / FACTS).read_bytes().replace(b"tiny", b"huge"))(path)
+def facts(content):
+    """Function that replaces the facts of a store, of which no copy is left."""
+    return lambda path: write_facts(path, content)
+
+
+def change_a_word(path):
+    write_facts(path, (path / FACTS).read_bytes().replace(b"tiny", b"huge"))
+
+
+def lose_facts(path):
+    write_facts(path, b"")
+    (path / FACTS).unlink()
 
 
 def link_folder(path):
@@ -123,7 +133,7 @@ REFUSALS = {
     # paths
     "top": (lambda: location_of("/"), "/ cannot be a store; choose a folder below it"),
     "nothing": (lambda: summary("a.zarr"), "no store at "),
-    "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
+    "foreign": (foreign, "it is of another program, or has lost about/zarr.json and its copy"),
     "scene": (lambda: of_file("a.toml"), "it is a scene file; run it with irg run"),
     "text": (lambda: of_file("a.txt"), "it is not a folder; give the folder written by irg run"),
     "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "b.zarr is not a folder; copy"),
@@ -135,23 +145,24 @@ REFUSALS = {
                   "on node7; if that has ended, delete"),
     "being made": (unfinished, "is being created by process"),
     # the root
-    "old": (changed(put(FACTS, OLD)), "its format is 3, this version reads"),
-    "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
-    "digest": (changed(flip_root), "it is not what was written"),
+    "old": (changed(facts(OLD)), "its format is 3, this version reads"),
+    "torn": (changed(facts(b"{")), "are damaged (JSONDecodeError"),
+    "digest": (changed(change_a_word), "it is not what was written"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
     "exchanged": (lambda: measured(exchange), "other numbers than were written"),
     "file": (lambda: location_of("a.nc"), "a.nc cannot be a store, which is a Zarr folder; give"),
     "many points": (changed(forged(lambda sweep, _: sweep.update(
         loads=[*range(1, 5000)], velocities=[*range(1, 5000)]))), "2.499e+07 points are too many"),
-    "many brackets": (changed(put(FACTS, b"[" * 300_000 + b"]" * 300_000)), "damaged (Recursion"),
+    "many brackets": (changed(facts(b"[" * 300_000 + b"]" * 300_000)), "damaged (Recursion"),
     "kind": (changed(forged(lambda sweep, _: sweep["case_table"].update(columns=["a"]))),
              "'str' object has no attribute 'name'; read it with that version, or run the scene"),
     "many inputs": (changed(forged(lambda _, facts: facts.update(inputs={"a": 10**9}))),
                     "it contains 1e+09 numbers of the scene's files"),
     "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
             "another version of this program (computed by irg-transition"),
-    "lost": (changed(lambda path: (path / FACTS).unlink()), "or has lost its about/zarr.json; run"),
-    "group": (lambda: verify_store("tiny.zarr/fields/rise"), "it is a part of the store "),
+    "lost": (changed(lose_facts), "or has lost about/zarr.json and its copy in zarr.json; restore"),
+    "group": (lambda: verify_store("tiny.zarr/fields/rise"), "is inside the store "),
+    "inner store": (lambda: commit("tiny.zarr/new.zarr", SWEEP, ()), "is inside the store "),
     "replaced": (replaced, "a.zarr now; open it again, and keep its attributes"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
