@@ -43,7 +43,7 @@ _ALLOWED: dict[str, tuple[Any, str]] = {
 }  # fmt: skip
 """Types of arguments of public functions, by their names, and what is allowed."""
 _CLASSES = {
-    "sweep": ("Sweep",), "scene": ("Sweep",), "ds": ("Dataset", "Trade", "Sensitivity"),
+    "sweep": ("Sweep",), "scene": ("Sweep",), "ds": ("Dataset", "Trade"),
 }  # fmt: skip
 """Further types of arguments, by name, since importing them is slow."""
 _POINTS = {"load": ("500 N", "finite and above 0"), "velocity": ("2 m/s", "finite and at least 0")}

@@ -104,8 +104,8 @@ _CODES = {
 _FLAGS: dict[str, type[IntFlag]] = {"warning_flags": Flag, "decided_by": Remedy}
 """Flags of a variable, each a bit."""
 ATTRIBUTES = (
-    "conditions", "model_error", "realizations", "tests", "outliers", "tests_without_result",
-    "verdicts_withheld", "not_included", "notes",
+    "conditions", "model_error", "uncertain_inputs", "realizations", "tests", "outliers",
+    "tests_without_result", "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
 _BODIES = {"pin_track": "pin", "track": "disk"}
@@ -200,6 +200,7 @@ def answer_attributes(model: VerdictModel, is_varied: bool = False) -> dict[str,
     return {
         "conditions": "given for each point" if is_varied else conditions,
         "model_error": model_error(evidence),
+        "uncertain_inputs": uncertain_inputs(evidence),
         "realizations": len(model.specimen.differences),
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers),
@@ -215,8 +216,20 @@ def model_error(evidence: Evidence) -> str:
     ends = (100 * math.expm1(-evidence.posterior.level(p)) for p in (0.95, 0.05))
     signed = [f"{x:+.0f}" if abs(x) >= 10 else f"{x:+.2g}" for x in ends]
     count = len(evidence.specimens)
-    text = _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
-    return f"{text}; the prior has {evidence.inputs.text}" if evidence.inputs else text
+    return _MODEL_ERRORS[min(count, 2)].format(*signed, count).replace("-", "−")
+
+
+def uncertain_inputs(evidence: Evidence) -> str:
+    """Standard deviation of the rise by uncertain inputs, before tests; empty without any."""
+    if evidence.inputs is None:
+        return ""
+    name, part = evidence.inputs.largest
+    text = (
+        f"± {100 * evidence.inputs.deviation:.2g} % of the rise (one standard deviation), most by "
+        f"{name} (± {100 * part:.2g} %)"
+    )
+    is_narrowed = any(not rows[0].test.has_own_inputs for rows in evidence.specimens)
+    return f"{text}; narrowed by the tests, as they have the same inputs" if is_narrowed else text
 
 
 def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
@@ -236,7 +249,9 @@ def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
         )
     if model.lacks_film:
         yield "an oil film that carries load (unknown here)"
-    if model.evidence.inputs is None:
+    if model.case.sweep.base.uncertainty and model.evidence.inputs is None:
+        yield "uncertain inputs, whose points are not simulated (irg run SCENE)"
+    elif model.evidence.inputs is None:
         yield "uncertain inputs"
     if not model.evidence.specimens:
         bias = 100 * model.evidence.prior.bias

@@ -46,6 +46,14 @@ def model_error_line(answer: xr.Dataset) -> str:
     return f"model error: {first}"
 
 
+def uncertain_inputs_lines(answer: xr.Dataset) -> Iterator[str]:
+    """Line on the uncertain inputs of the first case, and the number of further cases."""
+    texts = [*filter(None, split_notes(attribute_texts(answer, "uncertain_inputs")))]
+    if texts:
+        more = f", and {len(texts) - 1} more" if len(texts) > 1 else ""
+        yield f"uncertain inputs: {texts[0]}{more}"
+
+
 def not_included_lines(answer: xr.Dataset) -> Iterator[str]:
     """Lines on effects that are not included and may be unsafe."""
     if "not_included" in answer.attrs:

@@ -7,7 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.answer_lines import model_error_line, not_included_lines
+from pipeline.answers.answer_lines import (
+    model_error_line,
+    not_included_lines,
+    uncertain_inputs_lines,
+)
 from pipeline.answers.point_text import ERROR_PARTS
 from pipeline.messages import split_notes
 from tribo.types import Array
@@ -59,6 +63,7 @@ def error_lines(answer: xr.Dataset) -> Iterator[str]:
             "(sweep.realizations)"
         )
     yield model_error_line(answer)
+    yield from uncertain_inputs_lines(answer)
 
 
 def _percents(values: Array) -> str:

@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.constants import MIN_VELOCITY_RATIO
 from pipeline.quantities import UNITS
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, VARIABLES
-from pipeline.sweep.case import Conditions
+from pipeline.sweep.case import Conditions, Variant
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
@@ -76,7 +76,8 @@ class CaseResults:
     ds: xr.Dataset = field(repr=False)
     tests: tuple[tuple[TestPoint, ...], ...] = field(repr=False)  #: Points of each test.
     is_row: bool = False  #: True if each case of the sweep has its own load and velocity.
-    variants: tuple[tuple[TestPoint, ...], ...] = field(default=(), repr=False)  #: Their points.
+    #: Variants of its scene, each with its point.
+    variants: tuple[tuple[Variant, TestPoint], ...] = field(default=(), repr=False)
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property

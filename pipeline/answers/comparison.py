@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_dataset import answer_attributes, with_attributes
-from pipeline.answers.condition_values import ConditionValues, QueryPoints, override_conditions
+from pipeline.answers.condition_values import ConditionValues, override_conditions
 from pipeline.answers.critical_temperature import evidence_with_critical_temperature
 from pipeline.answers.results import cases_of
 from pipeline.answers.scene_wording import model_words
@@ -61,9 +61,9 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
             columns.setdefault(name, []).append(value)
     comparison = xr.Dataset({name: ("test", values) for name, values in columns.items()})
     comparison = comparison if columns else xr.Dataset(coords={"test": np.array([], object)})
-    point = QueryPoints.under(model.conditions, case.loads[:1], case.velocities[:1])
+    bulk = np.full(1, model.conditions.bulk_temperature)
     levels = [
-        float(evidence.log_rise_ratio_quantiles(probability, point)[0])
+        float(evidence.log_rise_ratio_quantiles(probability, bulk)[0])
         for probability in VERDICT_PROBABILITIES
     ]
     return with_attributes(comparison).assign_attrs(

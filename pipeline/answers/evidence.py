@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from pipeline.answers.critical_temperature import CriticalTemperature
 
 _EQUAL_WITHIN = 1e-9  # relative rounding difference of equal conditions
-_BIAS_STEP = 0.005
-"""Step of ln(bias) between loads with different uncertainty, since each has its own posterior."""
 _MAX_Y = 20.0  # largest |y| of a test, also for a rise or a limit of 0
 
 
@@ -97,9 +95,8 @@ class Evidence:
     """All tests of a case, under the conditions of one oil, and the posterior."""
 
     rows: tuple[EvaluatedTest, ...]
-    prior: Prior  # at the middle load of `inputs`
-    inputs: InputErrors | None = None  #: Errors by uncertain inputs, a part of the bias.
-    model_bias: float = 0.0  #: The bias without them.
+    prior: Prior
+    inputs: InputErrors | None = None  #: Errors by uncertain inputs, a part of the prior's bias.
     critical: CriticalTemperature | None = None  #: If it is inferred from tests.
 
     @functools.cached_property
@@ -117,7 +114,10 @@ class Evidence:
     @functools.cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
         """Result of each specimen."""
-        return tuple(map(outcome_of, self.specimens))
+        deviation = self.inputs.deviation if self.inputs else 0.0
+        return tuple(
+            outcome_of(rows, deviation * rows[0].test.has_own_inputs) for rows in self.specimens
+        )
 
     def has_outcome(self, name: str) -> bool:
         """True if a specimen was "mild", or "severe", by `name`."""
@@ -128,35 +128,27 @@ class Evidence:
         """Bias and scatter of the model, after the tests, at the scene's bulk temperature."""
         return update(self.outcomes, self.prior) if self.critical is None else self.critical.nodes
 
-    def probability(self, y: Array, points: QueryPoints) -> Array:
-        """Probability of severe wear (k,) at `y` (k,) of points."""
+    def probability(self, y: Array, bulks: Array) -> Array:
+        """Probability of severe wear (k,) at `y` (k,), at bulk temperatures [K]."""
         probability = np.full(y.shape, np.nan)
-        for posterior, is_member in self._posteriors(points):
+        for posterior, is_member in self._posteriors(bulks):
             probability[is_member] = posterior.probability(y[is_member])
         return probability
 
-    def log_rise_ratio_quantiles(self, probability: float, points: QueryPoints) -> Array:
-        """Y (k,) at which severe wear has a probability, at the conditions of points."""
-        quantiles = np.full(points.load.shape, np.nan)
-        for posterior, is_member in self._posteriors(points):
+    def log_rise_ratio_quantiles(self, probability: float, bulks: Array) -> Array:
+        """Y (k,) at which severe wear has a probability, at bulk temperatures [K]."""
+        quantiles = np.full(bulks.shape, np.nan)
+        for posterior, is_member in self._posteriors(bulks):
             quantiles[is_member] = posterior.level(probability)
         return quantiles
 
-    def _posteriors(self, points: QueryPoints) -> Iterator[tuple[Posterior, Mask]]:
-        """Yield each posterior that applies to some of the points, and a mask of these points."""
-        bulks = points.bulk_temperature
-        if self.critical is not None:
-            for bulk in np.unique(bulks).tolist():
-                yield self.critical.at_bulk(bulk), bulks == bulk
-            return
-        if self.inputs is None:
+    def _posteriors(self, bulks: Array) -> Iterator[tuple[Posterior, Mask]]:
+        """Yield the posterior at each bulk temperature [K] among `bulks`, and its points."""
+        if self.critical is None:
             yield self.posterior, np.ones(bulks.shape, bool)
             return
-        biases = np.hypot(self.model_bias, self.inputs.deviation(points.load))
-        steps = np.round(np.log(biases) / _BIAS_STEP)
-        for step in np.unique(steps[np.isfinite(steps)]).tolist():
-            prior = replace(self.prior, bias=math.exp(step * _BIAS_STEP))
-            yield update(self.outcomes, prior), steps == step
+        for bulk in np.unique(bulks).tolist():
+            yield self.critical.at_bulk(bulk), bulks == bulk
 
     @property
     def without_result(self) -> list[EvaluatedTest]:
@@ -230,11 +222,11 @@ class Evidence:
         return velocities, names
 
 
-def outcome_of(rows: list[EvaluatedTest]) -> Outcome:
+def outcome_of(rows: list[EvaluatedTest], added_scatter: float = 0.0) -> Outcome:
     """Result of one specimen as an interval, from its highest mild y to its lowest severe y."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.inf)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=-math.inf)
-    return Outcome(severe, mild)
+    return Outcome(severe, mild, added_scatter)
 
 
 def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evidence:
@@ -245,10 +237,9 @@ def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evide
     )
     base, inputs = case.sweep.base, input_errors(case, oil)
     bias = base.model_bias
-    if inputs is not None:
-        middle = inputs.loads[len(inputs.loads) // 2 :][:1]
-        bias = math.hypot(bias, float(inputs.deviation(middle)[0]))
-    return Evidence(rows, Prior(bias, base.model_scatter), inputs, base.model_bias)
+    if inputs:
+        bias = max(bias, math.hypot(base.bias_without_inputs, inputs.deviation))
+    return Evidence(rows, Prior(bias, base.model_scatter), inputs)
 
 
 def _evaluate(

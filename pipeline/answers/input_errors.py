@@ -1,13 +1,14 @@
 """Sensitivities of ln(rise ratio) to the inputs of a scene, and its error by their uncertainties.
 
-With y = ln(rise/allowable rise), the sensitivity to an input p is s = dy/d ln(p), from a variant of
-the scene on either side; friction and temperatures act in closed form, the latter by dy/dT. For
-independent uncertainties, sd(y)² = Σ (s σ)². Inputs with one uncertainty in common add before they
-are squared.
+With y = ln(rise/allowable rise), the sensitivity to an input p is s = dy/d ln(p), from variants of
+the scene on both sides, or on one side and the point itself; friction and temperatures act in
+closed form, the latter by dy/dT. For independent uncertainties, sd(y)² = Σ (s σ)². Inputs with one
+uncertainty in common add before they are squared.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -15,59 +16,87 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.case_results import CaseResults
+from pipeline.store.schema import PENDING
 from pipeline.sweep.case import (
     CLOSED_FORM,
     INPUT_STEP,
-    TEMPERATURES,
     VELOCITY_INPUT,
     Conditions,
     Uncertainty,
 )
 from tribo.types import Array
 
-TEMPERATURE_STEP = 10.0
-"""Change of a temperature that answers print [K]."""
-_STEP = math.log(INPUT_STEP)
+STEP = math.log(INPUT_STEP)
+"""Change of ln(input) on either side."""
 
 
 def sensitivity_dataset(case: CaseResults, conditions: Conditions) -> xr.Dataset:
-    """Sensitivities of a case to its inputs along (input, load), from the variants of its scene.
+    """Sensitivities of a case along (input, point), from the variants of its scene.
 
-    ``sensitivity`` is dy/d ln(input), or dy/dT [1/K] of a temperature; ``curvature`` the sum of the
-    changes of y on both sides; NaN in closed form. ``velocity_exponent`` is that of the rise.
+    ``sensitivity`` is dy/d ln(input), or dy/dT [1/K] of a temperature; ``curvature`` is the sum of
+    the changes of y on both sides, NaN in closed form or if one side has no result; ``sides`` has
+    the factors of the input that were simulated. ``velocity_exponent`` is that of the rise.
     """
-    variants, rises = case.sweep.variants, dict[tuple[str, float, float], float]()
-    velocities = {variant.load: variant.velocity for variant in variants}
-    for variant, points in zip(variants, case.variants, strict=True):
+    logs, values = dict[tuple[str, float, float, float], float](), dict[str, tuple[float, str]]()
+    for variant, point in case.variants:
         changed = replace(conditions, corrections=variant.case.conditions.corrections)
-        rise = math.nan if points[0].missing_reason else points[0].rise(changed)
-        rises[variant.entry, variant.load, variant.factor] = (
-            math.log(rise) if rise > 0 else math.nan
+        rise = math.nan if point.missing_reason else point.rise(changed)
+        key = variant.entry, variant.load, variant.velocity, variant.factor
+        if rise > 0 or point.status == PENDING:
+            logs[key] = math.log(rise) if rise > 0 else math.nan
+        values[variant.entry] = variant.value, variant.unit
+    points = [*dict.fromkeys((v.load, v.velocity) for v, _ in case.variants)]
+    names = [name for name in values if name != VELOCITY_INPUT]
+
+    def changes(entries: list[str], factor: float) -> Array:
+        """Change of y (entry, point), infinite where the factor was refused or failed."""
+        rows = [
+            [
+                logs.get((entry, *point, factor), math.inf)
+                - logs.get((VELOCITY_INPUT, *point, 1.0), math.nan)
+                for point in points
+            ]
+            for entry in entries
+        ]
+        return np.array(rows).reshape(len(entries), len(points))
+
+    def slopes(entries: list[str]) -> tuple[Array, Array]:
+        up, down = (changes(entries, factor) for factor in (INPUT_STEP, 1 / INPUT_STEP))
+        is_up, is_down = ~np.isinf(up), ~np.isinf(down)
+        with np.errstate(invalid="ignore"):
+            both, curvature = (up - down) / (2 * STEP), up + down
+        slope = np.select(
+            (is_up & is_down, is_up, is_down), (both, up / STEP, -down / STEP), np.nan
         )
-    loads, names = sorted(velocities), [*dict.fromkeys(variant.entry for variant in variants)]
-    y = np.array([
-        [[rises.get((name, load, factor), math.nan) for load in loads] for name in names]
-        for factor in (INPUT_STEP, 1 / INPUT_STEP)
-    ])  # fmt: skip
-    sensitivity = (y[0] - y[1]) / (2 * _STEP)
+        return slope, np.where(is_up & is_down, curvature, np.nan)
+
     closed = closed_sensitivities(conditions)
-    values = {variant.entry: (variant.value, variant.unit) for variant in variants}
+    shape = len(closed), len(points)
+    closed_rows = np.broadcast_to([[slope] for slope in closed.values()], shape)
+    sensitivity, curvature = slopes(names)
+    sides = [
+        " and ".join(
+            text
+            for factor, text in ((INPUT_STEP, "+"), (1 / INPUT_STEP, "−"))
+            if all((name, *point, factor) in logs for point in points)
+        )
+        for name in names
+    ]
     values |= _closed_values(conditions)
     rows = [*names, *closed]
-    both = np.concatenate([
-        sensitivity, np.broadcast_to([[s] for s in closed.values()], (len(closed), len(loads)))
-    ])  # fmt: skip
     return xr.Dataset(
         {
-            "sensitivity": (("input", "load"), both),
-            "velocity_exponent": ("load", sensitivity[names.index(VELOCITY_INPUT)]),
+            "sensitivity": (("input", "point"), np.concatenate([sensitivity, closed_rows])),
+            "curvature": (("input", "point"), np.concatenate([curvature, closed_rows * np.nan])),
+            "velocity_exponent": ("point", slopes([VELOCITY_INPUT])[0][0]),
         },
         {
             "input": rows,
-            "load": loads,
-            "velocity": ("load", [velocities[load] for load in loads]),
+            "load": ("point", [load for load, _ in points]),
+            "velocity": ("point", [velocity for _, velocity in points]),
             "value": ("input", [values[name][0] for name in rows]),
             "unit": ("input", [values[name][1] for name in rows]),
+            "sides": ("input", [*sides, *("+ and −" for _ in closed)]),
         },
     )
 
@@ -89,38 +118,23 @@ def _closed_values(conditions: Conditions) -> dict[str, tuple[float, str]]:
     return dict(zip(CLOSED_FORM, pairs, strict=True))
 
 
-def change_of_step(ds: xr.Dataset) -> xr.DataArray:
-    """Change of y for +10 % of each input, or +10 K of a temperature."""
-    steps = [TEMPERATURE_STEP if path in TEMPERATURES else _STEP for path in ds["input"].values]
-    changes: xr.DataArray = ds["sensitivity"] * xr.DataArray(steps, dims="input")
-    return changes
-
-
 @dataclass(frozen=True, eq=False)
 class InputErrors:
-    """Standard deviations of y by the uncertain inputs of a case, at some loads."""
+    """Standard deviations of y by the uncertain inputs of a case, at the point of the largest."""
 
-    loads: Array  # ascending (n,) [N]
-    parts: Array  # by uncertainty (m, n)
     uncertainties: tuple[Uncertainty, ...]
+    parts: Array  # by uncertainty
 
-    def deviation(self, loads: Array) -> Array:
-        """Standard deviation (k,) of y at loads [N], interpolated in ln(load)."""
-        total = np.sqrt(np.square(self.parts).sum(axis=0))
-        return np.asarray(np.interp(np.log(loads), np.log(self.loads), total))
+    @functools.cached_property
+    def deviation(self) -> float:
+        """Standard deviation of y by all of them."""
+        return float(np.sqrt(np.square(self.parts).sum()))
 
     @property
-    def text(self) -> str:
-        """The deviation as text, with the input that contributes most at the middle load."""
-        total = 100 * np.sqrt(np.square(self.parts).sum(axis=0))
-        ends = dict.fromkeys(f"{end:.2g}" for end in (total.min(), total.max()))
-        middle = 100 * self.parts[:, len(self.loads) // 2]
-        first = int(np.argmax(middle))
-        names = " with ".join(input_name(path) for path in self.uncertainties[first].entries)
-        return (
-            f"uncertain inputs ± {' to '.join(ends)} % of the rise, most by {names} "
-            f"(± {middle[first]:.2g} %)"
-        )
+    def largest(self) -> tuple[str, float]:
+        """Name of the input that contributes most, and its part of the deviation."""
+        first = int(np.argmax(self.parts))
+        return uncertainty_name(self.uncertainties[first]), float(self.parts[first])
 
 
 def input_errors(case: CaseResults, conditions: Conditions) -> InputErrors | None:
@@ -128,23 +142,29 @@ def input_errors(case: CaseResults, conditions: Conditions) -> InputErrors | Non
     uncertainties = case.sweep.base.uncertainty
     if not uncertainties:
         return None
-    # The same for all answers under one oil, whatever bulk temperature they ask for.
+    # The same for all answers under one oil, whatever bulk temperature they are asked for.
     own = case.conditions
     conditions = replace(conditions, friction=own.friction, bulk_temperature=own.bulk_temperature)
-    if case.sweep.variants:
+    closed = closed_sensitivities(conditions)
+    sensitivities = {path: np.full(1, slope) for path, slope in closed.items()}
+    if case.variants:
         table = sensitivity_dataset(case, conditions)
-        loads = table["load"].values
-        sensitivities = dict(zip(table["input"].values, table["sensitivity"].values, strict=True))
-    else:
-        loads, closed = case.loads[:1], closed_sensitivities(conditions)
-        sensitivities = {path: np.full(1, value) for path, value in closed.items()}
+        rows = zip(table["input"].values.tolist(), table["sensitivity"].values, strict=True)
+        sensitivities = dict(rows)
     if not {path for each in uncertainties for path in each.entries} <= sensitivities.keys():
         return None
     parts = np.array([
         np.abs(sum(sensitivities[path] for path in each.entries)) * each.deviation
         for each in uncertainties
     ])  # fmt: skip
-    return InputErrors(loads, parts, uncertainties) if np.isfinite(parts).all() else None
+    if not np.isfinite(parts).all():
+        return None
+    return InputErrors(uncertainties, parts[:, np.argmax(np.square(parts).sum(axis=0))])
+
+
+def uncertainty_name(uncertainty: Uncertainty) -> str:
+    """Name of the inputs of an uncertainty, such as "Ra with correlation length"."""
+    return " with ".join(map(input_name, uncertainty.entries))
 
 
 def input_name(path: str) -> str:
@@ -153,9 +173,12 @@ def input_name(path: str) -> str:
     words = name.replace("_", " ")
     if table.startswith("materials."):
         return f"{words} of {table.removeprefix('materials.')}"
-    special = {"pin": f"pin {words}", "loading": f"loading {words}", "friction": "friction"}
+    special = {"pin": f"pin {words}", "friction": "friction"}
+    special |= {"oil": "viscosity of the oil"}
+    special |= {"loading": f"loading {words}" if name == "rate" else words}
+    special |= {"loading.stages": "hold of the stages", "motion": "slide–roll ratio"}
+    special |= {"temperature": f"{words} temperature"}
     special |= {
-        "temperature": f"{words} temperature",
-        "disk.roughness": "Ra" if name == "ra" else words,
+        "disk.roughness": {"ra": "Ra", "height_unit": "height scale of the scan"}.get(name, words)
     }
     return special.get(table, words)

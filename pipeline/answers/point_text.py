@@ -136,6 +136,8 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
     yield "governing temperature", origin.format(_temperature(point))
     yield "numerical error (95 %)", error_text(point)
     yield "model error", attribute_texts(point, "model_error")[0]
+    for text in filter(None, attribute_texts(point, "uncertain_inputs")):
+        yield "uncertain inputs", text
     for axis in ("velocity", "load"):
         outcome = str(outcome_texts(point, axis)[()])
         if not outcome:

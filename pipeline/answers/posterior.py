@@ -55,13 +55,16 @@ class Outcome:
 
     A value is infinite if the specimen was only severe, or only mild. Both are equal for a
     transition; if the mild y is the higher one, the transition is halfway between them.
+    `added_scatter` is that of this specimen alone, such as by inputs of its own.
     """
 
     severe: float = math.inf
     mild: float = -math.inf
+    added_scatter: float = 0.0
 
     def log_likelihood(self, bias: Array, scatter: Array) -> Array:
         """ln(probability of the result), at each bias and scatter."""
+        scatter = np.hypot(scatter, self.added_scatter)
         if self.severe - self.mild < NARROW:
             variance = scatter**2 + (self.severe - self.mild) ** 2 / 12
             distance = bias + (self.severe + self.mild) / 2
@@ -201,6 +204,7 @@ def _loo_probability(result: Outcome, log_weights: Array, bias: Array, scatter: 
     """
     weights = np.exp(log_weights - log_weights.max())
     weights /= weights.sum()
+    scatter = np.hypot(scatter, result.added_scatter)
     severe = float((weights * ndtr((result.severe + bias) / scatter)).sum())
     mild = float((weights * ndtr(-(result.mild + bias) / scatter)).sum())
     if math.isinf(result.mild):

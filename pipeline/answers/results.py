@@ -221,7 +221,12 @@ def _results_of_case(
         ds = ds.isel(velocity=np.flatnonzero(is_moving))
     is_row = any(sweep.case_table.column(axis) is not None for axis in PLANE)
     count = len(sweep.tests)
-    return CaseResults(case, labels, name, ds, tests[:count], is_row, tests[count:])
+    variants = tuple(
+        (variant, point)
+        for variant, (point,) in zip(sweep.variants, tests[count:], strict=True)
+        if is_row or variant.of_case == name
+    )
+    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants)
 
 
 def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:

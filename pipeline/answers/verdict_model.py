@@ -211,7 +211,7 @@ class VerdictModel:
         """Verdicts on points (k,), which are at `places`."""
         log_ratio = places.rise - self.limits(points)
         error = total(places.errors)
-        probabilities = self._probabilities(log_ratio, error, points)
+        probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
         verdict = np.select(
             (
                 np.isnan(places.rise),
@@ -274,14 +274,14 @@ class VerdictModel:
             "reason": reasons,
         }
 
-    def _probabilities(self, log_ratio: Array, error: Array, points: QueryPoints) -> Array:
+    def _probabilities(self, log_ratio: Array, error: Array, bulks: Array) -> Array:
         """Probability of severe wear at its lower bound, at `log_ratio`, and at its upper bound.
 
         Where the `error` is unknown, the bounds are 0 and 1.
         """
         log_error = np.log1p(np.nan_to_num(error))
         ratios = log_ratio - log_error, log_ratio, log_ratio + log_error
-        probabilities = np.stack([self.evidence.probability(y, points) for y in ratios])
+        probabilities = np.stack([self.evidence.probability(y, bulks) for y in ratios])
         probabilities[0, np.isnan(error)], probabilities[2, np.isnan(error)] = 0.0, 1.0
         return probabilities
 
@@ -354,7 +354,8 @@ class VerdictModel:
 
     def _levels(self, points: QueryPoints, probability: float) -> Array:
         """ln(rise) at which severe wear has this probability, at the conditions of points (k,)."""
-        return self.limits(points) + self.evidence.log_rise_ratio_quantiles(probability, points)
+        bulks = points.bulk_temperature
+        return self.limits(points) + self.evidence.log_rise_ratio_quantiles(probability, bulks)
 
     def ruling_tests(self, points: QueryPoints, mild: Array, severe: Array) -> Any:
         """Tests that decide the `mild` or `severe` limits of velocity (k,) at the loads of points.

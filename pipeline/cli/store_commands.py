@@ -26,6 +26,7 @@ from pipeline.answers.answer_lines import (
     model_error_line,
     not_included_lines,
     reason_lines,
+    uncertain_inputs_lines,
 )
 from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import preset_error_text
@@ -142,6 +143,7 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
         *reason_lines(margins),
         *edge_warnings(margins),
         model_error_line(margins),
+        *uncertain_inputs_lines(margins),
         *common_lines(margins),
     ]
 

@@ -17,9 +17,10 @@ from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import test_group_words, warning_lines
+from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
 from pipeline.cli import output
 from pipeline.cli.check import check
-from pipeline.cli.inputs import scene_in, values_in
+from pipeline.cli.inputs import one_scene_in, scene_in, values_in
 from pipeline.cli.output import Result, print_note, wrapped
 from pipeline.cli.store_commands import boundary_text
 from pipeline.scene.contact_estimate import require_admissible_load
@@ -127,11 +128,11 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
 def sensitivity(options: argparse.Namespace) -> Result:
     """Answer ``irg sensitivity``: what each input of a scene does to rise and critical velocity."""
     out = options.store_path or Path("results") / f"{options.scene.stem}-sensitivity.zarr"
-    scene, point = scene_in(options), values_in(options, "load", "velocity", "workers")
+    scene, point = one_scene_in(options), values_in(options, "load", "velocity", "workers")
     with output.run_line() as progress:
-        study = pipeline.sensitivity(scene, out, progress=progress, **point)
-    text = [str(study), f"points: {out}"]
-    return Result(text=text, frames=[study.table], draw=partial(pipeline.plot, study))
+        ds = pipeline.sensitivity(scene, out=out, progress=progress, **point)
+    text = [*sensitivity_lines(ds), f"points: {out}"]
+    return Result(text=text, frames=[sensitivity_frame(ds)], draw=partial(pipeline.plot, ds))
 
 
 def trade(options: argparse.Namespace) -> Result:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Unpack
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.condition_values import CONDITION_NAMES, ConditionValues
@@ -17,6 +18,7 @@ from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import rows
+from pipeline.figures.study_figures import draw_sensitivities
 from pipeline.figures.tests_figure import draw_tests
 from pipeline.paths import FIGURES, writable_path
 from pipeline.store.schema import PLANE
@@ -57,8 +59,8 @@ def plot(
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep`, or path or URL of a store; or a result of
-        `pipeline.trade`.
+        Dataset of `pipeline.open_sweep`, or path of a store; or a result of
+        `pipeline.trade` or `pipeline.sensitivity`.
     kind : {"diagram", "rows", "tests"}, optional
         Name of the figure of a sweep; by default "diagram", or "rows" if each row of the sweep has
         its own load and velocity.
@@ -98,6 +100,9 @@ def plot(
     if drawn_by:
         default_kind = drawn_by.rpartition("draw_")[2]
         kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
+    elif isinstance(ds, xr.Dataset) and "input" in ds.dims:  # of pipeline.sensitivity
+        default_kind = "sensitivities"
+        kinds, inputs = {default_kind: draw_sensitivities}, (ds,)
     else:
         names = [name for name in CONDITION_NAMES if name in kind_options]
         inputs = dataset_of(ds), {name: kind_options.pop(name) for name in names}

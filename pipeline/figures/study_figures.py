@@ -1,18 +1,20 @@
 """Figures of studies: computing time against error, sensitivities to inputs.
 
-`pipeline.plot` finds the figure of a study by its attribute ``drawn_by``.
+`pipeline.plot` finds the figure of a study by its attribute ``drawn_by``, that of a dataset by its
+dimension ``input``.
 """
 
 from __future__ import annotations
 
+import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.answers.input_errors import input_name
+from pipeline.answers.sensitivity_answer import value_text
 from pipeline.figures import style
 from pipeline.figures.style import BLUE, VERMILION
-from pipeline.run.sensitivity import Sensitivity
 from pipeline.run.trade import Trade
-from pipeline.sweep.case import TEMPERATURES
 
 
 @style.house_style
@@ -45,17 +47,21 @@ def draw_trade(trade: Trade) -> Figure:
 
 
 @style.house_style
-def draw_sensitivity(sensitivity: Sensitivity) -> Figure:
-    """Draw the change of the critical velocity for +10 % of each input, the strongest on top."""
-    ds = sensitivity.dataset.isel(input=slice(None, None, -1))
-    figure, axes = style.canvas((8.0, 0.9 + 0.42 * ds.sizes["input"]))
-    changes = 100 * ds["velocity_change"].values
-    steps = ["+10 K" if path in TEMPERATURES else "+10 %" for path in ds["input"].values]
-    names = [f"{input_name(p)}, {s}" for p, s in zip(ds["input"].values, steps, strict=True)]
-    colours = [VERMILION if change < 0 else BLUE for change in changes]
-    axes.barh(range(len(names)), changes, color=colours, gid="changes")
-    axes.set_yticks(range(len(names)), names)
+def draw_sensitivities(ds: xr.Dataset) -> Figure:
+    """Draw the change of the critical velocity for ± 10 % of each input, the strongest on top."""
+    ds = ds.isel(input=slice(None, None, -1))
+    paths = ds["input"].values.tolist()
+    figure, axes = style.canvas((8.0, 1.4 + 0.36 * len(paths)))
+    rises, exponent = ds["log_rise_change"].values, ds["velocity_exponent"].item()
+    for sign, colour, text in ((1, VERMILION, "+10 %, +10 K"), (-1, BLUE, "−10 %, −10 K")):
+        changes = 100 * np.expm1(-sign * rises / exponent)
+        axes.barh(range(len(paths)), changes, color=colour, label=text, gid=f"changes {text[0]}")
+    axes.set_yticks(range(len(paths)), [f"{input_name(p)}, {value_text(ds, p)}" for p in paths])
+    for label, choice in zip(axes.get_yticklabels(), ds["choice"].values, strict=True):
+        label.set_fontweight("bold" if choice else "normal")
     axes.axvline(0, color="black", lw=style.THIN)
     axes.set_xlabel("change of the critical velocity [%]")
-    style.write_title(axes, style.as_text(f"Inputs: {sensitivity.title}"))
+    point = f"{ds['load'].item():.4g} N and {ds['velocity'].item():.3g} m/s"
+    style.write_title(axes, style.as_text(f"{ds.attrs['title']}: inputs at {point}"))
+    style.legend_below(figure, caption="Bold: what a designer chooses.")
     return figure

@@ -15,7 +15,7 @@ from distributed import Client
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.boundary_variants import with_variants
+from pipeline.run.boundary_variants import expected_variants, with_variants
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
@@ -30,7 +30,7 @@ from pipeline.store.status import FailedPoint, Summary, summary_of
 from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.stored import require_stored_classes
-from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.sweep import Point, Sweep
 from tribo import InputError
 from tribo.errors import require_positive
 
@@ -121,7 +121,7 @@ def run_sweep(
     >>> outcome.total, outcome.done, outcome.computed, outcome.failed
     (24, 24, 0, ())
     """
-    report, began, began_cpu_time = progress or silent, time.monotonic(), time.process_time()
+    report = progress or silent
     if workers is not None:
         workers = in_count("workers", workers)
     require_positive(patience=patience)
@@ -129,10 +129,41 @@ def run_sweep(
     sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
     require_stored_classes(sweep)
+    expected_variants(sweep)  # raises for an uncertain input that cannot be varied
+    goal = None if accuracy is None else GoalRun(sweep, find_sweep(out), accuracy, report)
+    return run_planned(
+        sweep, out, goal, workers, progress, client=client, patience=patience,
+        dashboard=dashboard, retry_failed=retry_failed, source=source,
+    )  # fmt: skip
+
+
+class PointsBeside:
+    """Plan of a run that simulates no point of the plane, only those of tests and variants."""
+
+    accuracy = None
+
+    def __init__(self, sweep: Sweep) -> None:
+        self.sweep = sweep
+
+    def next_points(self, _: Store) -> list[Point]:
+        """No point."""
+        return []
+
+
+Plan = GoalRun | PointsBeside
+"""What chooses the points of a run."""
+
+
+def run_planned(
+    sweep: Sweep, out: PathLike, plan: Plan | None, workers: int | None, progress: Report | None,
+    client: Client | None = None, patience: float = PATIENCE, dashboard: bool = False,
+    retry_failed: bool = False, source: PathLike | None = None,
+) -> RunSummary:  # fmt: skip
+    """Compute the points that a plan chooses, by default all, and those of tests and variants."""
+    report, began, began_cpu_time = progress or silent, time.monotonic(), time.process_time()
     old_sweep, source_store = find_sweep(out), None if source is None else opened(source)
-    goal = None if accuracy is None else GoalRun(sweep, old_sweep, accuracy, report)
-    sweep = goal.sweep if goal else sweep
-    with writing(out, sweep, report, goal.accuracy if goal else None) as store:
+    sweep = plan.sweep if plan else sweep
+    with writing(out, sweep, report, plan.accuracy if plan else None) as store:
         for note in _notes_on_resuming(store, old_sweep) if old_sweep else ():
             report(Progress(note))
         for group in store.groups if retry_failed else ():
@@ -140,18 +171,18 @@ def run_sweep(
         if source_store:
             copied_count = copy_points(store, source_store)
             report(Progress(f"{copied_count} points are copied from {source}"))
-        count = min(workers or cpu_count(), _task_count(store, goal))
-        if goal:
+        count = min(workers or cpu_count(), _task_count(store, plan))
+        if plan:
             store.leave_out_pending()
         tally = Tally(store, notebook_progress(progress))
         with _Workers(client, count, patience, dashboard, report) as cluster:
             for tests in store.groups[1:]:  # first, as the critical temperature may follow
                 cluster.compute(tests, tally)
             computed_tests = tally.computed
-            store = _ask_for_goal(store, goal, tally) if goal else store
+            store = _ask_for(store, plan, tally) if plan else store
             while store.pending():
                 cluster.compute(store, tally)
-                store = _ask_for_goal(store, goal, tally) if goal else store
+                store = _ask_for(store, plan, tally) if plan else store
             computed = tally.computed - computed_tests
             if larger := with_variants(store):
                 store = enlarged(store, larger)
@@ -172,9 +203,9 @@ def run_sweep(
     )
 
 
-def _task_count(store: Store, goal: GoalRun | None) -> int:
-    """Number of tasks that can run at a time; a goal and uncertainties add some later."""
-    has_more = goal or store.sweep.base.uncertainty
+def _task_count(store: Store, plan: Plan | None) -> int:
+    """Number of tasks that can run at a time; a plan and uncertainties add some later."""
+    has_more = plan or store.sweep.base.uncertainty
     return cpu_count() if has_more else sum(len(group.pending()) for group in store.groups)
 
 
@@ -211,13 +242,13 @@ class _Workers(ExitStack):
         return self._watch.cpu_time() - self._initial_cpu_time if self._watch else 0.0
 
 
-def _ask_for_goal(store: Store, goal: GoalRun, tally: Tally) -> Store:
-    """Ask for the next points of a goal; the store is enlarged for further realizations."""
+def _ask_for(store: Store, plan: Plan, tally: Tally) -> Store:
+    """Ask for the next points of a plan; the store is enlarged for further realizations."""
     while True:
-        sweep = goal.sweep
-        points = goal.next_points(store)
-        if is_larger := goal.sweep is not sweep:
-            store = enlarged(store, goal.sweep)
+        sweep = plan.sweep
+        points = plan.next_points(store)
+        if is_larger := plan.sweep is not sweep:
+            store = enlarged(store, plan.sweep)
             store.leave_out_pending()
         if points or not is_larger:
             store.ask_for(points)

@@ -12,6 +12,7 @@ from typing import Any
 from scipy.fft import next_fast_len
 
 import tribo
+from pipeline.constants import BIAS_WITHOUT_INPUTS
 from pipeline.paths import user_path
 from pipeline.quantities import display
 from pipeline.scene.checks import disc_of, misfits, track_length, track_misfits
@@ -116,12 +117,14 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
     with faults.at("window.pixels"):
         scene = widen_window(scene, max(tables.sweep.velocities))
     model, uncertainty = tables.model or Model(), uncertainty_of(tables, faults)
+    is_bias_stated = entry_at(resolved, "model.bias") is not None
     case = Case(
         name=(),
         scene=scene,
         conditions=conditions_of(tables, scene),
         friction_band=tables.friction.band,
         model_bias=model.bias,
+        bias_without_inputs=model.bias if is_bias_stated else BIAS_WITHOUT_INPUTS,
         model_scatter=model.scatter,
         critical_from_tests=math.isnan(tables.temperature.critical or 0.0),
         lubricant=oil,

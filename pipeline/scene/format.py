@@ -100,6 +100,9 @@ class Test(Declared):
     with_: dict[str, Any] | None = entry(ByPath(),
         "Other entries of the scene with which the test is simulated, except critical temperature "
         "and area fraction, `[oil]` and `[model]`.", None)
+    inputs: str | None = entry(OneOf(("own",)),
+        'With "own", the uncertain inputs of this test err independently of the scene\'s, such as '
+        "those of another batch or thermometer; it then does not narrow them.", None)
     number: str | int | None = entry(Either(Text(), Integer(at_least=0)),
         "Name of the test in the output; by default the next free number.", None)
 
@@ -270,7 +273,8 @@ class Temperature(Declared):
 
 class Model(Declared):
     bias: float = entry(Share(at_least=0, below=1),
-        "Bias common to all specimens: scale of Student's t with 4 degrees of freedom.",
+        "Bias common to all specimens: scale of Student's t with 4 degrees of freedom. With "
+        "`[uncertainty]`, a bias that is stated is that without the uncertain inputs.",
         default=0.15)
     scatter: float = entry(Share(at_least=1e-3, below=1),
         "Scatter between specimens; this prior weighs as much as four tests.", default=0.055)

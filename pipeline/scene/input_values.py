@@ -15,24 +15,30 @@ from pipeline.units import UnitError, share_of, si_unit, to_si
 from tribo import InputError
 
 _MATERIAL = "hardness", "elastic_modulus", "thermal_conductivity", "density", "specific_heat"
+_SCALE_OF_SCAN = "disk.roughness.height_unit"
 _OTHERS = (
-    "pin.radius", "pin.length", "pin.crown_radius", "disk.roughness.ra",
+    "pin.radius", "pin.length", "pin.crown_radius", "disk.roughness.ra", _SCALE_OF_SCAN,
     "disk.roughness.correlation_length", "wear.specific_wear_rate", "loading.rate", "loading.hold",
+    "loading.stages.hold", "motion.slide_roll_ratio",
 )  # fmt: skip
 
 
 class Input(NamedTuple):
-    """An input of a scene: its value [SI], of which there may be two, and the unit to print it."""
+    """An input of a scene: its value [SI], of which there may be two, and its units."""
 
+    keys: tuple[str, ...]  # of the tables that hold it, and its own
     value: float | tuple[float, ...]
     si_unit: str
-    unit: str
+    unit: str  # in which it is printed
 
-    def times(self, factor: float) -> Any:
-        """Entry of a scene file with the value multiplied by a factor."""
-        if isinstance(self.value, tuple):
-            return [f"{value * factor!r} {self.si_unit}" for value in self.value]
-        return f"{self.value * factor!r} {self.si_unit}"
+    def times(self, factor: float) -> dict[str, Any]:
+        """Tables of a scene file with the value multiplied by a factor, and nothing else."""
+        values = self.value if isinstance(self.value, tuple) else (self.value,)
+        entries = [f"{x * factor!r} {self.si_unit}" if self.si_unit else x * factor for x in values]
+        tables: Any = entries if isinstance(self.value, tuple) else entries[0]
+        for key in reversed(self.keys):
+            tables = {key: tables}
+        return dict(tables)
 
     @property
     def first(self) -> float:
@@ -42,22 +48,36 @@ class Input(NamedTuple):
 
 def inputs_of(tables: SceneFile) -> dict[str, Input]:
     """Inputs of a scene that change its simulation, by path."""
-    materials = dict.fromkeys((tables.pin.material, tables.disk.material))
-    paths = [f"materials.{name}.{key}" for name in materials for key in _MATERIAL]
     inputs = dict[str, Input]()
-    for path in (*paths, *_OTHERS):
-        value, kind = entry_at(tables, path), number_at(path)
-        first = value[0] if isinstance(value, tuple) else value
-        if isinstance(kind, Quantity) and first and 0 < first < float("inf"):
-            inputs[path] = Input(value, si_unit(kind.example), kind.unit)
+    for name in dict.fromkeys((tables.pin.material, tables.disk.material)):
+        for key in _MATERIAL:
+            value = getattr((tables.materials or {})[name], key)
+            path, kind = f"materials.{name}.{key}", number_at(f"materials.NAME.{key}")
+            _add(inputs, path, ("materials", name, key), value, kind)
+    for path in _OTHERS:
+        _add(inputs, path, (*path.split("."),), entry_at(tables, path), number_at(path))
     return inputs
+
+
+def _add(inputs: dict[str, Input], path: str, keys: tuple[str, ...], value: Any, kind: Any) -> None:
+    """Add the input at a path, unless it is missing, 0 or infinite."""
+    first = value[0] if isinstance(value, tuple) else value
+    if isinstance(first, float) and 0 < abs(first) < float("inf"):
+        si, unit = "", kind.unit
+        if path == _SCALE_OF_SCAN:
+            si, unit = "m", "um"
+        elif isinstance(kind, Quantity):
+            si = si_unit(kind.example)
+        inputs[path] = Input(keys, value, si, unit)
 
 
 def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]:
     """Standard deviations of the table ``[uncertainty]``."""
+    if not tables.uncertainty:
+        return ()
     inputs, uncertainties = inputs_of(tables), list[Uncertainty]()
     names = [*inputs, *CLOSED_FORM]
-    for key, deviation in (tables.uncertainty or {}).items():
+    for key, deviation in tables.uncertainty.items():
         paths = tuple(path.strip() for path in key.split(","))
         if unknown := [path for path in paths if path not in names]:
             hint = did_you_mean(unknown[0], names) or f"; give {listed(names, 30)}"
@@ -66,7 +86,7 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
         deviations = set[float]()
         for path in paths:
             try:
-                deviations.add(_deviation(path, deviation, inputs, tables))
+                deviations.add(_deviation(path, deviation, inputs))
             except (InputError, UnitError) as error:
                 faults.refuse(f"uncertainty.{key}", str(error))
         if len(deviations) > 1:
@@ -76,18 +96,15 @@ def uncertainty_of(tables: SceneFile, faults: Faults) -> tuple[Uncertainty, ...]
     return tuple(uncertainties)
 
 
-def _deviation(path: str, text: Any, inputs: Mapping[str, Input], tables: SceneFile) -> float:
+def _deviation(path: str, text: Any, inputs: Mapping[str, Input]) -> float:
     """Standard deviation of an input: relative, or in K for a temperature."""
     if path in TEMPERATURES:
         return _positive(to_si(text, like="1 K"), text)
-    if not isinstance(text, str) or text.rstrip().endswith(("%", "percent")):
+    unit = inputs[path].si_unit if path in inputs else ""
+    is_share = not isinstance(text, str) or text.rstrip().endswith(("%", "percent"))
+    if is_share or not unit or path == _SCALE_OF_SCAN:
         return _positive(share_of(text), text)
-    kind, value = number_at(path), entry_at(tables, path)
-    if path in inputs:
-        value = inputs[path].first
-    if not isinstance(kind, Quantity):
-        return _positive(float(text) / value, text)
-    return _positive(to_si(text, like=kind.example) / value, text)
+    return _positive(to_si(text, like=f"1 {unit}") / inputs[path].first, text)
 
 
 def _positive(deviation: float, text: Any) -> float:

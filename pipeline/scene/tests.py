@@ -30,7 +30,7 @@ _SHARED_ENTRIES = (
 _REPLACED_ENTRIES = {"friction": "friction", "bulk_temperature": "temperature.bulk"}
 """Entry of the scene that an entry of a test replaces, by the name of the latter."""
 _ROUNDING = 1e-9  # relative error of loads in floating point
-_OMISSIBLE = "load", "outcome", "step", "mild_up_to", "severe_at"
+_OMISSIBLE = "load", "outcome", "step", "mild_up_to", "severe_at", "inputs"
 """Columns of a file of tests in which a dash leaves out the entry of its row."""
 
 
@@ -205,6 +205,7 @@ def _test_of(entry: Any, case: Case) -> SpecimenTest:
         bulk_temperature=entry.bulk_temperature,
         outcome=entry.outcome,
         number=None if entry.number is None else str(entry.number),
+        has_own_inputs=entry.inputs == "own",
         **{} if step is None else {f"{step.axis}_step": step.value},
     )
 

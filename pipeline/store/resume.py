@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.messages import quoted
-from pipeline.sweep.case import PATHS
+from pipeline.sweep.case import PATHS, Variant
 from pipeline.sweep.case_table import in_order
 from pipeline.sweep.codec import differences, encode
 from pipeline.sweep.plan import choose_stored_steps
@@ -41,7 +41,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         fields=before.fields,
         loads=_union("sweep.loads", before.loads, sweep.loads),
         velocities=_union("sweep.velocities", before.velocities, sweep.velocities),
-        variants=sweep.variants or before.variants,
+        variants=_joined_variants(before, sweep),
     )
     old, new = before.case_table, sweep.case_table
     if [*old.axes] != [*new.axes]:  # the scene has all cases of the store
@@ -49,6 +49,15 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     union = old.union(new)
     cases = tuple((sweep if name in new.by_name else before).case(name) for name in union.names)
     return replace(joined, case_table=union, cases=cases)
+
+
+def _joined_variants(before: Sweep, sweep: Sweep) -> tuple[Variant, ...]:
+    """Variants of both sweeps, in the order of the store; equal ones are those of `sweep`."""
+    by_point = {
+        (variant.entry, variant.factor, variant.load, variant.velocity, variant.of_case): variant
+        for variant in (*before.variants, *sweep.variants)
+    }
+    return tuple(by_point.values())
 
 
 def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float, ...]:

@@ -78,6 +78,8 @@ class Case:
         Standard deviations of inputs, which act after the simulation.
     includes_earlier_revolutions : bool
         True if the bulk temperature contains the heat of earlier revolutions of the bodies.
+    bias_without_inputs : float
+        The part of `model_bias` that no uncertain input explains.
     """
 
     name: CaseName
@@ -91,6 +93,7 @@ class Case:
     critical_from_tests: bool = False
     uncertainty: tuple[Uncertainty, ...] = ()
     includes_earlier_revolutions: bool = False
+    bias_without_inputs: float = 0.0
 
     def __post_init__(self) -> None:
         if not (0 <= self.model_bias <= 1 and 1e-3 <= self.model_scatter <= 1):
@@ -153,6 +156,7 @@ class SpecimenTest:
     number: str | None = None  # or name in answers; the same for both ends of a run by stages
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
     velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
+    has_own_inputs: bool = False  # if its uncertain inputs err independently of the scene's
 
     def __post_init__(self) -> None:
         pairs = (self.normal_load, self.load_step), (self.velocity, self.velocity_step)
@@ -179,15 +183,19 @@ INPUT_STEP = 1.1
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """A point of the scene itself with one input multiplied by a factor, for a sensitivity."""
+    """A point of a case with one input multiplied by a factor, for a sensitivity.
+
+    With the velocity multiplied by 1 it is the point itself.
+    """
 
     entry: str  # path of the input, or `VELOCITY_INPUT`
     value: float  # of the input in the scene [SI]
     unit: str  # in which the value is printed
-    factor: float  # `INPUT_STEP` or its inverse
+    factor: float  # `INPUT_STEP`, its inverse, or 1
     load: float  # [N]
     velocity: float  # of the point whose sensitivity this is for [m/s]
-    case: Case
+    case: Case  # with the changed input
+    of_case: CaseName = ()  # the case of the sweep, without its surface, that the point belongs to
 
     @property
     def points(self) -> tuple[OperatingPoint, ...]:

@@ -27,7 +27,7 @@ from tribo import (
     WearLaw,
 )
 
-_TABLE_OF_PART = {"wear": "wear", "roughness": "disk.roughness"}
+TABLE_OF_PART = {"wear": "wear", "roughness": "disk.roughness"}
 """Tables of the scene file that `Sweep.with_scene` replaces, by its arguments."""
 _WRAP_PART: dict[str, Callable[[Scene, Any], Any]] = {"wear": user_law, "roughness": user_surface}
 """Functions that check a law or surface of a user, and add what a store keeps of it."""
@@ -263,7 +263,7 @@ class Sweep:
                 f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
                 "the scene with another value: pipeline.load_scene(..., overrides={...})"
             )
-        for table in (_TABLE_OF_PART[name] for name in self.user_parts):
+        for table in (TABLE_OF_PART[name] for name in self.user_parts):
             if f"{path}.".startswith(f"{table}."):
                 raise InputError(f"{path} has no effect, since with_scene has replaced {table}")
         sweep: Self = self.source.changed(path, value)
@@ -294,12 +294,12 @@ class Sweep:
         for name in parts:
             if any(getattr(scene, name) != getattr(self.scene, name) for scene in scenes):
                 raise InputError(
-                    f"{name} cannot be replaced: {_TABLE_OF_PART[name]} differs between cases or "
+                    f"{name} cannot be replaced: {TABLE_OF_PART[name]} differs between cases or "
                     "tests of the scene; leave out what changes it in sweep and tests"
                 )
         stored = {name: _WRAP_PART[name](self.scene, part) for name, part in parts.items()}
         notes = [
-            f"# {_TABLE_OF_PART[name]} is replaced by {part!r}\n" for name, part in stored.items()
+            f"# {TABLE_OF_PART[name]} is replaced by {part!r}\n" for name, part in stored.items()
         ]
         text, user_parts = "".join([*notes, self.text]), {**self.user_parts, **parts}
         sweep = self._map_cases(lambda case: replace(case, scene=replace(case.scene, **stored)))

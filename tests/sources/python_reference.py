@@ -34,7 +34,6 @@ _RETURNED = {
         pipeline.answers.simulated_points.WarnedPoints,
         pipeline.run.trade.Trade,
         pipeline.run.trade.MeasuredCost,
-        pipeline.run.sensitivity.Sensitivity,
     ),
     "tribo": (
         tribo.contact.solve_contact,

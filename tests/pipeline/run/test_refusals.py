@@ -61,6 +61,7 @@ REFUSALS = {
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "file": (no_file, "no Dask scheduler answers at scheduler.json"),
     "trade": (measured_again, "trade.zarr exists, and its points would cost nothing"),
+    "no load": (lambda: pipeline.sensitivity(SWEEP, velocity=2.0), "a velocity needs a load"),
     "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
 }  # fmt: skip
 
@@ -69,6 +70,7 @@ ELSEWHERE = {
     "cluster.processes ExecutionError": "test_cluster.py",
     "drive.ended ExecutionError": "test_cluster.py",
     "sensitivity._critical_velocity InputError": "test_sensitivity.py",
+    "sensitivity._row_at InputError": "test_sensitivity.py",
     "watch._wait_for_worker ExecutionError": "test_cluster.py",
     "watch._check ExecutionError": "test_cluster.py",
     "watch._check_scheduler ExecutionError": "test_cluster.py",

@@ -235,9 +235,13 @@ ENTRIES = {
     "zero deviation": (uncertain("pin.radius", "0 %"), '0 %\' is not above 0; give a deviation'),
     "no temperature difference": (uncertain("temperature.bulk", "5 %"), "is not a number with a"),
     "several deviations": (uncertain("pin.radius, pin.length", "0.1 mm"), "differs between its"),
-    "sensitivity of laws": (
-        lambda: variants_of(tiny.sweep(), [(400.0, 2.0)]),
-        "sensitivities need a scene file, without laws or surfaces of your own"),
+    "sensitivity of a store": (
+        lambda: variants_of(tiny.sweep(), [(400.0, 2.0, ())]),
+        "sensitivities need the scene file; use it in place of its store"),
+    "input refused on both sides": (
+        lambda: variants_of(load_scene("first_try", overrides=TIGHT),
+                            [(20.0, 2.0, ())], {"pin.length"}),
+        "uncertainty.pin.length: ± 10 % of the input are refused: pin.length: "),
     # several values of an entry
     "over fixed": (over("sweep.loads", [1, 2]), "cannot take several values"),
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "two cases of the sweep have the same"),
@@ -324,6 +328,11 @@ TEXTS = {
     ),
 }
 
+
+TIGHT = {
+    "window.pixels": [96, 48], "window.pixel_size": ["5 um", "5 um"], "pin.length": "0.24 mm",
+    "disk.diameter": "50 mm", "disk.width": "0.24 mm", "sweep.loads": ["20 N"],
+}  # fmt: skip
 
 REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 
