@@ -10,7 +10,7 @@ import xarray as xr
 
 from pipeline.answers.results import cases_of
 from pipeline.answers.sensitivity_answer import sensitivity_answer
-from pipeline.arguments import in_load_or_velocity, typed_arguments
+from pipeline.arguments import in_count, in_load_or_velocity, typed_arguments
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import governing_row
 from pipeline.run.goal import reason_surface_is_fixed, require_boundary, searches
@@ -81,6 +81,8 @@ def sensitivity(
     >>> ds["velocity_change"].sel(input="pin.radius").round(2).item()  # doctest: +SKIP
     0.02
     """
+    if workers is not None:
+        workers = in_count("workers", workers)
     sweep, report = sweep_of(scene), progress or silent
     store = Path("results") / f"{sweep.name}-sensitivity.zarr" if out is None else out
     if velocity is not None and load is None:

@@ -11,7 +11,6 @@ import pipeline.answers.simulated_points
 import pipeline.progress
 import pipeline.run.estimate
 import pipeline.run.run_sweep
-import pipeline.run.sensitivity
 import pipeline.run.trade
 import pipeline.store.status
 import pipeline.sweep.plan
