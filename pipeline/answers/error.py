@@ -107,11 +107,18 @@ def position_errors(specimen: Specimen, surface: Array, loads: Array, velocities
 
     They are a share of the errors by `surface` sampling (k,), or the largest error if that is less
     or surface sampling is unknown. The mean of n realizations errs by 1/√n of the largest error.
+    The difference between realizations contains the error, so that surface sampling counts it by
+    n − 1 degrees of freedom; only the jackknife's degrees are left here.
     """
-    count = np.maximum(specimen.realizations, 1)[:, None]
-    limits = specimen.position_limit / np.sqrt(count) * np.ones(len(specimen.field.velocities))
-    limit = specimen.field.bilinear(limits, loads, velocities)
-    return np.asarray(np.fmin(POSITION_SHARE * surface, limit))
+    count = np.maximum(specimen.realizations, 1)
+    further = count - 1.0
+    weights = np.where(further > 0, specimen.freedom / np.maximum(specimen.freedom + further, 1), 1)
+    row = np.ones(len(specimen.field.velocities))
+    limit, weight = (
+        specimen.field.bilinear(values[:, None] * row, loads, velocities)
+        for values in (specimen.position_limit / np.sqrt(count), np.sqrt(weights))
+    )
+    return np.asarray(weight * np.fmin(POSITION_SHARE * surface, limit))
 
 
 def velocity_errors(field: Field, parts: Array, loads: Array, velocities: Array) -> Array:
@@ -329,10 +336,15 @@ def position_limit(sweep: Sweep) -> float:
     return POSITION_LIMIT if sweep.scene.wears_by_strips else 0.0
 
 
+def has_boundary(sweep: Sweep) -> bool:
+    """True if a sweep has a boundary of severe wear, whose error is of interest."""
+    is_judged = sweep.conditions.friction > 0 and sweep.base.is_judged
+    return is_judged and any(sweep.velocities)
+
+
 def has_unknown_preset_error(sweep: Sweep) -> bool:
     """True if a sweep has a boundary of severe wear, but no preset whose error is known."""
-    is_judged = sweep.conditions.friction > 0 and sweep.base.is_judged
-    return is_judged and any(sweep.velocities) and preset_error_of(sweep) is None
+    return has_boundary(sweep) and preset_error_of(sweep) is None
 
 
 def preset_error_text(sweep: Sweep) -> str:

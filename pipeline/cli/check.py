@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 import pipeline
-from pipeline.answers.error import has_unknown_preset_error
+from pipeline.answers.error import has_boundary, has_unknown_preset_error, preset_error_text
 from pipeline.answers.scene_wording import added_rise_words, warning_text
 from pipeline.cli.inputs import scene_in
 from pipeline.cli.output import Result
@@ -177,6 +177,8 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
             "error",
             "unknown for custom numerical settings; --accuracy 2% replaces them by a preset",
         )
+    elif has_boundary(sweep):
+        yield "error", preset_error_text(sweep)
 
 
 def _surface_words(surface: SurfaceSummary) -> str:

@@ -69,9 +69,9 @@ HEADLINES = {
 """The verdict in the words of the headline."""
 _CAUSES_OF_ERRORS = (
     "The numerical error comes from the elements and load steps, from interpolation between "
-    "simulated points, and from the small number of simulated surfaces; more computing makes it "
-    "smaller. The model error comes from the physics that is left out, and from the inputs; only "
-    "tests make it smaller."
+    "simulated points, from the positions of the disk at which a pin at rest wears, and from the "
+    "small number of simulated surfaces; more computing makes it smaller. The model error comes "
+    "from the physics that is left out, and from the inputs; only tests make it smaller."
 )
 _MODEL = (
     "The model: a rough, elastic–plastic contact under boundary lubrication is worn by Archard's "

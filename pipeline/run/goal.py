@@ -11,7 +11,14 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.case_results import CaseResults
-from pipeline.answers.error import PARTS, SURFACE, preset_error_of, presets_for, total
+from pipeline.answers.error import (
+    PARTS,
+    SURFACE,
+    position_limit,
+    preset_error_of,
+    presets_for,
+    total,
+)
 from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import VerdictModel, verdict_model
 from pipeline.arguments import in_share
@@ -128,11 +135,11 @@ class GoalRun:
             sweep = replace(sweep, steps="end")  # no earlier step governs
         chosen = with_preset_for(sweep, before, self.accuracy)
         error = percent(preset_error_of(chosen) or 0.0)
+        if limit := position_limit(chosen):
+            error = f"{error}; by positions of the disk, {percent(limit)} of the rise"
         choice = f"preset {chosen.preset} (error at most {error})"
         if sweep.preset is None:
-            choice = (
-                f"preset {chosen.preset} (error at most {error}) replaces [fidelity] of the scene"
-            )
+            choice = f"{choice} replaces [fidelity] of the scene"
         report(Progress(choice))
         self.is_fixed = bool(reason_surface_is_fixed(chosen))
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]

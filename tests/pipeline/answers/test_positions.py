@@ -37,9 +37,16 @@ def test_it_is_known_where_surface_sampling_is_not():
     assert parts[POSITIONS] == pytest.approx(LIMIT)
 
 
-def test_four_realizations_halve_its_limit():
+def test_four_realizations_halve_its_limit_and_contain_three_tenths_of_its_square():
+    """Surface sampling by 7 degrees of the jackknife and 3 of the realizations has their part."""
     parts = parts_of(specimen_of(4, sampling=0.2))
-    assert parts[POSITIONS] == pytest.approx(LIMIT / 2)
+    assert parts[POSITIONS] == pytest.approx(LIMIT / 2 * np.sqrt(7 / 10))
+
+
+def test_realizations_alone_contain_it():
+    parts = parts_of(specimen_of(4, sampling=np.nan, freedom=0.0))
+    assert (parts[SURFACE] > 0).all()
+    assert not parts[POSITIONS].any()
 
 
 @pytest.mark.parametrize(("limit", "is_out"), [(0.0, False), (0.02, True)])
