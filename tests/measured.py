@@ -1,11 +1,13 @@
-"""Measure what workflows/MEASURED.md states, and write it there, each row with its code's hash.
+"""Measure what workflows/MEASURED.md states, and write the page.
 
     python -m tests.measured                # rows older than their code, in small versions
     python -m tests.measured --full         # the same, in full versions, some of which take an hour
     python -m tests.measured presets kills  # these rows
     python -m tests.measured --older        # names the rows that are older than their code
+    python -m tests.measured --page         # measures nothing, and writes the page
 
-A row whose command fails leaves the page. Exit code 1 of a campaign says that a promise is broken.
+Figures, dates and hashes are kept in ``tests/promises/measured.json``. A row whose command fails
+leaves the page. Exit code 1 of a campaign says that a promise is broken.
 """
 
 import argparse
@@ -28,7 +30,8 @@ import psutil
 from tests.sources.measure import ROOT, code_digest
 
 PAGE = ROOT / "workflows" / "MEASURED.md"
-HEADS = "| row | claim | figure | measured, code |\n|---|---|---|---|\n"
+FIGURES = ROOT / "tests" / "promises" / "measured.json"
+HEADS = "| claim | measured | to repeat: `python -m tests.measured` |\n|---|---|---|\n"
 
 
 class Row(NamedTuple):
@@ -142,8 +145,8 @@ def passed(text, _):
 RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
-        "99 % of errors of the critical velocity, without a warning, are below the bound of the "
-        "preset, or 3.5 % if the pin wears under strips of the disk",
+        "At 99 % of positions without a warning, the critical velocity errs by less than the bound "
+        "of the preset, or by less than 3.5 % if the pin wears under strips of the disk",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",
@@ -151,8 +154,8 @@ ROWS = {
         presets,
     ),
     "moving disk": Row(
-        "largest mean error of the rise, relative to loops of 384 positions of a moving disk, with "
-        "and without a lay",
+        "The mean temperature rise is that under a disk that moves through 384 positions, with and "
+        "without a lay; largest mean deviation",
         ("tribo",),
         "python -m tests.promises.moving_disk",
         "--scenes 2",
@@ -160,7 +163,7 @@ ROWS = {
         last_line,
     ),
     "stated": Row(
-        "the stated errors hold, at points and between them",
+        "95 % of errors are below the stated bound, at simulated points and between them",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.errors",
         "--scenes 3 --minutes 5",
@@ -168,7 +171,7 @@ ROWS = {
         stated,
     ),
     "realizations": Row(
-        "1 to 8 surface realizations agree with all others within their stated errors (95 %)",
+        "The mean of 1 to 8 surface realizations is that of all others within its 95 % bound",
         ("tribo", "pipeline/answers"),
         "python -m tests.promises.realizations",
         "",
@@ -176,7 +179,8 @@ ROWS = {
         last_line,
     ),
     "loads": Row(
-        "goals of 1 and 2 % hold on planes whose boundary is known; points of a search (loads)",
+        "Accuracy goals of 1 and 2 % hold on planes whose boundary is known in closed form; points "
+        "that a search needs (loads)",
         ("pipeline/answers", "pipeline/run"),
         "python -m tests.promises.loads",
         "--planes 4",
@@ -184,8 +188,9 @@ ROWS = {
         searches,
     ),
     "laboratories": Row(
-        "synthetic laboratories: 90 % intervals that contain the bias; severe positions among "
-        "those judged mild, at 2 to 5 %; mild ones among those judged severe, at 95 to 98 %",
+        "Of synthetic laboratories: 90 % intervals of the model bias that contain it; severe "
+        "specimens among those judged mild with 2 to 5 %; mild ones among those judged severe with "
+        "95 to 98 %",
         ("pipeline/answers",),
         "python -m tests.promises.laboratories",
         "100",
@@ -193,7 +198,7 @@ ROWS = {
         shares,
     ),
     "past heat": Row(
-        "excess of Θ₁₀ without the history of the heat, for `first_try` at 400 N and 1 m/s",
+        "Leaving out the history of the heat makes Θ₁₀ too high: `first_try` at 400 N and 1 m/s",
         ("tribo",),
         "python -m tests.promises.past_heat",
         "",
@@ -201,7 +206,7 @@ ROWS = {
         last_line,
     ),
     "extremes": Row(
-        "extreme velocities, loads, wear rates, durations, grids, surfaces and materials are "
+        "Extreme velocities, loads, wear rates, durations, grids, surfaces and materials are "
         "solved, or refused with the reason",
         ("tribo",),
         "python -m pytest tests/tribo/simulation/test_extremes.py",
@@ -210,7 +215,7 @@ ROWS = {
         passed,
     ),
     "diagram": Row(
-        "computing time of a diagram of 228 points with fields, 480 × 480 pixels",
+        "A diagram of 228 points with fields, 480 × 480 pixels, takes seconds",
         ("tribo", *RUN),
         "irg run irg_transition",
         "-o results/measured.zarr",
@@ -218,8 +223,8 @@ ROWS = {
         cpu,
     ),
     "scan": Row(
-        "CPU time of the driver for a cheap point, beyond that of an empty task; additional cost "
-        "of a scan of 1000 × 1000 heights (8 MB)",
+        "A cheap point costs the driver little CPU time beyond that of an empty task; a scan of "
+        "1000 × 1000 heights (8 MB) adds more",
         RUN,
         "python -m tests.cluster.cheap",
         "--points 2000 --scan 1000",
@@ -227,7 +232,7 @@ ROWS = {
         scan,
     ),
     "many": Row(
-        "times for many cheap points in one store",
+        "A store of many cheap points is opened, resumed and verified in seconds",
         RUN,
         "python -m tests.crash.many",
         "--many 10000",
@@ -235,7 +240,7 @@ ROWS = {
         many,
     ),
     "kills": Row(
-        "the driver, workers, or all processes are killed",
+        "No finished point is lost or changed when the driver, workers or all processes are killed",
         RUN,
         "python -m tests.crash kills",
         "--trials 2",
@@ -243,7 +248,7 @@ ROWS = {
         faults("kills", "kills", "kills"),
     ),
     "power": Row(
-        "the power of a mounted disk is cut",
+        "No finished point is lost or changed when the power of a mounted disk is cut",
         STORE,
         "python -m tests.crash power",
         "--trials 2",
@@ -251,7 +256,8 @@ ROWS = {
         faults("power", "cuts", "cuts"),
     ),
     "damage": Row(
-        "bits of files are flipped; files are cut, zeroed, deleted, or replaced by older ones",
+        "No damaged data are taken for sound: flipped bits; files cut, zeroed, deleted, replaced "
+        "by older ones",
         STORE,
         "python -m tests.crash damage",
         "--trials 20",
@@ -259,7 +265,8 @@ ROWS = {
         faults("damage", "(?!seconds|faults|looks|ack|trials)", "files"),
     ),
     "pairs": Row(
-        "a kill, then a full disk or a second driver, before the first fault is repaired",
+        "No finished point is lost or changed by a kill and then a full disk or a second driver, "
+        "before the first fault is repaired",
         STORE,
         "python -m tests.crash pairs",
         "--trials 120",
@@ -269,18 +276,24 @@ ROWS = {
 }
 
 
-def rows_of(page):
-    """Rows of the page by name: cells of each."""
-    return {
-        row[0]: row
-        for line in page.splitlines()
-        if (row := line.strip("| ").split(" | "))[0] in ROWS
-    }
+def figures():
+    """Measured figures by name: text, date, and hash of the code."""
+    return json.loads(FIGURES.read_text(encoding="utf-8"))
 
 
-def is_old(row):
-    """True if a row of the page is older than the code that it speaks of."""
-    return row[-1].rpartition(", ")[2] != code_digest(*ROWS[row[0]].rooms)
+def page_of(text, measured_figures):
+    """Text of the page with a row for each measured figure."""
+    lines = (
+        f"| {row.claim} | {measured_figures[name]['figure']} | `{name}` |\n"
+        for name, row in ROWS.items()
+        if name in measured_figures
+    )
+    return text.partition(HEADS)[0] + HEADS + "".join(lines)
+
+
+def is_old(name, figure):
+    """True if a figure is older than the code that it speaks of."""
+    return figure["code"] != code_digest(*ROWS[name].rooms)
 
 
 def watched(process):
@@ -299,7 +312,7 @@ def watched(process):
 
 
 def measured(name, is_full):
-    """Run the command of a row; return the row of the page, None if the command fails."""
+    """Run the command of a row; return its figure, None if the command fails."""
     row = ROWS[name]
     arguments = row.full if is_full and row.full is not None else row.small
     command = f"{row.command} {arguments}".strip()
@@ -317,10 +330,10 @@ def measured(name, is_full):
         print(f"{name}: {command} ended with {process.returncode}")
         return None
     figure = row.figure(text, seconds)
-    broken = "**the promise is broken**" if is_full else "the promise fails on this sample"
-    figure += f"; {broken}" * process.returncode
+    if process.returncode:
+        figure += "; **the claim does not hold**" if is_full else "; not met by this small sample"
     print(f"{name}: {figure}", flush=True)
-    return name, row.claim, figure, f"{date.today():%m-%d}, {digest}"
+    return {"figure": figure, "date": f"{date.today():%m-%d}", "code": digest}
 
 
 def main():
@@ -329,19 +342,20 @@ def main():
     parser.add_argument("rows", nargs="*", metavar="ROW", help=", ".join(ROWS))
     parser.add_argument("--full", action="store_true", help="take full versions")
     parser.add_argument("--older", action="store_true", help="only name older rows")
+    parser.add_argument("--page", action="store_true", help="only write the page")
     options = parser.parse_args()
-    page = PAGE.read_text(encoding="utf-8")
-    page_rows = rows_of(page)
-    older = [name for name in ROWS if name not in page_rows or is_old(page_rows[name])]
+    known = figures()
+    older = [name for name in ROWS if name not in known or is_old(name, known[name])]
     if options.older:
         print("\n".join(older) or "no row is older than its code")
         return 0
-    for name in options.rows or older:
-        page_rows.pop(name, None)
-        if row := measured(name, options.full):
-            page_rows[name] = row
-        lines = ("| " + " | ".join(page_rows[key]) + " |\n" for key in ROWS if key in page_rows)
-        PAGE.write_text(page.partition(HEADS)[0] + HEADS + "".join(lines), encoding="utf-8")
+    for name in () if options.page else options.rows or older:
+        known.pop(name, None)
+        if figure := measured(name, options.full):
+            known[name] = figure
+        text = json.dumps(known, indent=1, ensure_ascii=False)
+        FIGURES.write_text(f"{text}\n", encoding="utf-8")
+    PAGE.write_text(page_of(PAGE.read_text(encoding="utf-8"), known), encoding="utf-8")
     return 0
 
 

@@ -14,12 +14,12 @@ from tribo import PRESETS
 
 
 def test_each_row_of_the_evidence_is_one_of_at_most_fifteen_that_are_measured():
-    page = measured.PAGE.read_text(encoding="utf-8")
-    rows = measured.rows_of(page)
-    table = page.partition(measured.HEADS)[2]
-    assert table.count("\n") == len(rows) <= len(measured.ROWS) <= 15
-    for name, row in rows.items():
-        assert (row[1], len(row)) == (measured.ROWS[name].claim, 4)
+    page, figures = measured.PAGE.read_text(encoding="utf-8"), measured.figures()
+    assert measured.page_of(page, figures) == page, (
+        "write it again: python -m tests.measured --page"
+    )
+    assert figures.keys() <= measured.ROWS.keys()
+    assert len(measured.ROWS) <= 15
 
 
 def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
@@ -27,12 +27,12 @@ def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
     (tmp_path / "tribo").mkdir()
     code = tmp_path / "tribo" / "a.py"
     code.write_text("x = 1  # of old\n")
-    row = ["presets", "", "", f"11-20, {measure.code_digest('tribo')}"]
-    assert not measured.is_old(row)
+    figure = {"code": measure.code_digest("tribo")}
+    assert not measured.is_old("presets", figure)
     code.write_text('"""A new word."""\n# and another\nx = 1  # of old\n')
-    assert not measured.is_old(row)
+    assert not measured.is_old("presets", figure)
     code.write_text("x = 2  # of old\n")
-    assert measured.is_old(row)
+    assert measured.is_old("presets", figure)
 
 
 def test_forty_changes_that_tests_have_to_notice_can_be_made():
