@@ -179,6 +179,10 @@ def input_name(path: str) -> str:
     special |= {"loading.stages": "hold of the stages", "motion": "slide–roll ratio"}
     special |= {"temperature": f"{words} temperature"}
     special |= {
-        "disk.roughness": {"ra": "Ra", "height_unit": "height scale of the scan"}.get(name, words)
+        "disk.roughness": {
+            "ra": "Ra",
+            "rsm": "RSm",
+            "height_unit": "height scale of the scan",
+        }.get(name, words)
     }
     return special.get(table, words)

@@ -27,6 +27,7 @@ from pipeline.scene.format import (
     MotionTable,
     OilTable,
     RampTable,
+    RandomSurface,
     Record,
     SceneFile,
     StagesTable,
@@ -36,6 +37,7 @@ from pipeline.scene.format import (
 from pipeline.scene.input_values import uncertainty_of
 from pipeline.scene.library import resolve_library
 from pipeline.scene.table_kinds import Declared, TableKind
+from pipeline.surface.mean_spacing import correlation_lengths
 from pipeline.surface.scan import read_scan
 from pipeline.surface.window import window_heights
 from pipeline.sweep.case import PATHS, Case, Conditions
@@ -272,10 +274,8 @@ def roughness_of(
             raise tribo.InputError(
                 "one pixel cannot be rough; give more window.pixels, or no table"
             )
-        lengths = table.correlation_length
-        if not isinstance(lengths, tuple):
-            lengths = lengths, lengths
-        return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": lengths})
+        lengths = correlation_lengths_of(table, window, faults)
+        return tribo.SelfAffineRoughness(table.ra, table.hurst_exponent, lengths, table.seed)
     path = files.path("disk.roughness.file", table.file)
     areas = tuple(realizations_of(realizations, 0)) or (0,)
     cut = partial(_scanned, files, path, table, window, areas)
@@ -283,6 +283,34 @@ def roughness_of(
     for note in notes:
         faults.note("disk.roughness.file", note)
     return tribo.MeasuredRoughness(heights)
+
+
+def correlation_lengths_of(
+    table: RandomSurface, window: Window, faults: Faults
+) -> tuple[float, float]:
+    """Correlation lengths [m] along x and y, as stated or by RSm; a note on the latter is added."""
+    lengths, rsm = table.correlation_length, table.rsm
+    if rsm is None:
+        if lengths is None:
+            raise tribo.InputError('give a correlation_length, such as "4 um", or an rsm')
+        return lengths if isinstance(lengths, tuple) else (lengths, lengths)
+    if lengths is not None:
+        raise tribo.InputError("correlation_length and rsm state the same; leave out one of them")
+    smallest = min(rsm) if isinstance(rsm, tuple) else rsm
+    if smallest < table.ra:
+        raise tribo.InputError(
+            f"rsm ({display(smallest, 'µm')}) is below ra ({display(table.ra, 'µm')}): are they "
+            "swapped?"
+        )
+    lengths = correlation_lengths(rsm, table.hurst_exponent, window.pixel_size)
+    x, y = (display(length, "µm", 3) for length in lengths)
+    words = (
+        f"correlation lengths of {x} along x and {y} along y"
+        if isinstance(rsm, tuple)
+        else f"a correlation length of {x}"
+    )
+    faults.note("disk.roughness.rsm", f"surfaces with this RSm have {words}")
+    return lengths
 
 
 def realizations_of(choice: int | Sequence[int] | None, first: int) -> Sequence[int]:

@@ -5,6 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+_ALTERNATIVES = {
+    "count": "step",
+    "step": "count",
+    "correlation_length": "rsm",
+    "rsm": "correlation_length",
+}
+"""Entries of a table that replace each other."""
 Entries = Mapping[str, Any]
 """Values and further tables by key; or values by path."""
 
@@ -36,9 +43,9 @@ def flat(tables: Entries, table_path: str = "") -> Iterator[tuple[str, Any]]:
 def merged(lower: Entries, upper: Entries) -> dict[str, Any]:
     """Merge tables key by key; values of `upper` replace values of `lower`.
 
-    The step and the count of a range replace each other.
+    Alternatives, such as the step and the count of a range, replace each other.
     """
-    replaced_keys = {{"count": "step", "step": "count"}.get(key) for key in upper}
+    replaced_keys = {_ALTERNATIVES.get(key) for key in upper}
     tables = {key: value for key, value in lower.items() if key not in replaced_keys}
     for key, value in upper.items():
         are_tables = isinstance(value, dict) and isinstance(lower.get(key), dict)
@@ -49,7 +56,7 @@ def merged(lower: Entries, upper: Entries) -> dict[str, Any]:
 def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
     """Return tables with the entry at a path set to a value, or removed if the value is None.
 
-    A table from which the last entry is removed is removed, too.
+    An alternative of the entry is removed as well, and a table that becomes empty.
     """
     key, _, inner_path = path.partition(".")
     if value is None and key not in tables:
@@ -60,7 +67,8 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
         new_value = replace_value(table if isinstance(table, dict) else {}, inner_path, value)
     if new_value is None or (value is None and not new_value):
         return {other_key: entry for other_key, entry in tables.items() if other_key != key}
-    return {**tables, key: new_value}
+    alternative = _ALTERNATIVES.get(key)
+    return {name: entry for name, entry in tables.items() if name != alternative} | {key: new_value}
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:

@@ -173,7 +173,12 @@ class RandomSurface(Declared):
     hurst_exponent: float = entry(Number(above=0, at_most=1),
         "A larger one is smoother at short wavelengths.")
     correlation_length: Any = entry(one_or_two(Quantity("4 um")),
-        "Length beyond which heights are independent; along x and y for a ground surface.")
+        "Length beyond which heights are independent; along x and y for a ground surface. Needed "
+        "without `rsm`.", None)
+    rsm: Any = entry(one_or_two(Quantity("30 um")),
+        "Mean width RSm of the elements of a profile, which a profilometer prints next to Ra, "
+        "instead of `correlation_length`; along x and y for a ground surface. The correlation "
+        "length that follows depends on the pixels.", None)
     seed: int = entry(SEED, "Seed of the random surface.", 0)
 
 class MeasuredSurfaceTable(Declared):

@@ -18,8 +18,8 @@ _MATERIAL = "hardness", "elastic_modulus", "thermal_conductivity", "density", "s
 _SCALE_OF_SCAN = "disk.roughness.height_unit"
 _OTHERS = (
     "pin.radius", "pin.length", "pin.crown_radius", "disk.roughness.ra", _SCALE_OF_SCAN,
-    "disk.roughness.correlation_length", "wear.specific_wear_rate", "loading.rate", "loading.hold",
-    "loading.stages.hold", "motion.slide_roll_ratio",
+    "disk.roughness.correlation_length", "disk.roughness.rsm", "wear.specific_wear_rate",
+    "loading.rate", "loading.hold", "loading.stages.hold", "motion.slide_roll_ratio",
 )  # fmt: skip
 
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.optimize import brentq
 
 from pipeline import boundary
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
-from tribo import Grid
-from tribo.surface import self_affine
+from pipeline.surface.mean_spacing import correlation_lengths
 from tribo.types import Array
 
 from .labels import label_ends
@@ -23,8 +19,6 @@ _SURFACES = 8
 _LOADS = (200.0, 400.0, 600.0, 750.0)  # N
 _VELOCITIES = (0.8, 1.1, 1.5, 2.1, 2.9, 3.9, 5.2)  # m/s, of which the rise is nearly a power
 _ALLOWED = 0.1  # relative change of a velocity that is no difference, as in report.agree
-_HURST = 0.8  # Hurst exponent, which no data sheet has
-_PIXELS = 512  # along a side of the surfaces whose profiles have the RSm
 _COLOURS = BLUE, GREEN, GREY, VERMILION
 
 
@@ -33,8 +27,8 @@ def spacing(study: Study) -> Recomputation:
     scene = study.scene("irg_transition")
     roughness = scene.source.entries["disk"]["roughness"]
     chosen = scene.scene.roughness.correlation_length[0]  # type: ignore[union-attr]
-    ra, pixel = scene.scene.roughness.ra, scene.scene.pixels.spacing[1]  # type: ignore[union-attr]
-    fitted = [correlation_length(ra, rsm, pixel) for rsm in _SPACINGS]
+    ra, hurst = scene.scene.roughness.ra, roughness["hurst_exponent"]  # type: ignore[union-attr]
+    fitted = [correlation_lengths(rsm, hurst, scene.scene.pixels.spacing)[0] for rsm in _SPACINGS]
     lengths = [chosen, *fitted]
     changes = {
         "without": ["tests", "sweep.fields"],
@@ -56,7 +50,7 @@ def spacing(study: Study) -> Recomputation:
         {
             "ra": 1e6 * ra,
             "surfaces": len(study.seeds(_SURFACES)),
-            "hurst": roughness["hurst_exponent"],
+            "hurst": hurst,
             "rsm": [1e6 * x for x in _SPACINGS],
             "lengths": [1e6 * x for x in fitted],
             "chosen": 1e6 * chosen,
@@ -82,63 +76,6 @@ def spacing(study: Study) -> Recomputation:
         },
         figure=_draw(np.array(fitted), change, loads, chosen),
     )
-
-
-def correlation_length(ra: float, rsm: float, pixel: float) -> float:
-    """Correlation length [m] of random surfaces with Ra and RSm [m], in pixels [m].
-
-    Profiles in such pixels must be able to have this RSm.
-    """
-    min_length, max_length = 0.3 * pixel, _PIXELS * pixel / 12
-    log_length = brentq(
-        lambda log_length: math.log(_mean_rsm(math.exp(log_length), ra, pixel) / rsm),
-        math.log(min_length),
-        math.log(max_length),
-        xtol=0.01,
-    )
-    return math.exp(float(log_length))
-
-
-def _mean_rsm(length: float, ra: float, pixel: float) -> float:
-    """Mean RSm [m] of profiles of four random surfaces with a correlation length [m]."""
-    grid = Grid((_PIXELS, _PIXELS), (pixel, pixel))
-    spacings = list[float]()
-    for seed in range(4):
-        heights = self_affine(grid, ra, _HURST, (length, length), seed=seed)
-        for profile in heights.T[::16]:
-            rz = float(np.mean([np.ptp(section) for section in np.array_split(profile, 5)]))
-            # Without two elements, the spacing is at least the length of the profile.
-            spacings.append(mean_spacing(profile, pixel, 0.1 * rz) or _PIXELS * pixel)
-    return float(np.mean(spacings))
-
-
-def mean_spacing(profile: Array, step: float, min_height: float) -> float | None:
-    """RSm [m]: mean spacing of profile elements with a peak and a valley of at least `min_height`.
-
-    None for fewer than two elements.
-
-    Examples
-    --------
-    >>> x = np.arange(4000) * 0.5e-6
-    >>> f"{1e6 * mean_spacing(np.sin(2 * np.pi * x / 60e-6), 0.5e-6, 0.2):.2f} µm"
-    '60.00 µm'
-    """
-    side = np.where(profile > min_height, 1, np.where(profile < -min_height, -1, 0))
-    high_or_low = np.flatnonzero(side)
-    if high_or_low.size < 2:
-        return None
-    rises, falls = list[float](), list[float]()
-    for k in np.flatnonzero(np.diff(side[high_or_low])):
-        before, after = high_or_low[k], high_or_low[k + 1]
-        sign_changes = np.flatnonzero(np.diff(np.signbit(profile[before : after + 1])))
-        last = before + int(sign_changes[-1])
-        crossing = float(last + profile[last] / (profile[last] - profile[last + 1]))
-        (rises if side[after] > 0 else falls).append(crossing)
-    crossings = [positions for positions in (falls, rises) if len(positions) > 1]
-    if not crossings:
-        return None
-    total_length = sum(positions[-1] - positions[0] for positions in crossings)
-    return step * total_length / sum(len(positions) - 1 for positions in crossings)
 
 
 @house_style
