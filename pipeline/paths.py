@@ -123,6 +123,18 @@ def store_hint(path: Path) -> str:
     return ""
 
 
+def is_workbook(path: Path, content: bytes) -> bool:
+    """True for a workbook of a spreadsheet, by the end of its name or its content."""
+    is_named_so = path.suffix.lower() in (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
+    return is_named_so or (content[:2] == b"PK" and b"xl/workbook" in content)
+
+
+def workbook_problem(path: Path) -> str:
+    """Why a workbook is not read, and what to do."""
+    csv = path.with_suffix(".csv").name
+    return f"a workbook; save its sheet as CSV (File, Save As, file type CSV UTF-8), and give {csv}"
+
+
 def is_binary(content: bytes) -> bool:
     """True for the content of a file that is no text, in UTF-16 with its mark or any other.
 

@@ -21,7 +21,14 @@ import pandas as pd
 
 from pipeline.arguments import plain_value
 from pipeline.messages import did_you_mean, fault_lines, quoted
-from pipeline.paths import is_binary, read_file, reason_of, user_path
+from pipeline.paths import (
+    is_binary,
+    is_workbook,
+    read_file,
+    reason_of,
+    user_path,
+    workbook_problem,
+)
 from pipeline.units import MAYBE_THOUSANDS, NUMBER, to_si
 from tribo import InputError
 from tribo.types import Array
@@ -322,8 +329,10 @@ def _cell_of_value(column: TableColumn, value: Any) -> str:
 def _rows_of_file(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
     """Rows of a file with their numbers, headings first; and if commas divide its cells."""
     content = read_file(path, max_bytes=40_000_000)
+    if is_workbook(path, content):
+        raise InputError(f"{path} is {workbook_problem(path)}")
     if is_binary(content):
-        raise InputError(f"{path} is binary, such as a workbook; save the table as .csv")
+        raise InputError(f"{path} is binary; give a table as text, .csv")
     is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     try:
         text = content.decode("utf-16" if is_utf16 else "utf-8-sig")

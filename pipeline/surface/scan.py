@@ -15,7 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.messages import quoted
-from pipeline.paths import is_binary, read_file, reason_of, user_path
+from pipeline.paths import (
+    is_binary,
+    is_workbook,
+    read_file,
+    reason_of,
+    user_path,
+    workbook_problem,
+)
 from pipeline.units import MAYBE_THOUSANDS
 from tribo import InputError
 from tribo.types import Array
@@ -54,6 +61,8 @@ def read_scan(path: str | Path, height_unit: float) -> tuple[Array, list[str]]:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     try:
         is_array = content.startswith(b"\x93NUMPY")
+        if not is_array:
+            _require_text(path, content)
         matrix = _require_map(_array(content) if is_array else _matrix(content))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
@@ -84,6 +93,20 @@ def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     return np.ascontiguousarray(heights), notes
 
 
+def _require_text(path: Path, content: bytes) -> None:
+    """Raise an `InputError` for a workbook, and for another file that is no text."""
+    if is_workbook(path, content):
+        raise InputError(workbook_problem(path))
+    if is_binary(content):
+        array = path.with_suffix(".npy").name
+        raise InputError(
+            "no text, maybe a file of an instrument: write its heights as an array in Python: "
+            f"surface = SurfaceTopography.open_topography({quoted(path.name)}).topography()"
+            f'.to_unit("um"); np.save({quoted(array)}, np.ma.filled(surface.heights(), np.nan).T); '
+            f'then set file = {quoted(array)} and height_unit = "um"'
+        )
+
+
 def _array(content: bytes) -> Array:
     """Numbers of a .npy file in two dimensions."""
     try:
@@ -100,8 +123,6 @@ def _array(content: bytes) -> Array:
 
 def _matrix(content: bytes) -> Array:
     """Numbers in rows of text, a row for each y; an empty cell and nan are missing heights."""
-    if is_binary(content):
-        raise InputError("binary; export the heights as .npy or as a matrix in text")
     is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if is_utf16 else "utf-8-sig", errors="replace")
     lines = (line.strip(" ") for line in text.replace("−", "-").strip("\n").splitlines())

@@ -73,7 +73,10 @@ def test_a_table_of_western_excel_is_read(tmp_path):
         ("load [N],velocty [m/s]\n300,1.5\n", r'did you mean "velocity"'),
         (f"{HEADS},surface speed [m/s]\n300,1.5,3\n", r'"surface speed \[m/s\]" has numbers'),
         (f'{HEADS}\n"1,200",1.5\n', r"row 2, load \[N\]: 1,200 has a comma; write a point, or set"),
-        ("PK\x03\x04\x00\x00", "is binary, such as a workbook; save the table as .csv"),
+        (
+            "PK\x03\x04\x00\x00xl/workbook.xml",
+            "is a workbook; save its sheet as CSV",
+        ),
         (HEADS, "has no rows below its headings"),
         ("\x00\x01\x02\x03" * 99, "is binary"),
     ],
