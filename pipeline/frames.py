@@ -145,10 +145,13 @@ def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
 def cells_of(frame: pd.DataFrame, missing: str, digits: int = 4) -> list[list[str]]:
     """Values of a frame as text, row by row; `missing` stands for NaN and None."""
     rows = frame.itertuples(index=False, name=None)
-    return [[missing if pd.isna(value) else _text(value, digits) for value in row] for row in rows]
+    return [
+        [missing if pd.isna(value) else cell_text(value, digits) for value in row] for row in rows
+    ]
 
 
-def _text(value: Any, digits: int) -> str:
+def cell_text(value: Any, digits: int) -> str:
+    """A value of a cell as text, a number with at most `digits` significant digits."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if not _is_number(value):

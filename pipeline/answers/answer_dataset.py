@@ -24,6 +24,7 @@ from pipeline.answers.remedies import Remedy
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import (
     added_rise_words,
+    unusual_condition_lines,
     verdict_conditions,
     warning_lines,
 )
@@ -135,6 +136,8 @@ def answer_dataset(
         if isinstance(text, str):
             texts = text, *(str(other[name]) for other in further)
             attributes[name] = join_notes(filter(None, texts))
+    unusual = unusual_condition_lines(models[0].case.sweep, varied)
+    attributes["notes"] = join_notes(filter(None, (*unusual, str(attributes["notes"]))))
     answer = with_attributes(xr.Dataset(data, axes)).assign_attrs(attributes)
     for axis, ends in models[0].ranges.items():
         for name in (f"mild_{axis}", f"severe_{axis}"):
@@ -284,6 +287,8 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     """Limits of all answers of a case, in addition to the effects that are not included."""
     sweep = model.case.sweep
     unknown = preset_error_text(sweep) if model.preset_error is None else ""
+    conditions = {name: getattr(model.conditions, name) for name in CONDITION_NAMES}
+    yield from unusual_condition_lines(sweep, conditions)
     warnings = warning_lines(sweep, answered=True)
     lines = model.omitted_tests, sweep.note, *warnings, added_rise_words(model.conditions), unknown
     yield from filter(None, lines)

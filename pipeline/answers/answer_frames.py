@@ -21,7 +21,7 @@ from pipeline.answers.value_text import (
     line_sides,
     probability_text,
 )
-from pipeline.frames import frame_of, without_columns
+from pipeline.frames import cell_text, frame_of, without_columns
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
@@ -37,6 +37,7 @@ _WITH_ERROR_DIGITS = re.compile(
     "(critical|mild|severe)_(velocity|load|friction)(_p50)?|governing_temperature|temperature_margin|.*_factor"
 )
 """Variables whose digits depend on the numerical error."""
+_TYPED_DIGITS = 6  # of loads, velocities, conditions and entries
 _NUMBER_STARTS = tuple("0123456789+-−.")
 _HEADINGS = {
     "critical_velocity_p50": "50 % severe", "velocity_error": "numerical error",
@@ -58,7 +59,7 @@ def row_labels(answer: xr.Dataset, row: str) -> list[str]:
     ]
     if not user_columns:
         points = zip(*(answer[name].values.tolist() for name in PLANE), strict=True)
-        return [f"{load:.4g} N, {velocity:.4g} m/s" for load, velocity in points]
+        return [f"{load:g} N, {velocity:g} m/s" for load, velocity in points]
     axis = answer[min(user_columns, key=lambda name: name == row)]
     texts = [value_words(axis, value) for value in axis.values.tolist()]
     name = str(axis.name).replace("_", " ").partition(" [")
@@ -146,8 +147,13 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
     position = [*frame].index("governing temperature [°C]") + 1
     frame.insert(position, _COMPUTED_RISE, [text or None for text in percents])
     for heading, form in _TEST_FORMATS.items():
-        frame[heading] = [None if np.isnan(x) else float(f"{x:{form}}") for x in frame[heading]]
-    return frame
+        frame[heading] = [None if np.isnan(x) else f"{x:{form}}" for x in frame[heading]]
+    return frame.apply(_typed_texts)
+
+
+def _typed_texts(values: pd.Series) -> list[str | None]:
+    """Values that a person typed as text, with all of their digits."""
+    return [None if pd.isna(value) else cell_text(value, _TYPED_DIGITS) for value in values]
 
 
 def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
@@ -189,13 +195,19 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
 
 
 def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
-    """`answer_frame` for a reader: numbers as text, with the digits that their errors allow."""
+    """`answer_frame` for a reader: numbers as text.
+
+    Results have the digits that their errors allow, and what a person typed has all of its digits.
+    """
     name_of_error = {
         f"error {k}": name for k, name in enumerate(names) if _WITH_ERROR_DIGITS.fullmatch(name)
     }
     error_arrays = {column: error_of(answer, name) for column, name in name_of_error.items()}
     error_columns = {column: (array.dims, array.values) for column, array in error_arrays.items()}
     frame = answer_frame(answer.assign(error_columns), *names, *error_columns)
+    for name in {*map(str, answer.sizes), *PLANE, *_user_columns(answer)}:
+        if (heading := _heading(name, answer)) in frame:
+            frame[heading] = _typed_texts(frame[heading])
     for column, name in name_of_error.items():
         heading = _heading(name, answer)
         pairs = zip(frame[heading], frame.pop(column), strict=True)

@@ -69,7 +69,7 @@ def margin_lines(point: xr.Dataset) -> Iterator[str]:
 def headline(point: xr.Dataset) -> str:
     """The verdict on one point, up to where wear is mild, and what would decide a verdict."""
     verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
-    at = f"{load:.4g} N and {velocity:.4g} m/s"
+    at = f"{load:g} N and {velocity:g} m/s"
     if verdict == "outside the model":
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
     limits = [*filter(None, (limit_text(point, axis) for axis in ("load", "velocity")))]

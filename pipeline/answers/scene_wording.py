@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pipeline.messages import listed
 from pipeline.quantities import display
 from pipeline.shipped import typed_name
-from pipeline.sweep.case import Conditions, known_critical_temperature
-from pipeline.sweep.notes import SceneWarning
+from pipeline.sweep.case import PATHS, Conditions, known_critical_temperature
+from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import typeset, unusual
 from tribo import SelfAffineRoughness
+from tribo.simulation.usual_values import USUAL
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,9 +33,9 @@ def heating_words(conditions: Conditions) -> str:
     """
     bulk = f"bulk temperature {display(conditions.bulk_temperature, '°C')}"
     if not conditions.added_rise_fraction:
-        return f"friction {conditions.friction:.4g}, {bulk}"
+        return f"friction {conditions.friction:g}, {bulk}"
     added = signed_percent(conditions.added_rise_fraction)
-    return f"friction {conditions.friction:.4g}, {bulk}, rise {added}"
+    return f"friction {conditions.friction:g}, {bulk}, rise {added}"
 
 
 def verdict_conditions(conditions: Conditions, from_tests: bool = False) -> str:
@@ -39,12 +43,12 @@ def verdict_conditions(conditions: Conditions, from_tests: bool = False) -> str:
 
     The critical area fraction follows if it is not 10 %, and corrections if there are any.
     """
-    critical = display(known_critical_temperature(conditions), "°C", 4 if from_tests else 5)
+    critical = display(known_critical_temperature(conditions), "°C", 4 if from_tests else 6)
     parts = [heating_words(conditions), f"critical temperature {critical}"]
     if from_tests:
         parts[-1] = f"critical temperature {critical} (median, from tests)"
     if conditions.critical_area_fraction != _DEFAULT_FRACTION:
-        parts.append(f"critical area fraction {100 * conditions.critical_area_fraction:.4g} %")
+        parts.append(f"critical area fraction {100 * conditions.critical_area_fraction:g} %")
     text = ", ".join(parts)
     return f"{text}; {conditions.corrections.text}" if conditions.corrections else text
 
@@ -90,6 +94,24 @@ def warning_lines(sweep: Sweep, max_count: int = 3, answered: bool = False) -> l
     if (more := len(lines) - max_count) > 0:
         lines[max_count:] = [f"{more} more warnings: irg check {typed_name(sweep.name)}"]
     return lines
+
+
+def unusual_condition_lines(sweep: Sweep, conditions: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning of each condition with an unusual value that is not the scene's.
+
+    `conditions` has values or arrays [SI] by name; of an array, the first unusual value is named.
+    """
+    for name in [name for name in PATHS if name in USUAL and name in conditions]:
+        usual, scene_value = USUAL[name], getattr(sweep.conditions, name)
+        values = np.ravel(conditions[name]).tolist()
+        warnings = [
+            warning
+            for value in values
+            if value is not None and value != scene_value
+            for warning in unusual_warning(PATHS[name], value, usual.ends, usual.unit)
+        ]
+        if warnings:
+            yield f"warning: {warning_text(warnings[0])}"
 
 
 def _describe_warning(warning: SceneWarning) -> str:

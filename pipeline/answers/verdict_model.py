@@ -137,7 +137,7 @@ class VerdictModel:
             )
         return (
             "the tests are left out: they hold for the critical temperature of the scene, "
-            f"{display(own, '°C', 5)}"
+            f"{display(own, '°C')}"
         )
 
     @functools.cached_property

@@ -330,7 +330,7 @@ def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None
             position = axes.transData.transform((velocity, load))
             x, y = axes.transAxes.inverted().transform(position) > 0.5
             axes.annotate(
-                f"{load:.4g} N, {velocity:.4g} m/s", (velocity, load),
+                f"{load:g} N, {velocity:g} m/s", (velocity, load),
                 (-8 if x else 8, -6 if y else 6), textcoords="offset points", color=OPERATING,
                 ha="right" if x else "left", va="top" if y else "bottom", fontweight="bold",
                 path_effects=style.HALO, zorder=5,

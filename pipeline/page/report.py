@@ -232,7 +232,7 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
     facts = [*map(list, margin_facts(margin))]
     table = PageTable("The operating point in numbers", ["quantity", "value"], facts)
     sections = _plane_sections(ds, conditions, [(load, velocity)])
-    title = f"{HEADLINES[verdict]} at {load:.4g} N and {velocity:.4g} m/s"
+    title = f"{HEADLINES[verdict]} at {load:g} N and {velocity:g} m/s"
     sections.insert(1, ("Operating point", [table]))
     return Page(verdict_text(margin), title, _sentences(lines), sections)
 

@@ -283,7 +283,7 @@ class Model(Declared):
         default=0.15)
     scatter: float = entry(Share(at_least=1e-3, below=1),
         "Scatter between specimens; this prior weighs as much as four tests.", default=0.055)
-    rise: float = entry(Share(above=-1, usual=(0, 0.5)),
+    rise: float = entry(Share(above=-1, usual=USUAL["added_rise_fraction"].ends),
         "Known heating outside the model, such as of a pin holder, a surface film or a "
         'reciprocating contact: "+6 %" multiplies the rise by 1.06.', default=0.0)
 

@@ -68,6 +68,7 @@ USUAL = {
     "friction": UsualRange(0, 1, "", mistaken=(("%", 0.01),)),
     "bulk_temperature": UsualRange(-50, 250, "°C", 1.0, "K"),
     "critical_temperature": UsualRange(50, 800, "°C", 1.0, "K"),
+    "added_rise_fraction": UsualRange(0, 0.5, "", mistaken=(("%", 0.01),)),
 }
 """Usual ranges by quantity. The bounds of hardness are wide: lead has 0.003 of its elastic modulus,
 diamond 0.1."""
@@ -119,5 +120,5 @@ def _values(scene: Scene, conditions: Conditions | None) -> Iterator[tuple[str, 
     ):
         for name in names:
             yield f"{owner}.{name}", name, getattr(getattr(scene, owner), name, None)
-    for name in ("friction", "bulk_temperature", "critical_temperature"):
+    for name in ("friction", "bulk_temperature", "critical_temperature", "added_rise_fraction"):
         yield f"conditions.{name}", name, getattr(conditions, name, None)

@@ -274,7 +274,7 @@ def test_the_headline_states_the_verdict_the_mild_limits_and_their_factors():
         in low
     )
     undecided = pipeline.margin(ds, 300.0, at_limit)
-    assert headline(undecided).startswith(f"Undecided at 300 N and {at_limit:.4g} m/s; mild up to")
+    assert headline(undecided).startswith(f"Undecided at 300 N and {at_limit:g} m/s; mild up to")
     assert headline(undecided).endswith(f"; to decide it, {to_decide(undecided)}")
     severe = headline(pipeline.margin(ds, 300.0, 4.0))
     assert severe.startswith(
