@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, astuple
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -59,13 +60,16 @@ def check(options: argparse.Namespace) -> Result:
             "reduce window.pixels, or choose coarser settings in [fidelity]"
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
+    store = getattr(options, "store_path", None) or Path("results") / f"{options.scene.stem}.zarr"
+    missing = _missing_of_inputs(sweep, store)
+    missing = cost.uncertain if missing is None else missing
     rows = [
         *_meaning_rows(sweep, contact, case_estimates, required),
         *(("library", f"{text}, from {source}") for text, source in library_tables(sweep.sources)),
         *([("note", sweep.note)] if sweep.note else []),
         *(("note", note.text) for note in sweep.notes),
         *(("warning", warning_text(warning)) for warning in sweep.all_warnings),
-        *_cost_rows(sweep, cost),
+        *_cost_rows(sweep, cost, missing),
     ]
     frame = frame_of(("subject", "meaning"), rows)
     statements = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
@@ -75,7 +79,7 @@ def check(options: argparse.Namespace) -> Result:
         "title": sweep.title,
         "preset": sweep.preset,
         "contact": asdict(contact),  # in SI
-        "cost": {**asdict(cost), "worker_bytes": needed_bytes},
+        "cost": {**asdict(cost), "missing_uncertain": missing, "worker_bytes": needed_bytes},
         "cases": [asdict(estimate) for estimate in case_estimates],  # in SI
         "statements": records([frame]),
     }
@@ -157,7 +161,16 @@ def _span_text(span: Span, unit: str = "") -> str:
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
-def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
+def _missing_of_inputs(sweep: Sweep, store: Path) -> int | None:
+    """Points for uncertain inputs that a store lacks; None without a store."""
+    if not (sweep.base.uncertainty and store.is_dir()):
+        return None
+    from pipeline.run.boundary_variants import missing_variants  # imports Zarr
+
+    return missing_variants(sweep, store)
+
+
+def _cost_rows(sweep: Sweep, cost: Estimate, missing: int) -> Iterator[_Row]:
     """Yield rows on the cost of a sweep: points, tests and time."""
     velocities = sweep.case_table.column("velocity") or sweep.velocities
     loads = pluralized(len(sweep.loads), "load", "loads")
@@ -170,6 +183,9 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"
+    if cost.uncertain:
+        count = pluralized(cost.uncertain, "point", "points")
+        yield "inputs", f"{count} for uncertain inputs, simulated last; {missing} of them missing"
     time, workers = duration(cost.seconds), pluralized(cost.workers, "worker", "workers")
     yield "time", f"about {time} on {workers} of an idle machine"
     if has_unknown_preset_error(sweep):

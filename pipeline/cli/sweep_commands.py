@@ -33,7 +33,8 @@ def run(options: argparse.Namespace) -> Result:
     if options.accuracy is not None:
         _refuse_numerical_settings(options)
     if options.dry_run:
-        options.output = None  # the path of the store; irg check would write its table to it
+        # The path of the store; irg check would write its table to it.
+        options.store_path, options.output = options.output, None
         return check(options)
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)

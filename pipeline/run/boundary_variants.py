@@ -11,29 +11,30 @@ import numpy as np
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.results import ascending, cases_of
 from pipeline.answers.verdict_model import verdict_model
-from pipeline.scene.variants import variants_of
+from pipeline.scene.variants import expected_variants, spread, uncertain_inputs, variants_of
+from pipeline.store.create import find_sweep
 from pipeline.store.dataset import store_dataset
-from pipeline.store.store import Store
-from pipeline.sweep.case import CLOSED_FORM
+from pipeline.store.location import PathLike
+from pipeline.store.resume import mismatches
+from pipeline.store.store import Store, opened
+from pipeline.sweep.case import VELOCITY_INPUT
 from pipeline.sweep.case_table import CaseName
 from pipeline.sweep.sweep import Point, Sweep
-from tribo.types import Array
 
 
-def uncertain_inputs(sweep: Sweep) -> set[str]:
-    """Paths of the uncertain inputs of a scene that act by simulations."""
-    return {path for each in sweep.base.uncertainty for path in each.entries} - {*CLOSED_FORM}
-
-
-def expected_variants(sweep: Sweep) -> int:
-    """Number of points that a run of a sweep simulates for its uncertain inputs."""
-    if not (paths := uncertain_inputs(sweep)) or not sweep.base.is_judged:
-        return 0
-    names, loads = sweep.case_table.without_surfaces.names, _spread(np.array(sweep.loads))
-    if sweep.case_table.column("load") is not None:
-        names, loads = names[:1], loads[:1]
-    points = (Point(load, sweep.velocities[-1], name) for name in names for load in loads.tolist())
-    return len(variants_of(sweep, points, paths))
+def missing_variants(sweep: Sweep, path: PathLike) -> int:
+    """Number of points that a run into the store at a path adds for uncertain inputs."""
+    expected, stored = expected_variants(sweep), find_sweep(path)
+    if stored is None or [*mismatches(stored, sweep)]:
+        return len(expected)
+    paths = {VELOCITY_INPUT, *uncertain_inputs(sweep)}
+    done = {
+        (variant.entry, variant.factor, variant.load, variant.of_case)
+        for case in cases_of(ascending(store_dataset(opened(path))))
+        for variant, point in case.variants
+        if variant.entry in paths and not point.missing_reason
+    }
+    return max(len(expected) - len(done), 0)
 
 
 def with_variants(store: Store) -> Sweep | None:
@@ -43,8 +44,7 @@ def with_variants(store: Store) -> Sweep | None:
     the row that governs.
     """
     sweep = store.sweep
-    paths = uncertain_inputs(sweep)
-    if not (paths and sweep.base.is_judged and sweep.conditions.friction):
+    if not (paths := uncertain_inputs(sweep)):
         return None
     stored_points, stored_paths = defaultdict[CaseName, dict[Point, None]](dict), set[str]()
     for variant in sweep.variants:
@@ -81,14 +81,9 @@ def _boundary_points(case: CaseResults) -> Iterator[Point]:
     Without one, the velocity is the end of the sweep that is nearest to it.
     """
     model = verdict_model(case, case.conditions)
-    loads = _spread(model.field.loads)
+    loads = spread(model.field.loads)
     lines = model.field.along_velocity(loads, np.full(loads.shape, model.limit))
     ends = np.where(lines.is_severe, case.velocities[0], case.velocities[-1])
     velocities = np.where(np.isfinite(lines.critical), lines.critical, ends)
     for load, velocity in zip(loads.tolist(), velocities.tolist(), strict=True):
         yield Point(load, velocity, case.name)
-
-
-def _spread(values: Array) -> Array:
-    """The first, middle and last of ascending values, each once."""
-    return np.unique(values[[0, len(values) // 2, -1]])

@@ -15,6 +15,7 @@ import psutil
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.scene.scene_file import SceneLike, sweep_of
+from pipeline.scene.variants import expected_variants
 from pipeline.sweep.plan import Task, choose_stored_steps, tasks, with_sweep_of_tests
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.sweep import Sweep
@@ -37,6 +38,7 @@ class Estimate:
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
+    uncertain: int  #: Points for uncertain inputs, which are computed last.
     tasks: int  #: Parallel tasks, also the largest useful number of workers.
     workers: int  #: Processes that compute.
     seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
@@ -79,7 +81,8 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     times = _time_steps(scene)
     seconds = _SECONDS_TO_START
     counts = list[int]()
-    for part in with_sweep_of_tests(sweep):
+    variants = expected_variants(sweep)
+    for part in with_sweep_of_tests(replace(sweep, variants=variants)):
         part_tasks = [*tasks(points_of(part), part)]
         counts.append(len(part_tasks))
         parallel = min(workers, counts[-1])
@@ -87,7 +90,8 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         seconds += busy * _task_seconds(part, part_tasks, *times) / parallel
     return Estimate(
         points=counts[0],
-        tests=sum(counts[1:]),
+        tests=sum(counts[1:]) - len(variants),
+        uncertain=len(variants),
         tasks=counts[0],
         workers=workers,
         seconds=seconds,

@@ -15,12 +15,13 @@ from distributed import Client
 
 from pipeline.arguments import in_count, typed_arguments
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.boundary_variants import expected_variants, with_variants
+from pipeline.run.boundary_variants import with_variants
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
 from pipeline.run.goal import GoalRun
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
+from pipeline.scene.variants import expected_variants
 from pipeline.store.create import enlarged, find_sweep, versions, writing
 from pipeline.store.location import PathLike
 from pipeline.store.points import copy_points

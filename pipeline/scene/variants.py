@@ -6,16 +6,19 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from pipeline.scene.build import build, build_case
 from pipeline.scene.cases import listed_cases, with_first_case
 from pipeline.scene.entries import Entries, merged, replace_values
 from pipeline.scene.faults import Faults
 from pipeline.scene.input_values import Input, inputs_of
 from pipeline.scene.library import resolve_library
-from pipeline.sweep.case import INPUT_STEP, VELOCITY_INPUT, Case, Variant
+from pipeline.sweep.case import CLOSED_FORM, INPUT_STEP, VELOCITY_INPUT, Case, Variant
 from pipeline.sweep.case_table import AREAS_ENTRY, SEED_ENTRY, CaseName
 from pipeline.sweep.sweep import TABLE_OF_PART, Point, Sweep
 from tribo import InputError
+from tribo.types import Array
 
 _FACTORS = INPUT_STEP, 1 / INPUT_STEP
 
@@ -58,6 +61,32 @@ def variants_of(
             for factor in (1.0, *_FACTORS)
         ]
     return tuple(variants)
+
+
+def uncertain_inputs(sweep: Sweep) -> set[str]:
+    """Paths of the uncertain inputs of a scene that act by simulations; none without verdicts."""
+    if not (sweep.base.is_judged and sweep.conditions.friction):
+        return set()
+    return {path for each in sweep.base.uncertainty for path in each.entries} - {*CLOSED_FORM}
+
+
+def expected_variants(sweep: Sweep) -> tuple[Variant, ...]:
+    """Variants that a run of a sweep adds for its uncertain inputs, at other velocities.
+
+    They are at three loads of each case, in a sweep of rows at one row.
+    """
+    if not (paths := uncertain_inputs(sweep)):
+        return ()
+    names, loads = sweep.case_table.without_surfaces.names, spread(np.array(sweep.loads))
+    if sweep.case_table.column("load") is not None:
+        names, loads = names[:1], loads[:1]
+    points = (Point(load, sweep.velocities[-1], name) for name in names for load in loads.tolist())
+    return variants_of(sweep, points, paths)
+
+
+def spread(values: Array) -> Array:
+    """The first, middle and last of ascending values, each once."""
+    return np.unique(values[[0, len(values) // 2, -1]])
 
 
 def _entries_by_case(sweep: Sweep) -> dict[CaseName, Entries]:

@@ -1,5 +1,6 @@
 """Sensitivities to inputs, and what uncertain inputs make of answers, on a small scene."""
 
+import json
 import math
 from collections import Counter
 from dataclasses import replace
@@ -190,6 +191,23 @@ def test_a_further_input_adds_its_points_alone(uncertain):
     sweep = load(**{CONDUCTIVITY: "15 %", WEAR: "30 %", "pin.radius": "0.1 mm"})
     assert pipeline.run_sweep(sweep, uncertain, workers=1).done == 9
     assert pipeline.summary(uncertain).tests.done == 21 + 6
+
+
+def test_check_and_a_dry_run_count_the_points_of_uncertain_inputs_and_the_missing_ones(
+    uncertain, irg, tmp_path
+):
+    scene = tmp_path / "scene.toml"
+    entries = [f"{key} = {json.dumps(value)}" for key, value in SMALL.items() if "sweep" not in key]
+    scene.write_text("\n".join([
+        'extends = "first_try"', *entries, f'uncertainty = {{ "{CONDUCTIVITY}" = "15 %" }}',
+        'sweep.loads = ["200 N", "400 N", "750 N"]',
+        'sweep.velocities = { from = "1 m/s", to = "4 m/s", count = 3 }',
+    ]))  # fmt: skip
+    text = irg("check", scene)
+    assert "15 points for uncertain inputs, simulated last; 15 of them missing" in text
+    assert "15 of them missing" in irg("run", scene, "-n")
+    assert "0 of them missing" in irg("run", scene, "-n", "-o", uncertain)
+    assert pipeline.estimate(scene).uncertain == 15
 
 
 def answer(out, **entries):
