@@ -22,8 +22,9 @@ Entries = dict[str, Any]
 def library() -> dict[str, Any]:
     """Read the library of materials and oils, as a dictionary of three tables.
 
-    ``materials`` and ``oils`` have a table for each name, with a pair (value, key of its source)
-    for each entry. ``sources`` has the reference for each such key.
+    ``materials`` and ``oils`` have a table for each name, with a list of value, key of its source
+    and, if the source has it, standard deviation for each entry. ``sources`` has the reference for
+    each such key.
     """
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -65,8 +66,9 @@ def _completed(
         problem = f"{quoted(name)} is not in the library; available {kind}: {names}"
         faults.refuse(f"{path}.like" if table else path, problem)
         return table
-    added = {key: pair for key, pair in tables[name].items() if key not in table}
-    for key, (value, source) in added.items():
+    added = {key: entry for key, entry in tables[name].items() if key not in table}
+    for key, (value, source, *deviation) in added.items():
         text = " and ".join(value) if isinstance(value, list) else str(value)
+        text = f"{text} (± {deviation[0]})" if deviation else text
         added_values.append(FromLibrary(f"{path}.{key}", text, sources[source]))
-    return {key: value for key, (value, _) in added.items()} | table
+    return {key: value for key, (value, *_) in added.items()} | table

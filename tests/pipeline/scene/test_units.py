@@ -7,6 +7,7 @@ import pytest
 from pipeline import to_si
 from pipeline.quantities import SIZES, UNITS, display
 from pipeline.scene.library import library
+from pipeline.units import share_of
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
 
@@ -56,8 +57,20 @@ def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
 def test_every_number_of_the_library_has_a_source():
     sources = set(library()["sources"])
     entries = [*library()["materials"].values(), *library()["oils"].values()]
-    used = {source for entry in entries for _, source in entry.values()}
+    used = {source for entry in entries for _, source, *_ in entry.values()}
     assert used == sources
+    deviations = [
+        deviation for entry in entries for _, _, *texts in entry.values() for deviation in texts
+    ]
+    assert len(deviations) >= 5
+    assert all(0.01 < share_of(deviation) < 0.1 for deviation in deviations)
+
+
+def test_a_value_of_the_library_is_listed_with_its_deviation(read):
+    (hardness,) = (x for x in read(text=NO_TABLE.replace("AISI 52100", "42CrMo4")).sources
+                   if x.key.endswith("hardness"))  # fmt: skip
+    assert hardness.value == "301 HB (± 6 %)"  # 271 to 331 HB: 30/301/√3
+    assert "271 to 331 HB" in hardness.source
 
 
 @pytest.mark.parametrize(
