@@ -52,7 +52,7 @@ def line_limits(
     if verdicts is None:
         positions, verdicts = np.full(positions.shape, np.nan), np.full(positions.shape, -1)
     simulated = model.field.loads if axis == "load" else model.field.velocities
-    nodes = _nodes(np.union1d(simulated, model.ranges[axis]))
+    nodes = dense_values(np.union1d(simulated, model.ranges[axis]))
     if len(nodes) < 2 or not positions.size:
         shape = positions.shape
         return Limits(np.full(shape, np.nan), np.full(shape, Side.UNKNOWN, np.int8))
@@ -76,7 +76,7 @@ def line_limits(
     return Limits(values, sides.astype(np.int8))
 
 
-def _nodes(simulated: Array) -> Array:
+def dense_values(simulated: Array) -> Array:
     """Ascending values on a line: the simulated ones, and others between, dense next to these.
 
     The interpolation error is 0 at simulated values, and steep next to them.
@@ -130,6 +130,36 @@ def _brackets(
         is_nowhere
     ]
     return last, edge, sides
+
+
+class Stretches(NamedTuple):
+    """Stretches (n,) of lines on which all values have one verdict, from `start` to `end`."""
+
+    line: Indices
+    start: Array
+    end: Array
+
+
+def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
+    """Stretches of each verdict on the lines of velocity through k points, by its code.
+
+    An edge of mild wear at its upper end, or of severe wear at its lower one, is a limit.
+    """
+    nodes = dense_values(np.union1d(model.field.velocities, model.ranges["velocity"]))
+    codes, by_code = _codes(model, "velocity", points, nodes), dict[int, Stretches]()
+    for code in np.unique(codes).tolist():
+        is_change = np.diff(np.pad(codes == code, ((0, 0), (1, 1))).astype(int), axis=1)
+        (line, first), (_, after) = np.nonzero(is_change == 1), np.nonzero(is_change == -1)
+        start, end = nodes[first], nodes[after - 1]
+        for edge, is_inner, beyond in (
+            (start, first > 0, first - 1), (end, after < len(nodes), after)
+        ):  # fmt: skip
+            inside, lines = edge[is_inner], points.take(line[is_inner])
+            last = _bisect(model, "velocity", code, lines, inside, nodes[beyond[is_inner]])
+            is_limit = code == (SEVERE if edge is start else MILD)
+            edge[is_inner] = _rounded(last, inside, code) if is_limit else last
+        by_code[code] = Stretches(line, start, end)
+    return by_code
 
 
 def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -> Limits:

@@ -1,6 +1,7 @@
 """The transition diagram: mild and severe wear in the plane of velocity and load.
 
-It draws only variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`.
+It draws only variables of `pipeline.margin`, `pipeline.boundary` and `pipeline.points`, and the
+regions of `pipeline.answers.regions`.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ from pipeline.answers.answer_lines import not_included_lines, withheld_lines
 from pipeline.answers.boundary_text import error_lines, ruling_lines
 from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
+from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.answers.value_text import attribute_texts
-from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
+from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN, VERDICTS
 from pipeline.arguments import in_load_or_velocity
 from pipeline.constants import VERDICT_PROBABILITIES
 from pipeline.figures import style
@@ -63,8 +65,8 @@ def diagram(
 ) -> Figure:
     """Draw the transition diagram.
 
-    The load–velocity plane is shaded by the verdict of `pipeline.margin`. The heavy line is the
-    boundary with tests, if there are any; the computed boundary has a band of numerical error.
+    The load–velocity plane is shaded by verdict, up to the mild and severe limits. The heavy line
+    is the boundary with tests, if there are any; the computed one has a band of numerical error.
     Dots are simulated points. Tests at another friction than that of the boundary are also drawn as
     they would lie at its friction, with open marks. Of several cases only the boundaries are drawn,
     each in its own colour. `log` makes both axes logarithmic. The operating point of `load` and
@@ -82,7 +84,7 @@ def diagram(
         names = " and ".join(case_dimensions).replace("_", " ")
         lines = [f"boundary by {names}; {lines[0]}" if len(lines) == 1 else f"boundary by {names}"]
     else:
-        legend = _shade(axes, margins) | _draw_lines(axes, case, margins)
+        legend = _shade(axes, case, regions(ds, conditions)) | _draw_lines(axes, case, margins)
         tests, tests_legend, notes = mark_tests(axes, case, conditions)
         legend |= tests_legend
         _name_regions(axes, margins)
@@ -169,36 +171,35 @@ def _refined(points: Array, min_count: int) -> Array:
     )
 
 
-def _shade(axes: Axes, margins: xr.Dataset) -> Legend:
-    """Shade the plane by verdict, and hatch what is outside the model."""
-    loads, velocities = margins["load"].values, margins["velocity"].values
-    verdict = margins["verdict"].values
-    low, high = margins["probability_low"].values, margins["probability_high"].values
-    mild, _, severe = VERDICT_PROBABILITIES
-    # The edge of a region is the contour of its probability. Where a test rules the verdict out,
-    # the probability is set just beyond its limit, so that the region ends there.
-    beyond = 1e-6
-    highest = np.where(verdict == MILD, high, np.maximum(high, mild + beyond))
-    lowest = np.where(verdict == SEVERE, low, np.minimum(low, severe - beyond))
-    for region, probability, limits in (
-        ("mild", highest, (-1.0, mild)),
-        ("undecided", highest, (mild, 2.0)),
-        ("severe", lowest, (severe, 2.0)),  # drawn over the undecided region
-    ):
-        if ((probability > limits[0]) & (probability < limits[1])).any():
-            shade = axes.contourf(
-                velocities, loads, probability, limits, colors=[TINTS[region]], zorder=0
-            )
-            shade.set_gid(f"{region} region")
-    legend, is_outside = Legend(), (verdict == OUTSIDE).astype(float)
-    if is_outside.any():
-        hatched = axes.contourf(
-            velocities, loads, is_outside, [0.5, 1.5], colors=["white"], hatches=["///"], zorder=0.5
+def _shade(axes: Axes, case: CaseResults, plane: Mapping[int, list[Region]]) -> Legend:
+    """Shade the regions of each verdict, and hatch those outside the model.
+
+    Points without a verdict stay white.
+    """
+    legend = Legend()
+    if UNDECIDED in plane:  # below the others
+        low, high = case.velocities[[0, -1]]
+        axes.fill_betweenx(
+            case.loads[[0, -1]],
+            low,
+            high,
+            fc=TINTS["undecided"],
+            lw=0,
+            zorder=0,
+            gid="undecided region",
         )
-        hatched.set(gid="outside", edgecolor=GREY, linewidth=[0.0])
-        legend["outside the model (oil film)"] = Patch(fc="none", ec=GREY, hatch="///")
-    if (verdict == UNDECIDED).any():
         legend[UNDECIDED_LABEL] = Patch(**style.BAND)
+    looks: tuple[tuple[int, dict[str, Any]], ...] = (
+        (MILD, {"fc": TINTS["mild"]}),
+        (SEVERE, {"fc": TINTS["severe"]}),
+        (UNKNOWN, {"fc": "white"}),
+        (OUTSIDE, {"fc": "white", "ec": GREY, "hatch": "///"}),
+    )
+    for code, look in looks:
+        for region in plane.get(code, ()):
+            axes.fill_betweenx(*region, lw=0, zorder=0, gid=f"{VERDICTS[code]} region", **look)
+    if OUTSIDE in plane:
+        legend["outside the model (oil film)"] = Patch(fc="none", ec=GREY, hatch="///")
     return legend
 
 

@@ -156,7 +156,7 @@ def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg,
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
     assert "outside the model (oil film)" in drawn
-    assert 'id="outside"' in drawn
+    assert 'id="outside_model region"' in drawn
 
 
 def test_a_hot_oil_is_thin_so_that_the_same_place_is_inside(store):

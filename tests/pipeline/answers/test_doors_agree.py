@@ -195,13 +195,27 @@ def test_every_door_names_the_test_that_limits_the_boundary(monkeypatch, irg, un
     assert "test 5 (severe, 300 N, 1 m/s) rules it out" in reason
 
 
+@pytest.mark.parametrize("name", ["film", "stages", "pending"])
+def test_the_edges_of_regions_in_the_figure_are_the_limits_of_the_boundary(name):
+    ds, _ = store(name)
+    boundary, compared = pipeline.boundary(ds), 0
+    collections = pipeline.plot(ds).axes[0].collections
+    for verdict in ("mild", "severe"):
+        shades = [shade for shade in collections if shade.get_gid() == f"{verdict} region"]
+        paths = [path.vertices for shade in shades for path in shade.get_paths()]
+        corners = np.concatenate([np.empty((0, 2)), *paths])
+        for load, limit in boundary[f"{verdict}_velocity"].to_series().dropna().items():
+            assert limit in corners[corners[:, 1] == load, 0], (verdict, load)
+            compared += 1
+    assert compared >= 5
+
+
 @pytest.mark.parametrize("name", ["film", "pending"])
 def test_the_figure_shades_a_point_as_it_is_judged(name):
     ds, _ = store(name)
-    regions = {
-        collection.get_gid(): collection.get_paths()
-        for collection in pipeline.plot(ds).axes[0].collections
-    }
+    regions = {}
+    for collection in pipeline.plot(ds).axes[0].collections:
+        regions.setdefault(collection.get_gid(), []).extend(collection.get_paths())
     rng, seen = np.random.default_rng(1), set()
     loads, velocities = rng.uniform(210, 735, 120), rng.uniform(0.55, 3.95, 120)
     # The end of a region is known only to within a cell of the figure's grid.
