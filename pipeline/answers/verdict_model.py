@@ -77,7 +77,7 @@ def _is_oil_of_scene(case: CaseResults, conditions: Conditions) -> bool:
     """True if `conditions` have the critical temperature of the scene, at which its tests count."""
     own, critical = case.conditions.critical_temperature, conditions.critical_temperature
     if own is None or critical is None:
-        return own is critical
+        return critical is None or not case.sweep.base.critical_from_tests
     return math.isclose(own, critical, rel_tol=1e-9)
 
 

@@ -49,10 +49,14 @@ def path_beside(store: Path | str, ending: str) -> Path:
 
 
 def scene_in(options: argparse.Namespace) -> Sweep:
-    """Load the command's scene, changed by the options for conditions and numerical choices."""
+    """Load the command's scene, changed by the options for conditions and numerical choices.
+
+    A critical temperature is left to the answers, as it is not that of the scene and its tests.
+    """
     conditions = {PATHS[name]: value for name, value in conditions_in(options).items()}
     if lists := [path for path, value in conditions.items() if isinstance(value, list)]:
         raise InputError(f"{lists[0]} takes a single value here; give it once")
+    conditions.pop(PATHS["critical_temperature"], None)
     settings = dict[str, Any]()
     for path, value in options.set.items():
         is_path = path in _PATH_ENTRIES and isinstance(value, str)  # relative to the shell's folder

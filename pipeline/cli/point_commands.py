@@ -15,13 +15,14 @@ from pipeline.answers.answer_lines import common_lines
 from pipeline.answers.point_text import margin_lines
 from pipeline.answers.results import sweep_of
 from pipeline.answers.value_text import format_value
-from pipeline.cli.inputs import one_scene_in, stored_tests_of
+from pipeline.cli.inputs import conditions_in, one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, print_note, run_line, wrapped
 from pipeline.frames import frame_of, records, transposed, without_columns
 from pipeline.messages import pluralized
 from pipeline.quantities import display, in_unit
 from pipeline.run.serial import run_serial
 from pipeline.scene.contact_estimate import require_admissible_load
+from pipeline.shipped import typed_name
 from pipeline.store.create import writing
 from pipeline.store.dataset import store_dataset
 from pipeline.sweep.sweep import Point, Sweep
@@ -69,9 +70,15 @@ def point(options: argparse.Namespace) -> Result:
     ds = store_dataset(store).load()
     contact = _contact_frame(ds.sel(load=[load], velocity=[velocity]))
     text, frame = ["without temperature.critical there is no verdict"], contact
-    if sweep_of(ds).base.is_judged:
-        margins = pipeline.margin(ds, load, velocity)
-        text = [*margin_lines(margins), *common_lines(margins)]
+    critical = {k: x for k, x in conditions_in(options).items() if k == "critical_temperature"}
+    if critical or sweep_of(ds).base.is_judged:
+        margins = pipeline.margin(ds, load, velocity, **critical)
+        text = [
+            *margin_lines(margins, has_ends=False),
+            f"only {lower:.4g}, {velocity:.4g} and {higher:.4g} m/s were simulated at this load; "
+            f"for limits beyond them: irg run {typed_name(sweep.name)}",
+            *common_lines(margins),
+        ]
         frame = complete_frame(margins).join(contact)
     warnings = pipeline.points_with_warnings(ds).lines()
     return Result(text=wrapped([*text, "", transposed(contact), *warnings]), frames=[frame])

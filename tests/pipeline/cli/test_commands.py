@@ -131,7 +131,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own_and_is_a_table(scen
             "temperature.critical_area_fraction=0.05")  # fmt: skip
     out = tmp_path / "point.csv"
     output = irg(*point, *options, "--set", "note=of no rig", "-o", out)
-    assert output.startswith("Severe at 600 N and 4 m/s; ")
+    assert output.startswith("Severe at 600 N and 4 m/s\nprobability of severe wear ")
     assert "  numerical error (95 %)  ± " in output
     (written_row,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
     assert (written_row["load [N]"], written_row["verdict"]) == ("600", "severe")
@@ -168,6 +168,14 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     )
     assert "(90 % range, from the prior)" in untested_output.replace("\n    ", " ")
     assert other["probability"] > row["probability"]
+    assert "only 0.8, 1 and 1.2 m/s were simulated at this load" in output
+    assert "simulated load" not in output
+    assert "highest simulated" not in output
+    other_oil = "--critical-temperature", "150 degC"
+    (untested,) = irg(*point, "--without-tests", *other_oil, "--json")
+    (what_if,) = irg(*point, *other_oil, "--json")
+    assert what_if["probability"] == pytest.approx(untested["probability"], rel=1e-9)
+    assert what_if["notes"].startswith("the tests are left out: they hold for the critical temp")
     assert other["governing temperature [°C]"] == row["governing temperature [°C]"]
     plane = "--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s"]'
     irg("run", tested, *plane, "-o", "results/tested.zarr", "--workers", 1)
