@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
+import itertools
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -83,6 +84,7 @@ _PAPER = (
     "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
     "concentrated contacts: The IRG (OECD) transition diagram."
 )
+_MAX_ROWS_ON_FIRST_PAGE = 10  # of a table below its figure
 Conditions = Mapping[str, Any]
 """Conditions of an answer, by name."""
 
@@ -114,12 +116,13 @@ Section = tuple[str, list[Any]]
 
 
 class Page(NamedTuple):
-    """The headline with its verdict, sentences below it, and the sections of a report."""
+    """The first page of a report: headline with its verdict, sentences, sections; its appendix."""
 
     verdict: str
     headline: str
     sentences: list[str]
     sections: list[Section]
+    appendix: list[Section]
 
 
 @typed_arguments
@@ -136,8 +139,9 @@ def report(
 ) -> str | Path:
     """Write a report on a sweep: one page of HTML without scripts, which needs no other file.
 
-    It begins with the verdict on the operating point, followed by the diagram, the boundary, tests,
-    errors, inputs, limits, and how all was computed.
+    Its first page, printed on A4, has the verdict on the operating point and its limits, the
+    diagram or the rows, and what is not included. The appendix has the numbers, the boundary,
+    tests, errors, inputs, and how all was computed.
 
     Parameters
     ----------
@@ -197,7 +201,8 @@ def report(
         command=command,
         style=css,
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
-        sections=[*page.sections, *_closing_sections(ds, version)],
+        sections=[*page.sections, _section_on_limits(ds)],
+        appendix=[*page.appendix, *_closing_sections(ds, version)],
     )
     text = text.encode(errors="replace").decode()  # shells may pass bytes that are no text
     return text if path is None else write_text(text, path)
@@ -213,7 +218,10 @@ def _boundary_page(ds: xr.Dataset, conditions: Conditions) -> Page:
     boundary = pipeline.boundary(ds, **conditions)
     lines = [*not_included_lines(boundary), *common_lines(boundary)]
     title = "Boundary between mild and severe wear"
-    return Page("", title, _sentences(lines), _plane_sections(ds, conditions))
+    sections, appendix = _plane_sections(ds, conditions)
+    if boundary["mild_velocity"].size <= _MAX_ROWS_ON_FIRST_PAGE:
+        sections.append(appendix.pop(0))
+    return Page("", title, _sentences(lines), sections, appendix)
 
 
 def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> Page:
@@ -223,18 +231,19 @@ def _point_page(ds: xr.Dataset, conditions: Conditions, margin: xr.Dataset) -> P
         raise InputError(reason)
     load, velocity = margin["load"].item(), margin["velocity"].item()
     limits = (limit_text(margin, axis) for axis in (*PLANE, "friction"))
-    lines = [*filter(None, limits), _probability_sentence(margin), *not_included_lines(margin)]
+    lines = [*filter(None, limits)]
     if reason:
         lines.append(f"The verdict is withheld: {reason}")
     if advice := to_decide(margin):
         lines.append(f"To decide it, {advice}")
+    lines += [_probability_sentence(margin), *not_included_lines(margin)]
     lines += [*edge_warnings(margin), *common_lines(margin)]
     facts = [*map(list, margin_facts(margin))]
     table = PageTable("The operating point in numbers", ["quantity", "value"], facts)
-    sections = _plane_sections(ds, conditions, [(load, velocity)])
+    sections, appendix = _plane_sections(ds, conditions, [(load, velocity)])
     title = f"{HEADLINES[verdict]} at {load:g} N and {velocity:g} m/s"
-    sections.insert(1, ("Operating point", [table]))
-    return Page(verdict_text(margin), title, _sentences(lines), sections)
+    appendix.insert(0, ("Operating point", [table]))
+    return Page(verdict_text(margin), title, _sentences(lines), sections, appendix)
 
 
 def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> Page:
@@ -264,24 +273,21 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
     caption = "Temperature margin of each row: critical minus governing temperature."
     frame, table_caption = margin_frame(margins), "Operating points; the deciding one is bold"
     notes = _sentences([*conditions_lines(margins), *reason_lines(margins)])
-    sections: list[Section] = [
-        (
-            "Operating points",
-            [
-                _picture(lambda: draw_rows(margins, ""), caption),
-                _table(frame, table_caption, critical_row),
-                notes,
-            ],
-        )
-    ]
+    picture = _picture(lambda: draw_rows(margins, ""), caption)
+    table = _table(frame, table_caption, critical_row)
+    sections: list[Section] = [("Operating points", [picture])]
+    appendix: list[Section] = [("Operating points in numbers", [table, notes])]
+    if len(frame) <= _MAX_ROWS_ON_FIRST_PAGE:
+        sections.append(appendix.pop())
     if _is_plane(ds):
         points = xr.broadcast(margins["load"], margins["velocity"])
         coordinates = (values.values.ravel().tolist() for values in points)
-        sections += _plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
+        plane = _plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
+        appendix += itertools.chain(*plane)
     else:
         errors = temperature_error_line(margins), model_error_line(margins)
-        sections.append(("Errors", [_sentences(errors), _CAUSES_OF_ERRORS]))
-    return Page(verdict, title, _sentences(lines), sections)
+        appendix.append(("Errors", [_sentences(errors), _CAUSES_OF_ERRORS]))
+    return Page(verdict, title, _sentences(lines), sections, appendix)
 
 
 def _probability_sentence(margin: xr.Dataset) -> str:
@@ -291,8 +297,8 @@ def _probability_sentence(margin: xr.Dataset) -> str:
 
 def _plane_sections(
     ds: xr.Dataset, conditions: Conditions, points: Iterable[OperatingPoint] = ()
-) -> list[Section]:
-    """Sections with the diagram, the boundary, tests compared with the computation, and errors."""
+) -> tuple[list[Section], list[Section]]:
+    """Section with the diagram; sections with the boundary, tests and prediction, and errors."""
     boundary = pipeline.boundary(ds, **conditions)
     caption = " ".join(_sentences(conditions_lines(boundary)))
     if not case_dims(ds):
@@ -308,22 +314,29 @@ def _plane_sections(
     loads, velocities = ([point[axis] for point in inside] for axis in (0, 1))
     table_caption = "Velocities up to which the verdict is mild, and from which it is severe"
     table = _table(boundary_frame(boundary), table_caption)
-    sections: list[Section] = [("Boundary", [table])]
+    sections, appendix = list[Section](), list[Section]([("Boundary", [table])])
     if min(boundary.sizes[axis] for axis in PLANE) > 1:
         draw = partial(diagram, ds, conditions, load=loads, velocity=velocities)
-        sections.insert(0, ("Transition diagram", [_picture(draw, caption)]))
+        sections.append(("Transition diagram", [_picture(draw, caption)]))
     if rulings := _sentences(ruling_lines(boundary)):
-        sections.append(("Tests that rule verdicts out", [rulings]))
+        appendix.append(("Tests that rule verdicts out", [rulings]))
     if boundary.attrs.get("tests") and not case_dims(ds):
         tests = pipeline.compare_tests(ds, **conditions)
         table_caption = "Tests, each at its own conditions, and what is computed for them"
         parts = [_table(comparison_frame(tests), table_caption), _sentences(withheld_lines(tests))]
-        sections.append(("Tests and prediction", parts))
-    return [*sections, ("Errors", [_sentences(error_lines(boundary)), _CAUSES_OF_ERRORS])]
+        appendix.append(("Tests and prediction", parts))
+    appendix.append(("Errors", [_sentences(error_lines(boundary)), _CAUSES_OF_ERRORS]))
+    return sections, appendix
+
+
+def _section_on_limits(ds: xr.Dataset) -> Section:
+    """The last section of the first page: what the model leaves out, and points with warnings."""
+    warnings = _sentences(pipeline.points_with_warnings(ds).lines())
+    return "What is not included", [_MODEL, warnings]
 
 
 def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
-    """The last sections of each report: inputs, limits, and how all was computed."""
+    """The last sections of each report: inputs, and how all was computed."""
     sweep = sweep_of(ds)
     sources = [f"{text}, from {source}" for text, source in library_tables(sweep.sources)]
     origin = [
@@ -334,7 +347,6 @@ def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:
     ]
     return [
         ("Inputs", [Listing(str(ds.attrs.get("scene", ""))), sources]),
-        ("What is not covered", [_MODEL, _sentences(pipeline.points_with_warnings(ds).lines())]),
         ("How this was computed", [origin]),
     ]
 

@@ -103,7 +103,7 @@ def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     limit = f"Mild up to {format_limit(margin['mild_load'].item())} N at this velocity"
     statement = f"Probability of severe wear {probability_text(margin['probability'].item())}"
     advice = f"To decide it, {to_decide(margin)}.\n"
-    positions = [first.index(text) for text in (limit, statement, advice, "Transition diagram")]
+    positions = [first.index(text) for text in (limit, advice, statement, "Transition diagram")]
     assert positions == sorted(positions)
 
 
