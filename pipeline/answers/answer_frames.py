@@ -34,9 +34,11 @@ _MARGIN_VARIABLES = (
     "friction_safety_factor", "velocity_safety_factor", "load_safety_factor",
 )  # fmt: skip
 _WITH_ERROR_DIGITS = re.compile(
-    "(critical|mild|severe)_(velocity|load|friction)(_p50)?|governing_temperature|temperature_margin|.*_factor"
+    "critical_(velocity|load|friction)(_p50)?|governing_temperature|temperature_margin"
 )
 """Variables whose digits depend on the numerical error."""
+_LIMIT = re.compile("(mild|severe)_(velocity|load|friction)|.*_safety_factor")
+"""Limits and safety factors, which are rounded to the side of their verdict."""
 _TYPED_DIGITS = 6  # of loads, velocities, conditions and entries
 _NUMBER_STARTS = tuple("0123456789+-−.")
 _HEADINGS = {
@@ -179,9 +181,6 @@ def boundary_frame(answer: xr.Dataset, by: str = "load") -> pd.DataFrame:
     sides = pd.DataFrame([line_sides(*line) for line in lines])
     for name in names:
         heading, kind = _heading(name, answer), name.removesuffix(f"_{axis}")
-        if kind in ("mild", "severe"):
-            limits = answer_frame(answer, name).iloc[:, -1]
-            frame[heading] = [format_limit(limit, kind == "mild") or None for limit in limits]
         if kind in sides:
             cells = zip(frame[heading], sides[kind], strict=True)
             frame[heading] = [
@@ -213,8 +212,11 @@ def _rounded_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
         pairs = zip(frame[heading], frame.pop(column), strict=True)
         frame[heading] = [format_value(value, error) or None for value, error in pairs]
     for name in names:
-        if name.endswith("_error") or "_error_" in name:
-            heading = _heading(name, answer)
+        heading = _heading(name, answer)
+        if _LIMIT.fullmatch(name):
+            is_mild = not name.startswith("severe")
+            frame[heading] = [format_limit(limit, is_mild) or None for limit in frame[heading]]
+        elif name.endswith("_error") or "_error_" in name:
             frame[heading] = [format_error(error) or None for error in frame[heading]]
     return frame
 

@@ -53,12 +53,15 @@ _REMEDIES = {
 _PRESET_FOR_CUSTOM_SETTINGS = "use a preset, whose error is known"
 
 
-def margin_lines(point: xr.Dataset) -> Iterator[str]:
-    """Lines on one operating point."""
+def margin_lines(point: xr.Dataset, has_ends: bool = True) -> Iterator[str]:
+    """Lines on one operating point.
+
+    Without `has_ends`, they omit limits beyond the simulated loads and velocities.
+    """
     if verdict_text(point) == "unknown":
         yield f"Unknown: {point['reason'].item()}"
         return
-    yield headline(point)
+    yield headline(point, has_ends)
     if line := probability_line(point):
         yield line
     yield from not_included_lines(point)
@@ -66,13 +69,18 @@ def margin_lines(point: xr.Dataset) -> Iterator[str]:
     yield from edge_warnings(point)
 
 
-def headline(point: xr.Dataset) -> str:
+def headline(point: xr.Dataset, has_ends: bool = True) -> str:
     """The verdict on one point, up to where wear is mild, and what would decide a verdict."""
     verdict, load, velocity = verdict_text(point), point["load"].item(), point["velocity"].item()
     at = f"{load:g} N and {velocity:g} m/s"
     if verdict == "outside the model":
         return f"{OUTSIDE[:1].upper()}{OUTSIDE[1:]}; governing temperature {_temperature(point)} °C"
-    limits = [*filter(None, (limit_text(point, axis) for axis in ("load", "velocity")))]
+    axes = [
+        axis
+        for axis in ("load", "velocity")
+        if has_ends or math.isfinite(point[f"mild_{axis}"].item())
+    ]
+    limits = [*filter(None, (limit_text(point, axis) for axis in axes))]
     parts = [f"{verdict.capitalize()} at {at}", ", and ".join(limits)]
     if advice := to_decide(point):
         parts.append(f"to decide it, {advice}")
@@ -81,7 +89,9 @@ def headline(point: xr.Dataset) -> str:
 
 def limit_text(point: xr.Dataset, axis: str) -> str:
     """The mild limit along `axis` with its safety factor, as text; empty without a line."""
-    line = {"load": "at this velocity", "velocity": "at this load", "friction": "here"}[axis]
+    line = {"load": "at this velocity", "velocity": "at this load", "friction": "at this point"}[
+        axis
+    ]
     low, high = point[f"mild_{axis}"].attrs.get("valid_range", (math.nan, math.nan))
     side = str(code_text(point[f"mild_{axis}_side"])[()])
     unit = f" {UNITS[axis]}".rstrip()
@@ -94,12 +104,15 @@ def limit_text(point: xr.Dataset, axis: str) -> str:
     if side == "below" and axis == "friction":
         return "not mild at any friction"
     if side == "below":
-        return f"not mild from the lowest simulated {axis}, {low:.4g}{unit}, {line}"
+        return f"not mild even at the lowest simulated {axis}, {low:.4g}{unit}, {line}"
     if side in ("outside the model", "unknown"):
         return ""
     limit, factor = point[f"mild_{axis}"].item(), point[f"{axis}_safety_factor"].item()
     factor_text = f" (factor {format_limit(factor)})" if math.isfinite(factor) else ""
-    return f"mild up to {format_limit(limit)}{unit} {line}{factor_text}"
+    value = (
+        f"friction {format_limit(limit)}" if axis == "friction" else f"{format_limit(limit)}{unit}"
+    )
+    return f"mild up to {value} {line}{factor_text}"
 
 
 def probability_line(point: xr.Dataset) -> str:
@@ -148,7 +161,7 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
         if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
             yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
     if friction := limit_text(point, "friction"):
-        yield "friction", friction
+        yield "limit of friction", friction
     if point["reason"].item():
         yield "verdict withheld", point["reason"].item()
 

@@ -31,11 +31,6 @@ _OUTCOMES = {
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
 _TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
-_OF_FRICTION = (
-    "critical_friction",
-    "mild_friction",
-    "friction_safety_factor",
-)  # inversely proportional to the rise
 
 
 def code_text(variable: xr.DataArray) -> Any:
@@ -168,7 +163,8 @@ def error_of(answer: xr.Dataset, name: str) -> xr.DataArray:
         return answer["temperature_error"]
     rise = answer["governing_temperature"] - answer["bulk_temperature"]
     relative = answer["temperature_error"] / rise.where(rise > 0)
-    return values * (relative if name in _OF_FRICTION else relative / RISE_EXPONENT)
+    is_friction = name == "critical_friction"  # inversely proportional to the rise
+    return values * (relative if is_friction else relative / RISE_EXPONENT)
 
 
 def format_variable(answer: xr.Dataset, name: str, offset: float = 0.0) -> str:

@@ -15,10 +15,11 @@ import pipeline
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.answer_lines import conditions_lines
 from pipeline.answers.results import sweep_of
-from pipeline.answers.value_text import attribute_texts, error_of, format_value, probability_text
+from pipeline.answers.value_text import attribute_texts, format_limit, probability_text
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.messages import split_notes
 from tribo import InputError
 
 MARKS: dict[int, tuple[str, dict[str, Any]]] = {
@@ -87,6 +88,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     ]
     lines += conditions_lines(margins)
     lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
+    lines += split_notes(attribute_texts(margins, "notes"))[:1]
     style.legend_below(figure, 3, caption="\n".join(lines))
     return figure
 
@@ -100,7 +102,6 @@ def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical
         np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [critical_row]
     )
     ticks = axes.set_yticks(labelled_rows, [labels[row] for row in labelled_rows])
-    factor_errors = error_of(margins, "friction_safety_factor").values.tolist()
     temperature_margins, probabilities, factors = (
         margins[name].values.tolist()
         for name in ("temperature_margin", "probability", "friction_safety_factor")
@@ -108,7 +109,7 @@ def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical
     for tick, row in zip(ticks, labelled_rows, strict=True):
         weight = "bold" if row == critical_row else "normal"
         tick.label1.set_fontweight(weight)
-        factor = format_value(factors[row], factor_errors[row])
+        factor = format_limit(factors[row])
         text = f"{probability_text(probabilities[row])}, {factor}" if factor else ""
         axes.annotate(
             "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),

@@ -278,7 +278,7 @@ def test_the_headline_states_the_verdict_the_mild_limits_and_their_factors():
     assert headline(undecided).endswith(f"; to decide it, {to_decide(undecided)}")
     severe = headline(pipeline.margin(ds, 300.0, 4.0))
     assert severe.startswith(
-        "Severe at 300 N and 4 m/s; not mild from the lowest simulated load, 200 N, at this "
+        "Severe at 300 N and 4 m/s; not mild even at the lowest simulated load, 200 N, at this "
     )
 
 
