@@ -126,8 +126,13 @@ def test_the_numbers_of_the_first_hour_are_those_printed(folder_with_results, ca
     velocities = re.findall(r"(\d\.\d+) m/s", page.partition("## 2.")[2].partition("## 3.")[0])
     assert main(["boundary", "results/first_try.zarr"]) == 0
     printed = capsys.readouterr().out
-    assert len(velocities) == 5
+    assert len(velocities) == 4
     assert [velocity for velocity in velocities if velocity not in printed] == [], printed
+    assert main(["margin", "first_try", "--load", "300 N", "--velocity", "1.8 m/s"]) == 0
+    printed, at_300_newtons = capsys.readouterr().out, page.partition("At 300 N")[2]
+    limits = re.findall(r"(\d+ N|\d\.\d+)", at_300_newtons.partition("At 500 N")[0])
+    assert len(limits) == 5
+    assert [limit for limit in limits if limit not in printed] == [], printed
     numbers = re.findall(r"here ([\d.]+ [%K])|(\d+ % to \d+ %)|(−[\d.]+ to \+\d+ %)", page)
     assert main(["margin", "first_try", "--load", "500 N", "--velocity", "2 m/s"]) == 0
     printed = capsys.readouterr().out
