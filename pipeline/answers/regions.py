@@ -10,8 +10,8 @@ import xarray as xr
 
 from pipeline.answers.condition_values import QueryPoints, override_conditions
 from pipeline.answers.results import cases_of
-from pipeline.answers.verdict_limits import Stretches, dense_values, stretches
-from pipeline.answers.verdict_model import verdict_model
+from pipeline.answers.verdict_limits import Stretches, dense_values, line_limits, stretches
+from pipeline.answers.verdict_model import MILD, SEVERE, VerdictModel, verdict_model
 from tribo.types import Array
 
 _JUST_BELOW = 1 - 1e-6  # of the load of a test, from which it rules verdicts out
@@ -28,17 +28,25 @@ class Region(NamedTuple):
 def regions(ds: xr.Dataset, conditions: Mapping[str, Any]) -> dict[int, list[Region]]:
     """Regions of each verdict of the first case of a sweep, by the verdict's code.
 
-    At loads that are dense enough for smooth edges, these are the limits.
+    Edges of mild and severe wear are the limits.
     """
     case = cases_of(ds)[0]
     model = verdict_model(case, override_conditions(case.conditions, conditions))
-    low, high = model.ranges["load"]
-    tested = [load for row in model.evidence.rows for load, _ in row.test.points]
-    loads = dense_values(np.union1d(model.field.loads, (low, high)))
-    loads = np.union1d(loads, np.outer(tested, (_JUST_BELOW, 1.0)))
-    loads = loads[(low <= loads) & (loads <= high)]
+    loads = _loads(model)
     by_code = stretches(model, QueryPoints.under(model.conditions, loads, loads))
     return {code: [*_joined(loads, parts)] for code, parts in by_code.items()}
+
+
+def _loads(model: VerdictModel) -> Array:
+    """Loads (n,) dense enough for smooth edges, with corners at tests and at ends of the plane."""
+    low, high = model.ranges["load"]
+    ends = np.array(model.ranges["velocity"])
+    points = QueryPoints.under(model.conditions, ends, ends)
+    limits = [line_limits(model, "load", code, points, None).values for code in (MILD, SEVERE)]
+    tested = [load for row in model.evidence.rows for load, _ in row.test.points]
+    dense = dense_values(np.union1d(model.field.loads, (low, high)))
+    loads = np.concatenate([dense, *limits, np.outer(tested, (_JUST_BELOW, 1.0)).ravel()])
+    return np.unique(loads[(low <= loads) & (loads <= high)])
 
 
 def _joined(loads: Array, parts: Stretches) -> Iterator[Region]:

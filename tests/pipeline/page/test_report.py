@@ -100,9 +100,9 @@ def test_the_verdict_stands_first_and_is_that_of_margin(sweep, page):
     assert box["class"] == verdict_text(margin)
     headline = f"{HEADLINES[margin['verdict'].item()]} at 400 N and 1.9 m/s"
     first = parsed.words[parsed.words.index(headline) :]
-    limit = f"Mild up to {format_limit(margin['mild_load'].item())} N at this velocity"
+    limit = f"Mild up to {format_limit(margin['mild_velocity'].item())} m/s at this load"
     statement = f"Probability of severe wear {probability_text(margin['probability'].item())}"
-    advice = f"To decide it, {to_decide(margin)}.\n"
+    advice = f"To decide it, {to_decide(margin)}."
     positions = [first.index(text) for text in (limit, advice, statement, "Transition diagram")]
     assert positions == sorted(positions)
 
