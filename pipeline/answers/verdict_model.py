@@ -29,10 +29,11 @@ from pipeline.answers.error import (
 from pipeline.answers.evidence import Evidence, evidence_of
 from pipeline.answers.field import Field, LineOutcome, film_field
 from pipeline.answers.specimen import Specimen, specimen_of
+from pipeline.answers.sweep_range import outside_reason
 from pipeline.constants import MAX_EXTRAPOLATION, VERDICT_PROBABILITIES
-from pipeline.quantities import UNITS, display
+from pipeline.quantities import display
 from pipeline.sweep.case import Conditions, known_critical_temperature
-from tribo import Stages, WarningKind
+from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
 MILD, UNDECIDED, SEVERE, OUTSIDE, UNKNOWN = range(5)
@@ -41,7 +42,6 @@ VERDICTS = "mild", "undecided", "severe", "outside_model", "unknown"
 """Names of these codes."""
 SIMULATED, INTERPOLATED, EXTRAPOLATED = range(3)
 ORIGINS = "simulated", "interpolated", "extrapolated"
-_AXIS_ENTRIES = {"load": "loads", "velocity": "velocities"}
 _TOO_FEW = "too few points nearby are done; finish the run, or add points there"
 
 
@@ -384,33 +384,3 @@ def _distinct(*columns: Array) -> tuple[Indices, Indices]:
     """Indices of the distinct rows of columns (k,), and for each row its number among them."""
     _, first, inverse = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)
     return first, inverse.ravel()
-
-
-def outside_reason(
-    case: CaseResults, ranges: Mapping[str, tuple[float, float]], **point: float
-) -> str:
-    """Reason that a load and a velocity are unknown; empty if they lie within `ranges`."""
-    outside = {
-        name: value
-        for name, value in point.items()
-        if not (ranges[name][0] <= value <= ranges[name][1] and value > 0)
-    }
-    if not outside:
-        return ""
-    texts = []
-    for name, value in outside.items():
-        (low, high), unit = ranges[name], UNITS[name]
-        texts.append(f"{name} {value:g} {unit} is outside the sweep ({low:g} to {high:g} {unit})")
-    limits = ", ".join(texts)
-    if not all(0 < value < math.inf for value in point.values()):
-        return f"{limits}; give a value inside it"
-    if case.is_row:
-        requested = ", ".join(f"{name} {value:g} {UNITS[name]}" for name, value in point.items())
-        return (
-            f"{requested} is not a case of the sweep, in which each case has its own load and "
-            "velocity; add it to sweep.along, and run the scene again"
-        )
-    if isinstance(case.sweep.scene.loading, Stages):  # which end at the highest load
-        return f"{limits}; run the scene with it into another store"
-    entries = " and ".join(f"sweep.{_AXIS_ENTRIES[name]}" for name in outside)
-    return f"{limits}; add it to {entries}, and run the scene again"
