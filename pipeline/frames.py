@@ -58,7 +58,7 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
         [re.sub(r"(\S{99})\S\S+", r"\1…", text) for text in row] for row in cells_of(frame, "-")
     ]
     min_last_width = 20  # of a column whose cells are broken
-    for max_heading_width, max_cell_width, gap in ((11, 1000, "  "), (8, 22, " ")):
+    for max_heading_width, max_cell_width, gap in ((10, 1000, "  "), (8, 22, " ")):
         headings = [_broken_lines(str(heading), max_heading_width) for heading in frame]
         broken_rows = [[_broken_lines(text, max_cell_width) for text in row] for row in rows]
         columns = (itertools.chain(*column) for column in zip(headings, *broken_rows, strict=True))

@@ -71,7 +71,7 @@ def margin(
     **conditions
         Conditions to use instead of the scene's: ``friction``, ``bulk_temperature``,
         ``critical_temperature``, ``critical_area_fraction`` and ``added_rise_fraction``. A list
-        makes a dimension.
+        makes a dimension. Tests of the scene count at its critical temperature only.
 
     Returns
     -------
@@ -81,8 +81,8 @@ def margin(
         mild, and their safety factors, these limits over the values of the point; the code
         ``mild_…_side`` of a limit outside the sweep, which is NaN; computed critical velocity, load
         and friction; flags, and ``decided_by``, what would decide an undecided verdict. Each has
-        ``units`` and ``long_name``, and codes ``flag_meanings``.
-        Attributes state what applies to all points.
+        ``units`` and ``long_name``, and codes ``flag_meanings``. Attributes state what applies to
+        all points.
 
     Examples
     --------

@@ -151,13 +151,13 @@ def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
         is_change = np.diff(np.pad(codes == code, ((0, 0), (1, 1))).astype(int), axis=1)
         (line, first), (_, after) = np.nonzero(is_change == 1), np.nonzero(is_change == -1)
         start, end = nodes[first], nodes[after - 1]
-        for edge, is_inner, beyond in (
-            (start, first > 0, first - 1), (end, after < len(nodes), after)
-        ):  # fmt: skip
+        for edge, limit_code, is_inner, beyond in (
+            (start, SEVERE, first > 0, first - 1),
+            (end, MILD, after < len(nodes), after),
+        ):
             inside, lines = edge[is_inner], points.take(line[is_inner])
             last = _bisect(model, "velocity", code, lines, inside, nodes[beyond[is_inner]])
-            is_limit = code == (SEVERE if edge is start else MILD)
-            edge[is_inner] = _rounded(last, inside, code) if is_limit else last
+            edge[is_inner] = _rounded(last, inside, code) if code == limit_code else last
         by_code[code] = Stretches(line, start, end)
     return by_code
 

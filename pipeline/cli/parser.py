@@ -220,8 +220,8 @@ def _add_commands_on_stores(commands: Any) -> None:
         "results/scene.zarr --friction 0.09 --friction 0.103")
     _add_store(boundary)
     boundary.add_argument("--by", choices=("load", "velocity", "test"), default="load",
-        help="rows of the table: critical velocity at each load, critical load at each velocity, "
-        "or tests compared with the computation; default: load")
+        help="rows of the table: limits and critical velocity at each load, limits and critical "
+        "load at each velocity, or tests compared with the computation; default: load")
     _add_output(boundary, "file of the table, .csv, .md or .json", TABLES)
     _add_evaluated_at(boundary)
 
