@@ -71,7 +71,13 @@ def few_quantiles():
     return pipeline.temperatures(plane().isel(area_fraction_below=[0, 1]))
 
 
+def compared_for_another_oil():
+    ds = synthetic.sweep(tests=(bare_test(400.0, 2.0),))
+    return pipeline.compare_tests(ds, critical_temperature="160 degC")
+
+
 REFUSALS = {
+    "tests of another oil": (compared_for_another_oil, "no tests to compare: the tests are left"),
     # datasets
     "no scene": (margin_of(xr.Dataset.drop_attrs), "has no attribute sweep, which describes"),
     "broken scene": (with_sweep("{"), "the attribute sweep of the dataset is not valid JSON"),

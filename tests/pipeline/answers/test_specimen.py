@@ -234,7 +234,7 @@ def test_no_verdict_rests_on_a_single_realization_that_does_not_state_how_others
     assert np.isnan([answer.temperature_error, answer.temperature_error_surface]).all()
     text = "\n".join(margin_lines(answer.answer))
     assert "unknown, because a part is unknown: surface sampling" in text
-    assert "to decide it: simulate more surface realizations" in text
+    assert "to decide it, simulate more surface realizations" in text
     boundary = pipeline.boundary(unknown)
     for name in ("velocity_error", "mild_velocity", "severe_velocity"):
         assert boundary[name].isnull().all()
