@@ -218,7 +218,7 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
         regions.setdefault(collection.get_gid(), []).extend(collection.get_paths())
     rng, seen = np.random.default_rng(1), set()
     loads, velocities = rng.uniform(210, 735, 120), rng.uniform(0.55, 3.95, 120)
-    # The end of a region is known only to within a cell of the figure's grid.
+    # The end of a region is a line between the loads of its corners.
     nearby = xr.DataArray([0.99, 1.0, 1.01], dims="near")
     at = (xr.DataArray(values, dims="place") * nearby for values in (loads, velocities))
     around = words(pipeline.margin(ds, *at).transpose("near", "place")).reshape(3, -1)
@@ -226,7 +226,7 @@ def test_the_figure_shades_a_point_as_it_is_judged(name):
         if len({*verdicts}) == 1 and verdicts[0] not in ("unknown", "outside the model"):
             painted = [
                 verdict
-                for verdict in ("mild", "undecided", "severe")  # in the order of painting
+                for verdict in ("undecided", "mild", "severe")  # in the order of painting
                 for path in regions.get(f"{verdict} region", ())
                 if path.contains_point((velocity, load))
             ]
