@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import threading
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -35,6 +36,7 @@ _ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # reading detects a chan
 _MAX_TEXT_BYTES = 2**16  # bytes of a text; messages have up to 2000 characters
 _MAX_CHECKSUMS = 256  # of a chunk: each takes time, and metadata have a limited size
 _CHECKSUM_BYTES = 4  # that each checksum adds to a chunk
+_OPENING = threading.Lock()
 _FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
 
 
@@ -134,13 +136,12 @@ def open_arrays(
         store = MemoryStore({**buffers})
     else:
         store = FolderStore(location, contents)
-    # Chunks of fill values have to be written, or they would look lost.
-    arrays = {
-        name: zarr.open_array(store, path=path, zarr_format=3).with_config(
-            {"write_empty_chunks": True}
-        )
-        for name, path in paths.items()
-    }
+    # Chunks of fill values have to be written, or they would look lost. An array keeps the value
+    # that this setting has when it is opened; the lock excludes a thread that resets it too early.
+    with _OPENING, zarr.config.set({"array.write_empty_chunks": True}):
+        arrays = {
+            name: zarr.open_array(store, path=path, zarr_format=3) for name, path in paths.items()
+        }
     if isinstance(store, FolderStore):
         store.max_bytes = {
             paths[name]: _size(array.dtype, array.chunks) for name, array in arrays.items()
