@@ -105,7 +105,8 @@ _CODES = {
 _FLAGS: dict[str, type[IntFlag]] = {"warning_flags": Flag, "decided_by": Remedy}
 """Flags of a variable, each a bit."""
 ATTRIBUTES = (
-    "conditions", "model_error", "uncertain_inputs", "realizations", "tests", "outliers",
+    "conditions", "model_error", "uncertain_inputs", "largest_input", "realizations", "tests",
+    "outliers",
     "tests_without_result", "verdicts_withheld", "not_included", "notes",
 )  # fmt: skip
 """Attributes of an answer; they are coordinates if cases differ in them."""
@@ -204,6 +205,7 @@ def answer_attributes(model: VerdictModel, is_varied: bool = False) -> dict[str,
         "conditions": "given for each point" if is_varied else conditions,
         "model_error": model_error(evidence),
         "uncertain_inputs": uncertain_inputs(evidence),
+        "largest_input": evidence.inputs.largest[0] if evidence.inputs else "",
         "realizations": len(model.specimen.differences),
         "tests": len(evidence.specimens),
         "outliers": join_notes(evidence.outliers),

@@ -23,7 +23,7 @@ from pipeline.answers.input_errors import InputErrors, input_errors
 from pipeline.answers.posterior import Outcome, Posterior, Prior, update
 from pipeline.answers.specimen import Specimen
 from pipeline.constants import OUTLIER_PROBABILITY
-from pipeline.sweep.case import Conditions, SpecimenTest, allowable_rise, with_test_conditions
+from pipeline.sweep.case import Case, Conditions, SpecimenTest, allowable_rise, with_test_conditions
 from tribo import InputError
 from tribo.simulation.film import film_excess
 from tribo.types import Array, Mask
@@ -235,11 +235,16 @@ def evidence_of(case: CaseResults, specimen: Specimen, oil: Conditions) -> Evide
         _evaluate(case, specimen, oil, test, points)
         for test, points in zip(case.sweep.tests, case.tests, strict=True)
     )
-    base, inputs = case.sweep.base, input_errors(case, oil)
+    inputs = input_errors(case, oil)
+    return Evidence(rows, prior_of(case.sweep.base, inputs), inputs)
+
+
+def prior_of(base: Case, inputs: InputErrors | None) -> Prior:
+    """The model error of a case before tests, with its uncertain inputs."""
     bias = base.model_bias
     if inputs:
         bias = max(bias, math.hypot(base.bias_without_inputs, inputs.deviation))
-    return Evidence(rows, Prior(bias, base.model_scatter), inputs)
+    return Prior(bias, base.model_scatter)
 
 
 def _evaluate(

@@ -131,6 +131,12 @@ class InputErrors:
         return float(np.sqrt(np.square(self.parts).sum()))
 
     @property
+    def without_largest(self) -> InputErrors:
+        """The errors once the input that contributes most is known."""
+        parts = np.where(np.arange(len(self.parts)) == np.argmax(self.parts), 0.0, self.parts)
+        return replace(self, parts=parts)
+
+    @property
     def largest(self) -> tuple[str, float]:
         """Name of the input that contributes most, and its part of the deviation."""
         first = int(np.argmax(self.parts))

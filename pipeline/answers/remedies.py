@@ -1,13 +1,14 @@
 """What would decide an undecided verdict: computing, a better input, or a test.
 
 The verdict is judged without the error that a remedy removes. The first remedy is proposed that
-makes the verdict definite: computing, which costs least, then a test.
+makes the verdict definite: computing, which costs least, then a better input, then a test.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
+from dataclasses import replace
 from enum import IntFlag
 
 import numpy as np
@@ -21,6 +22,7 @@ from pipeline.answers.error import (
     WARNINGS,
     finer_preset_error,
 )
+from pipeline.answers.evidence import prior_of
 from pipeline.answers.verdict_model import MILD, SEVERE, Places, VerdictModel
 from pipeline.constants import RISE_EXPONENT
 from tribo.types import Array, Indices, Mask
@@ -34,6 +36,7 @@ class Remedy(IntFlag):
     REALIZATIONS = 4  # simulate more surface realizations
     PRESET = 8  # use a finer preset
     TEST = 16  # run a test at this point
+    INPUT = 32  # measure the input that contributes most to the uncertainty of the rise
 
 
 _PARTS = {
@@ -58,11 +61,23 @@ def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
         rest_points = points.take(rest), places.take(rest)
         is_decided = _is_decided_without(model, *rest_points, combination)
         codes[rest[is_decided]] = sum(combination)
-    # Next is an input, without whose uncertainty the verdict is definite; the last is a test.
+    if known := _with_known_input(model):
+        is_decided = np.isin(known.judge(points, places).verdict, (MILD, SEVERE))
+        codes[is_decided & (codes == 0)] = Remedy.INPUT
     judgement = model.judge(points, places)
     is_within_error = ~(abs(judgement.log_ratio) > np.log1p(judgement.error))
     test = Remedy.TEST | np.where(is_within_error, _largest(places.errors), 0)
     return np.where(codes == 0, test, codes).astype(np.int16)
+
+
+def _with_known_input(model: VerdictModel) -> VerdictModel | None:
+    """The model without the uncertainty of the input that contributes most; None without any."""
+    evidence, base = model.evidence, model.case.sweep.base
+    if evidence.inputs is None or evidence.critical is not None:
+        return None
+    inputs = evidence.inputs.without_largest
+    known = replace(evidence, inputs=inputs, prior=prior_of(base, inputs))
+    return replace(model, evidence=known)
 
 
 def _combinations() -> list[tuple[Remedy, ...]]:

@@ -10,6 +10,7 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.answers.point_text import to_decide
 
 SMALL = {
     "without": ["tests"],
@@ -246,6 +247,17 @@ def test_inputs_with_one_uncertainty_add_before_they_are_squared(uncertain):
     # A rise by 5 K of both temperatures leaves the allowable rise unchanged.
     both = answer(uncertain, uncertainty={"temperature.bulk, temperature.critical": "5 K"})
     require_equal(both, answer(uncertain, **{"model.bias": 0.15}))
+
+
+def test_what_decides_may_be_a_measured_input(uncertain):
+    friction = {"friction.coefficient": "20 %", WEAR: "10 %"}
+    known = answer(uncertain, uncertainty={WEAR: "10 %"}, **{"model.bias": "5 %"})
+    velocity = 0.97 * known["mild_velocity"].item()
+    assert pipeline.margin(uncertain, 400, velocity)["verdict"].item() == 0
+    answer(uncertain, uncertainty=friction, **{"model.bias": "5 %"})
+    point = pipeline.margin(uncertain, 400, velocity)
+    assert point["verdict"].item() == 1
+    assert to_decide(point) == "measure the friction"
 
 
 def test_a_case_has_one_uncertainty_the_largest_of_its_three_loads(uncertain, tmp_path):
