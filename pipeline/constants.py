@@ -191,6 +191,14 @@ the wear rate explain 0.167 and 0.172 (0.096 and 0.093); the rest is 0.082 to 0.
 
 Judged by `irg sensitivity irg_transition`.
 """
+LINEAR_UNCERTAINTY = 0.4
+"""Relative standard deviation of inputs up to which the rise was found to be linear in their logs.
+
+With all inputs uncertain by as much, the linear rule errs by less than 5 % of the standard
+deviation of ln(rise), and by some 0.03 of the probability of severe wear.
+
+Judged by `python -m tests.promises.inputs`.
+"""
 PRIOR_WEIGHT = 4
 """Degrees of freedom of the bias, and number of results equivalent to the prior of the scatter.
 

@@ -7,19 +7,19 @@ import pytest
 
 from pipeline.constants import PRESET_BOUNDS
 from tests import measured, mutants
-from tests.promises import errors, front, goals, laboratories, loads, realizations, truth
+from tests.promises import errors, front, goals, inputs, laboratories, loads, realizations, truth
 from tests.promises.families import FAMILIES, case_of, cases
 from tests.sources import measure
 from tribo import PRESETS
 
 
-def test_each_row_of_the_evidence_is_one_of_at_most_fifteen_that_are_measured():
+def test_each_row_of_the_evidence_is_one_of_at_most_sixteen_that_are_measured():
     page, figures = measured.PAGE.read_text(encoding="utf-8"), measured.figures()
     assert measured.page_of(page, figures) == page, (
         "write it again: python -m tests.measured --page"
     )
     assert figures.keys() <= measured.ROWS.keys()
-    assert len(measured.ROWS) <= 15
+    assert len(measured.ROWS) <= 16
 
 
 def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
@@ -138,6 +138,27 @@ def test_intervals_of_the_bias_hold_it_and_verdicts_are_wrong_as_often_as_they_s
     inside, mild, severe = laboratories.judged(kind, 4, 6)
     assert inside >= 0.65  # 6 laboratories: ± 12 points for one standard deviation
     assert max(mild, severe) <= 0.12  # of some 15 and 30 points, ± 3 to 5
+
+
+# Uncertain inputs
+
+
+def test_the_linear_rule_for_uncertain_inputs_holds_on_simulated_draws():
+    row = inputs.computed(("flagship", 1, 0.2, 8))
+    assert row["refused"] == []
+    assert len(row["inputs"]) == 11
+    simulated, linear = (np.array(row[key]) for key in ("simulated", "linear"))
+    assert np.corrcoef(simulated, linear)[0, 1] > 0.97
+    assert inputs.is_right([row])
+
+
+def test_a_linear_rule_that_errs_by_more_than_by_chance_is_wrong():
+    draws = np.random.default_rng(0).standard_normal(200)
+    for simulated, is_right in ((draws, True), (1.04 * draws, True), (1.08 * draws, False),
+                                (draws + 0.3, False)):  # fmt: skip
+        row = {"size": 0.2, "simulated": simulated.tolist(), "linear": draws.tolist()}
+        assert inputs.is_right([row]) == is_right
+        assert inputs.is_right([row | {"size": 0.4}])  # which is not promised
 
 
 # Accuracies that are asked for

@@ -186,7 +186,8 @@ def error_text(point: xr.Dataset) -> str:
 def to_decide(point: xr.Dataset) -> str:
     """Advice how to decide an undecided verdict; empty if decided, or ruled out by a test."""
     names = flag_names(point["decided_by"], int(point["decided_by"].item()))
-    texts = _REMEDIES | {"input": f"measure the {' '.join(attribute_texts(point, 'largest_input'))}"}
+    largest_input = " ".join(attribute_texts(point, "largest_input"))
+    texts = _REMEDIES | {"input": f"measure the {largest_input}"}
     if math.isnan(point["temperature_error_discretization"].item()):
         texts["preset"] = _PRESET_FOR_CUSTOM_SETTINGS
     return " and ".join(texts[name] for name in names)

@@ -154,6 +154,11 @@ def _describe_warning(warning: SceneWarning) -> str:
                 f"{noun} {names}{further}: one specimen at several points, but each is simulated "
                 "as a fresh specimen and thus too hot: give its load stages"
             )
+        case "large_uncertainty":
+            return (
+                f"{100 * values[0]:.3g} % is more than {100 * values[1]:.3g} %, up to which the "
+                "effect of inputs was found to be linear: compare values by sweep.over"
+            )
         case "cold_tracks":
             lengths = dict(zip(values[::2], values[1::2], strict=True))
             tracks = " and ".join(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from pipeline.constants import LINEAR_UNCERTAINTY
 from pipeline.messages import key_path
 from pipeline.scene.contact_estimate import (
     ContactEstimate,
@@ -12,7 +13,7 @@ from pipeline.scene.contact_estimate import (
     single_cases,
 )
 from pipeline.scene.format import number_at
-from pipeline.sweep.case import SpecimenTest
+from pipeline.sweep.case import CLOSED_FORM, SpecimenTest
 from pipeline.sweep.notes import SceneWarning, unusual_warning
 from pipeline.sweep.sweep import Sweep, cold_tracks
 from tribo import Ramp, SelfAffineRoughness
@@ -33,6 +34,7 @@ def warnings_of_case(sweep: Sweep, facts: ContactEstimate) -> tuple[SceneWarning
     ]
     if sweep.scene.wear is None:
         warnings.append(SceneWarning("no_wear", "wear"))
+    warnings += _large_uncertainties(sweep)
     warnings += [*_far_tests(sweep), *_fresh_specimens(sweep), *_cold_tracks(sweep)]
     return tuple(dict.fromkeys(warnings))  # pin and disk may be of one material
 
@@ -133,6 +135,14 @@ def _surface_warnings(sweep: Sweep, facts: ContactEstimate) -> Warnings:
             if length > side / 3:
                 path = "disk.roughness.correlation_length"
                 yield SceneWarning("long_correlation", path, (axis, length))
+
+
+def _large_uncertainties(sweep: Sweep) -> Warnings:
+    """Warn of uncertainties by which the rise may no longer change linearly."""
+    for entries, deviation in sweep.base.uncertainty:
+        if deviation > LINEAR_UNCERTAINTY and not {*entries} & {*CLOSED_FORM}:
+            path = f"uncertainty.{', '.join(entries)}"
+            yield SceneWarning("large_uncertainty", path, (deviation, LINEAR_UNCERTAINTY))
 
 
 def _cold_tracks(sweep: Sweep) -> Warnings:

@@ -22,7 +22,7 @@ class SceneNote(NamedTuple):
 
 Code = Literal[
     "unusual", "unusual_values", "narrow_window", "lay_along_sliding", "long_correlation",
-    "no_wear", "far_test", "fresh_specimens", "cold_tracks",
+    "no_wear", "far_test", "fresh_specimens", "cold_tracks", "large_uncertainty",
 ]  # fmt: skip
 """Kinds of warnings."""
 

@@ -11,6 +11,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.answers.point_text import to_decide
+from pipeline.answers.scene_wording import warning_text
 
 SMALL = {
     "without": ["tests"],
@@ -192,6 +193,14 @@ def test_a_further_input_adds_its_points_alone(uncertain):
     sweep = load(**{CONDUCTIVITY: "15 %", WEAR: "30 %", "pin.radius": "0.1 mm"})
     assert pipeline.run_sweep(sweep, uncertain, workers=1).done == 9
     assert pipeline.summary(uncertain).tests.done == 21 + 6
+
+
+def test_large_uncertainties_are_warned_of():
+    (warning,) = load(
+        **{CONDUCTIVITY: "60 %", WEAR: "40 %", "friction.coefficient": "60 %"}
+    ).all_warnings
+    assert warning.path == f"uncertainty.{CONDUCTIVITY}"
+    assert "60 % is more than 40 %" in warning_text(warning)
 
 
 def test_check_and_a_dry_run_count_the_points_of_uncertain_inputs_and_the_missing_ones(
