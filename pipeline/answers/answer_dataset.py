@@ -182,7 +182,7 @@ def join_cases(
         parts = [
             xr.concat(
                 parts[start : start + axis.size], axis, data_vars="all", coords="different",
-                compat="equals", combine_attrs="override",
+                compat="equals", combine_attrs="drop_conflicts",
             )
             for start in range(0, len(parts), axis.size)
         ]  # fmt: skip
@@ -275,8 +275,9 @@ def _severe_with_earlier_revolutions(model: VerdictModel, tracks: Mapping[str, T
     corrections = replace(corrections, motion=case.sweep.scene.motion, **dict[str, Any](tracks))
     field = specimen_of(case, replace(model.conditions, corrections=corrections)).field
     lines = field.along_velocity(field.loads, np.full(field.loads.shape, model.limit))
-    if case.status.size == 1:  # a row with its own load and velocity
-        return " (severe with it)" if lines.is_severe[0] else ""
+    if case.is_row:  # at its own load and velocity
+        is_own = field.loads == (case.own_load or field.loads[0])
+        return " (severe with it)" if lines.is_severe[is_own].any() else ""
     load = field.loads[-1]
     if lines.is_severe[-1]:
         return f" (severe at all simulated velocities at {load:g} N)"

@@ -19,6 +19,7 @@ from pipeline.answers.value_text import (
     format_limit,
     format_value,
     line_sides,
+    load_factor_texts,
     probability_text,
 )
 from pipeline.frames import cell_text, frame_of, without_columns
@@ -126,8 +127,12 @@ def complete_frame(answer: xr.Dataset, *names: str) -> pd.DataFrame:
 
 def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     """Main columns of `pipeline.margin`, with probabilities in words, for a reader."""
-    user_columns = _user_columns(answer)
-    frame = _rounded_frame(answer, *user_columns, *_MARGIN_VARIABLES)
+    user_columns, names = _user_columns(answer), [*_MARGIN_VARIABLES]
+    if "mild_load_factor" in answer:  # in place of the factors along lines of a plane
+        names[-2:] = ["mild_load_factor"]
+        texts = answer["mild_load_factor"].copy(data=load_factor_texts(answer))
+        answer = answer.assign(mild_load_factor=texts)
+    frame = _rounded_frame(answer, *user_columns, *names)
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]

@@ -23,6 +23,7 @@ from pipeline.answers.condition_values import (
 )
 from pipeline.answers.error import PARTS, total
 from pipeline.answers.field import LineOutcome
+from pipeline.answers.load_factors import with_governing_row, with_mild_load_factor
 from pipeline.answers.remedies import remedies
 from pipeline.answers.results import cases_of, dataset_of
 from pipeline.answers.verdict_limits import Side, friction_limits, line_limits
@@ -80,7 +81,8 @@ def margin(
         parts; ``mild_load``, ``mild_velocity`` and ``mild_friction``, up to which the verdict is
         mild, and their safety factors, these limits over the values of the point; the code
         ``mild_…_side`` of a limit outside the sweep, which is NaN; computed critical velocity, load
-        and friction; flags, and ``decided_by``, what would decide an undecided verdict. Each has
+        and friction; flags, and ``decided_by``, what would decide an undecided verdict. Rows with
+        load factors have a ``mild_load_factor``; the row with the smallest ``governs``. Each has
         ``units`` and ``long_name``, and codes ``flag_meanings``. Attributes state what applies to
         all points.
 
@@ -116,7 +118,8 @@ def margin(
     }
     overrides = condition_arrays(conditions)
     cases = cases_of(ds)
-    return join_cases(ds, cases, [_margin_of_case(case, points, overrides) for case in cases])
+    answers = [_margin_of_case(case, points, overrides) for case in cases]
+    return with_governing_row(join_cases(ds, cases, answers))
 
 
 def _margin_of_case(
@@ -126,10 +129,10 @@ def _margin_of_case(
     points = arguments_of_case(points, case.labels)
     overrides = arguments_of_case(overrides, case.labels)
     if not points:
-        if max(len(case.loads), len(case.velocities)) > 1:
+        if case.own_load is None and max(len(case.loads), len(case.velocities)) > 1:
             raise InputError("no operating point is given; give a load and a velocity")
         points = {
-            "load": xr.DataArray(case.loads[0]),
+            "load": xr.DataArray(case.own_load or case.loads[0]),
             "velocity": xr.DataArray(case.velocities[0]),
         }
     models, variables = _evaluate(case, points["load"], points["velocity"], overrides, _judge)
@@ -139,7 +142,8 @@ def _margin_of_case(
         for name, array in overrides.items()
         if array.ndim
     }
-    return answer_dataset(models, variables, varied)
+    answer = answer_dataset(models, variables, varied)
+    return answer if case.own_load is None else with_mild_load_factor(answer, case.own_load)
 
 
 def _evaluate(

@@ -78,6 +78,7 @@ class CaseResults:
     is_row: bool = False  #: True if each case of the sweep has its own load and velocity.
     #: Variants of its scene, each with its point.
     variants: tuple[tuple[Variant, TestPoint], ...] = field(default=(), repr=False)
+    own_load: float | None = None  #: Load of a row at load factor 1 [N]; None without factors.
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property

@@ -40,7 +40,7 @@ from pipeline.store.schema import (
     variable_of_tests,
 )
 from pipeline.sweep.case import TEST
-from pipeline.sweep.case_table import CaseName, Label
+from pipeline.sweep.case_table import LEAST_DISTANCE, LOAD_FACTOR, CaseName, Label
 from pipeline.sweep.codec import CodecError
 from pipeline.sweep.plan import TEST_POINT
 from pipeline.sweep.stored import sweep_of_plain
@@ -51,7 +51,6 @@ from tribo import InputError
 _MAX_SWEEPS = 64  # kept in memory
 _decoded_sweeps = dict[tuple[str, str], Sweep]()
 """Sweeps by their text and the digests of their arrays."""
-_LEAST_DISTANCE = 1e-4  # relative; a slope between nearer points would be that of rounding
 
 
 @typed_arguments
@@ -171,7 +170,7 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
 
 def case_dims(ds: xr.Dataset) -> list[str]:
     """Names of the dimensions of varied entries, and of rows of a table."""
-    return [str(dim) for dim in ds["status"].dims if dim not in SPECIMEN_DIMS]
+    return [str(dim) for dim in ds["status"].dims if dim not in (*SPECIMEN_DIMS, LOAD_FACTOR)]
 
 
 def refuse_cases(ds: xr.Dataset) -> None:
@@ -209,6 +208,11 @@ def _results_of_case(
     ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
 ) -> CaseResults:
     case, name = _identify_case(ds, sweep)
+    own_load = None
+    if LOAD_FACTOR in ds["status"].dims:
+        ds = ds.swap_dims({LOAD_FACTOR: "load"}).drop_vars(LOAD_FACTOR)
+        row = next(row for label, row in sweep.case_table.by_name.items() if {*name} <= {*label})
+        own_load = float(row["load"])
     labels = {
         str(key): coordinate.item()
         for key, coordinate in ds.coords.items()
@@ -226,7 +230,7 @@ def _results_of_case(
         for variant, (point,) in zip(sweep.variants, tests[count:], strict=True)
         if is_row or variant.of_case == name
     )
-    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants)
+    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants, own_load)
 
 
 def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:
@@ -257,7 +261,7 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
             raise InputError(f"the dataset has no finite {name}; keep its coordinates")
         if name not in ds.dims:
             continue
-        if (np.diff(values) <= _LEAST_DISTANCE * values[1:]).any():
+        if (np.diff(values) <= LEAST_DISTANCE * values[1:]).any():
             raise InputError(
                 f"{name} of the dataset does not ascend by 0.01 % or more; sort it, and keep one "
                 "of values that are nearly equal"

@@ -30,6 +30,8 @@ def outside_reason(
     limits = ", ".join(texts)
     if not all(0 < value < math.inf for value in point.values()):
         return f"{limits}; give a value inside it"
+    if case.own_load is not None and "velocity" not in outside:
+        return f"{limits}; add a factor to sweep.load_factors, and run the scene again"
     if case.is_row:
         requested = ", ".join(f"{name} {value:g} {UNITS[name]}" for name, value in point.items())
         return (

@@ -126,6 +126,18 @@ def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
     return f"{whole / scale:.{max(-last, 0)}f}"
 
 
+def load_factor_texts(margins: xr.Dataset) -> Any:
+    """Mild load factors as texts, such as "0.49", "less than 0.5" and "at least 1.25"."""
+    low, high = margins["mild_load_factor"].attrs["valid_range"]
+    words = {"below": f"less than {low:.4g}", "above": f"at least {high:.4g}"}
+    factors, sides = margins["mild_load_factor"].values, code_text(margins["mild_load_factor_side"])
+    texts = [
+        format_limit(factor) if math.isfinite(factor) else words.get(side, side)
+        for factor, side in zip(factors.ravel(), np.ravel(sides), strict=True)
+    ]
+    return np.array(texts, object).reshape(factors.shape)
+
+
 def line_sides(mild: str, severe: str, outcome: str) -> dict[str, str]:
     """Where the values of a boundary lie on one line, if they are not inside the sweep.
 

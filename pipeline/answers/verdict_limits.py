@@ -8,6 +8,7 @@ that the limit is named after.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -199,8 +200,13 @@ def _bisect(
 
 def _rounded(limits: Array, inside: Array, verdict: int) -> Array:
     """Limits (k,) rounded to `_DIGITS` towards values `inside` of them, but no farther."""
+    if verdict == MILD:
+        return np.asarray(np.maximum(round_to(np.floor, limits), inside))
+    return np.asarray(np.minimum(round_to(np.ceil, limits), inside))
+
+
+def round_to(side: Callable[[Array], Array], limits: Array) -> Array:
+    """Limits rounded to `_DIGITS` to a `side`, by `numpy.floor` or `numpy.ceil`."""
     with np.errstate(invalid="ignore", divide="ignore"):
         unit = 10.0 ** (np.floor(np.log10(limits)) - _DIGITS + 1)
-    if verdict == MILD:
-        return np.asarray(np.maximum(np.floor(limits / unit) * unit, inside))
-    return np.asarray(np.minimum(np.ceil(limits / unit) * unit, inside))
+    return np.asarray(side(limits / unit) * unit)

@@ -46,12 +46,12 @@ def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
     cases, is_listed = single_cases(sweep, 200), sweep.case_table.column("load") is not None
-    for _, case in cases:
+    for case in cases:
         key = "sweep.along" if is_listed else "sweep.loads"
-        require_admissible_load(case, max(case.loads), key)
+        require_admissible_load(case.sweep, max(case.sweep.loads), key)
     require_free_names(sweep)
     contact = estimate_contacts(cases) if is_listed else estimate_contact(sweep)
-    case_estimates = [estimate_case(*case) for case in cases] if is_listed else []
+    case_estimates = [estimate_case(case) for case in cases] if is_listed else []
     needed_bytes, available = worker_bytes(sweep), machine_memory()
     required = f"about {display(needed_bytes, 'MB', '.0f')} of memory per worker"
     if needed_bytes > available:
@@ -180,6 +180,8 @@ def _cost_rows(sweep: Sweep, cost: Estimate, missing: int) -> Iterator[_Row]:
         counts, names[CASE] = [], "cases, each at its own load and velocity"
     for name, values in sweep.case_table.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
+    if factors := sweep.case_table.load_factors:
+        counts.append(f"{len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}")
     yield "points", f"{cost.points}: {', '.join(counts)}"
     if cost.tests:
         yield "tests", f"{pluralized(cost.tests, 'point', 'points')} for tests, simulated first"

@@ -30,6 +30,7 @@ from pipeline.answers.answer_lines import (
 )
 from pipeline.answers.boundary_text import boundary_lines
 from pipeline.answers.error import preset_error_text
+from pipeline.answers.load_factors import load_factor_lines
 from pipeline.answers.point_text import margin_lines
 from pipeline.answers.scene_wording import named_value, test_group_words
 from pipeline.answers.value_text import code_text
@@ -134,6 +135,7 @@ def _rows_text(margins: xr.Dataset, prints_all: bool) -> list[str | pd.DataFrame
         frame = frame.loc[numbers.sort_values("temperature margin [K]").index].head(_MAX_ROWS)
     return [
         f"{total}: {count_of_each}",
+        *load_factor_lines(margins),
         *conditions_lines(margins),
         *not_included_lines(margins),
         "",

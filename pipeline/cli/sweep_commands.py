@@ -15,6 +15,7 @@ import xarray as xr
 import pipeline
 from pipeline.answers.answer_lines import withheld_lines
 from pipeline.answers.error import has_unknown_preset_error, preset_error_text
+from pipeline.answers.load_factors import load_factor_lines
 from pipeline.answers.results import case_dims, sweep_of
 from pipeline.answers.scene_wording import test_group_words, warning_lines
 from pipeline.answers.sensitivity_answer import sensitivity_frame, sensitivity_lines
@@ -114,7 +115,8 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
     if not sweep_of(ds).base.is_judged:
         return [f"temperatures are in {store}; there is no verdict without temperature.critical"]
     if not {*PLANE} <= {*ds["status"].dims}:
-        return [f"next: irg margin {store}, irg plot {store}"]
+        lines = wrapped([*load_factor_lines(pipeline.margin(ds))])
+        return [*lines, f"next: irg margin {store}, irg plot {store}"]
     if max(ds.sizes[axis] for axis in PLANE) == 1:
         return [f"one point has no boundary; next: irg margin {store}"]
     text = list[Any]()

@@ -14,8 +14,15 @@ from matplotlib.figure import Figure
 import pipeline
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.answer_lines import conditions_lines
+from pipeline.answers.load_factors import load_factor_lines
 from pipeline.answers.results import sweep_of
-from pipeline.answers.value_text import attribute_texts, format_limit, probability_text
+from pipeline.answers.value_text import (
+    attribute_texts,
+    format_limit,
+    load_factor_texts,
+    probability_text,
+)
+from pipeline.answers.verdict_limits import Side
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
@@ -47,8 +54,8 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
 
     The temperature margin has its numerical error; at the right stands the probability of severe
-    wear and the safety factor of friction. The most critical row is bold: that with the highest
-    probability.
+    wear and the safety factor of friction. Rows with load factors have bars up to the mild ones.
+    The most critical row is bold.
     """
     margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
@@ -75,17 +82,21 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
                 margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
             )
     critical_row = most_critical_row(margins)
-    _label_rows(axes, margins, labels, critical_row)
-    axes.axhspan(critical_row - 0.5, critical_row + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":")
     axes.set(
         xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
         xlabel="temperature margin: critical minus governing temperature [K]",
     )  # fmt: skip
+    panels, lines = [axes], [f"most critical: {names[critical_row]}", *load_factor_lines(margins)]
+    if "mild_load_factor" in margins:
+        axes.set_xlabel("critical minus governing\ntemperature [K]")
+        panels.append(_draw_load_factors(axes, margins))
+    _label_rows(axes, margins, labels, critical_row, panels[-1])
+    for panel in panels:
+        panel.axhspan(
+            critical_row - 0.5, critical_row + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":"
+        )
     style.write_title(axes, title)
-    lines = [
-        f"most critical: {names[critical_row]}",
-        "at the right: probability of severe wear, safety factor of friction",
-    ]
+    lines.append("at the right: probability of severe wear, safety factor of friction")
     lines += conditions_lines(margins)
     lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
     lines += split_notes(attribute_texts(margins, "notes"))[:1]
@@ -93,8 +104,36 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     return figure
 
 
-def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical_row: int) -> None:
-    """Write labels at the left of rows, and at their right the probability and the safety factor.
+def _draw_load_factors(axes: Axes, margins: xr.Dataset) -> Axes:
+    """Draw the mild load factor of each row at the right of `axes`; return the axes of the bars.
+
+    A bar ends at the largest load factor if the row is mild there; below the smallest is none.
+    """
+    factors, sides = margins["mild_load_factor"], margins["mild_load_factor_side"].values
+    high = factors.attrs["valid_range"][1]
+    grid = axes.figure.add_gridspec(1, 2, width_ratios=(5, 3))
+    axes.set_subplotspec(grid[0])
+    panel: Axes = axes.figure.add_subplot(grid[1], sharey=axes)
+    ends = np.where(sides == Side.ABOVE, high, np.nan_to_num(factors.values))
+    positions = np.arange(len(ends))
+    panel.barh(positions, ends, height=0.5, color=BLUE, label="mild load factor")
+    for position, text, side in zip(positions, load_factor_texts(margins), sides, strict=True):
+        is_above = side == Side.ABOVE
+        panel.annotate(
+            text, (high if is_above else ends[position], position), (-4 if is_above else 4, 0),
+            textcoords="offset points", va="center", ha="right" if is_above else "left",
+            color="white" if is_above else BLACK, fontsize="small",
+        )  # fmt: skip
+    panel.axvline(1.0, color=BLACK, lw=style.THIN, ls="--")
+    panel.tick_params(labelleft=False)
+    panel.set(xlim=(0.0, 1.05 * high), xlabel="load over load of the row")
+    return panel
+
+
+def _label_rows(
+    axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical_row: int, last_panel: Axes
+) -> None:
+    """Write labels at the left of rows, and probability and safety factor beside `last_panel`.
 
     Those of the most critical row are bold. Of many rows, only some are labelled.
     """
@@ -111,7 +150,7 @@ def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical
         tick.label1.set_fontweight(weight)
         factor = format_limit(factors[row])
         text = f"{probability_text(probabilities[row])}, {factor}" if factor else ""
-        axes.annotate(
+        last_panel.annotate(
             "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),
             xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
             annotation_clip=False, fontsize="small", fontweight=weight,
@@ -119,6 +158,11 @@ def _label_rows(axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical
 
 
 def most_critical_row(margins: xr.Dataset) -> int:
-    """Index of the row with the highest probability; of equal rows, that with the least margin."""
+    """Index of the row that governs by its load factor, else of that with the highest probability.
+
+    Of equal rows it is that with the least temperature margin.
+    """
+    if "governs" in margins and margins["governs"].any():
+        return int(np.argmax(margins["governs"].values))
     probability = np.nan_to_num(margins["probability"].values, nan=-1.0)
     return int(np.lexsort((-margins["temperature_margin"].values, probability))[-1])

@@ -38,6 +38,7 @@ from pipeline.answers.answer_lines import (
     withheld_lines,
 )
 from pipeline.answers.boundary_text import error_lines, ruling_lines
+from pipeline.answers.load_factors import load_factor_lines
 from pipeline.answers.point_text import (
     headline,
     limit_text,
@@ -267,6 +268,7 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
         )
     counts = ", ".join(f"{count} {name}" for name, count in Counter(verdict_names).items())
     lines = [f"Operating points: {counts}", *not_included_lines(margins)]
+    lines[:0] = load_factor_lines(margins)
     if verdict_code in HEADLINES:
         lines.insert(0, _probability_sentence(margins.isel({dimension: critical_row})))
     lines += [*edge_warnings(margins), *common_lines(margins)]

@@ -69,7 +69,7 @@ def governing_row(cases: list[CaseResults]) -> Point:
     ratios, points = list[float](), list[Point]()
     for case in cases:
         model = verdict_model(case, case.conditions)
-        load, velocity = case.loads[:1], case.velocities[:1]
+        load, velocity = np.array([case.own_load or case.loads[0]]), case.velocities[:1]
         ratios.append(float(model.field(load, velocity)[0] - model.limit))
         points.append(Point(float(load[0]), float(velocity[0]), case.name))
     return points[int(np.argmax(np.nan_to_num(ratios, nan=-np.inf)))]

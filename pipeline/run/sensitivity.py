@@ -112,7 +112,7 @@ def sensitivity(
 
 
 def _study_of(sweep: Sweep) -> Sweep:
-    """The sweep whose points a study simulates: one case on one surface, or all rows."""
+    """The sweep whose points a study simulates: one case on one surface, or all rows themselves."""
     tests = sweep.tests if sweep.base.critical_from_tests else ()
     if sweep.case_table.column("load") is None:
         sweep = sweep._single_case()
@@ -122,6 +122,7 @@ def _study_of(sweep: Sweep) -> Sweep:
     def certain(case: Case) -> Case:
         return replace(case, uncertainty=())  # whose points only a run adds
 
+    sweep = replace(sweep, case_table=replace(sweep.case_table, load_factors=()))
     return replace(sweep, tests=tests, steps="end", fields=False)._map_cases(certain)
 
 

@@ -15,7 +15,7 @@ from pipeline.messages import is_unprintable, quoted
 from pipeline.scene.build import BuiltScene, Files, build_case, realizations_of
 from pipeline.scene.entries import Entries, entry_at, flat, merged, replace_values
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOAD, SPEED, TableFile, number_at, scene_entries
+from pipeline.scene.format import LOAD, LOAD_FACTORS, SPEED, TableFile, number_at, scene_entries
 from pipeline.scene.table_kinds import TableKind
 from pipeline.sweep.case import CONDITION_ENTRIES, Case
 from pipeline.sweep.case_table import (
@@ -74,12 +74,28 @@ def with_first_case(
         rows = _rows_along(along, files, faults)
     if not rows:
         return entries, None
-    axes = {}
-    for axis, (name, kind) in zip(("loads", "velocities"), _PLACE.items(), strict=True):
-        values = sorted({kind.read(row[name], name, Faults()) for row in rows})
-        axes[f"sweep.{axis}"] = [f"{value!r} {kind.unit}" for value in values]
+    factors = _load_factors(entries)
+    if len(rows) * len(factors) > MAX_ON_AXIS:
+        problem = f"{len(factors)} factors of {len(rows)} rows exceed {MAX_ON_AXIS} loads in all"
+        faults.refuse("sweep.load_factors", f"{problem}; give fewer factors or rows")
+        return entries, None
+    loads, velocities = (
+        {kind.read(row[name], name, Faults()) for row in rows} for name, kind in _PLACE.items()
+    )
+    table = CaseTable(load_factors=factors)
+    loads = {factored for load in loads for factored in table.loads_of({"load": load})}
+    axes = {
+        "sweep.loads": [f"{load!r} {LOAD.unit}" for load in sorted(loads)],
+        "sweep.velocities": [f"{velocity!r} {SPEED.unit}" for velocity in sorted(velocities)],
+    }
     row_entries = {path: value for path, value in rows[0].items() if "." in path}  # no labels
     return merged(replace_values({}, row_entries), replace_values(entries, axes)), rows
+
+
+def _load_factors(entries: Entries) -> tuple[float, ...]:
+    """Shares of the loads of rows at which they are simulated; faulty ones are refused later."""
+    factors = entry_at(entries, "sweep.load_factors")
+    return LOAD_FACTORS.read(factors, "", Faults()) or () if factors else ()
 
 
 def _rows_along(along: Any, files: Files, faults: Faults) -> list[CaseRow]:
@@ -133,7 +149,7 @@ def listed_cases(scene: BuiltScene, along: list[CaseRow]) -> Cases:
     """Cases of a scene: the rows of ``along``, by ``over``, by the seeds of its surfaces."""
     sweep, cases = scene.tables.sweep, Cases()
     if along:
-        cases *= _cases_along(along)
+        cases *= _cases_along(along, sweep.load_factors or ())
     if sweep.over:
         cases *= _cases_over(sweep.over)
     changes: list[Entries]
@@ -161,7 +177,7 @@ def _cases_over(over: dict[str, Any]) -> Cases:
     return cases
 
 
-def _cases_along(rows: list[CaseRow]) -> Cases:
+def _cases_along(rows: list[CaseRow], load_factors: Sequence[float]) -> Cases:
     for text in (text for row in rows for pair in row.items() for text in pair):
         if isinstance(text, str) and is_unprintable(text):
             raise InputError(
@@ -180,7 +196,7 @@ def _cases_along(rows: list[CaseRow]) -> Cases:
         for row_labels, label in zip(case_labels, labels, strict=True):
             row_labels[name] = label
     changes = [{path: value for path, value in row.items() if "." in path} for row in rows]
-    return Cases(numbered_cases(columns, case_labels), changes)
+    return Cases(numbered_cases(columns, case_labels, load_factors), changes)
 
 
 def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -14,6 +15,7 @@ from pipeline.scene.contact_estimate import expect_contacts
 from pipeline.scene.format import Body, PinTable, SceneFile, StagesTable, stages_of
 from pipeline.scene.library import library
 from pipeline.sweep.case import Case
+from pipeline.sweep.case_table import LEAST_DISTANCE
 from tribo.simulation.pins import sizes_of
 
 _ROUNDING = 1e-9  # relative error of loads and lengths in floating point
@@ -36,6 +38,7 @@ def misfits(scene: SceneFile, fidelity: tribo.Fidelity) -> Misfits:
         yield from _unfit_disc(scene, name, body)
         yield from _unfit_track(scene, name, body)
     yield from _unfit_stages(scene)
+    yield from _unfit_load_factors(scene)
     if (realizations := scene.sweep.realizations) is not None and scene.disk.roughness is None:
         value = quoted(realizations if isinstance(realizations, int) else list(realizations))
         problem = f"{value} needs a rough disk, [disk.roughness]; give one, or leave this out"
@@ -155,6 +158,20 @@ def _unfit_stages(scene: SceneFile) -> Misfits:
         stage_list = ", ".join(f"{stage:g}" for stage in stages)
         load = display(loads[~is_stage][0], "N")
         yield "sweep.loads", f"{load} is not a load stage; choose from {stage_list} N"
+
+
+def _unfit_load_factors(scene: SceneFile) -> Misfits:
+    if not (factors := scene.sweep.load_factors):
+        return
+    key, listed = "sweep.load_factors", quoted([*factors])
+    if scene.sweep.along is None:
+        yield key, "has no effect without the rows of sweep.along; leave it out"
+    elif 1.0 not in factors:
+        yield key, f"{listed} lacks the load of the rows themselves; add 1"
+    for low, high in itertools.pairwise(factors):
+        if high - low <= LEAST_DISTANCE * high:
+            problem = f"{low:.9g} and {high:.9g} differ by less than 0.01 %; give one of them"
+            yield key, problem
 
 
 def track_misfits(scene: SceneFile, case: Case) -> Misfits:

@@ -60,33 +60,41 @@ class CaseEstimate:
     film_parameter: float  # NaN if it is not known
 
 
-def single_cases(sweep: Sweep, max_count: int) -> list[tuple[str, Sweep]]:
-    """At most `max_count` cases of a sweep, each with its label.
+class SingleCase(NamedTuple):
+    """A case of a sweep with its label; a row has its velocity, and its load at each factor."""
 
-    A case with its own load and velocity has only these.
-    """
+    label: str
+    sweep: Sweep
+    load: float  # of a row itself, else the lowest [N]
+
+
+def single_cases(sweep: Sweep, max_count: int) -> list[SingleCase]:
+    """At most `max_count` cases of a sweep."""
     names, rows = sweep.case_table.without_surfaces.names, sweep.case_table.rows
     if len(names) == 1:
-        return [("", sweep)]
+        return [SingleCase("", sweep, float(rows[0].get("load", sweep.loads[0])))]
     word_columns = [
         column
         for column in sweep.case_table.columns
         if column.along and not column.entry and column.name not in PLACE_UNITS
     ]
-    cases = list[tuple[str, Sweep]]()
+    cases = list[SingleCase]()
     for name in names[:: math.ceil(len(names) / max_count)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
         case, labels = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
         if "load" in row:
-            case = replace(case, loads=(float(row["load"]),), velocities=(float(row["velocity"]),))
+            loads = sweep.case_table.loads_of(row)
+            case = replace(case, loads=loads, velocities=(float(row["velocity"]),))
             labels = [column.to_text(row[column.name]) for column in word_columns] or labels
-        cases.append((" ".join(map(str, labels)), case))
+        load = float(row.get("load", case.loads[0]))
+        cases.append(SingleCase(" ".join(map(str, labels)), case, load))
     return cases
 
 
-def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
-    """Numbers of a case, by its label and the sweep of this case."""
-    scene, (load,), (velocity,) = sweep.scene, sweep.loads, sweep.velocities
+def estimate_case(case: SingleCase) -> CaseEstimate:
+    """Numbers of a row at its own load and velocity."""
+    label, sweep, load = case
+    scene, (velocity,) = sweep.scene, sweep.velocities
     hertz = scene.pin.hertz(load, contact_modulus(scene.pin.material, scene.disk))
     pin, disk = scene.velocities_at(velocity)
     lubrication, mean = find_lubrication(scene, sweep.lubricant), (pin + disk) / 2
@@ -105,9 +113,9 @@ def estimate_case(label: str, sweep: Sweep) -> CaseEstimate:
     )
 
 
-def estimate_contacts(cases: Sequence[tuple[str, Sweep]]) -> ContactEstimate:
+def estimate_contacts(cases: Sequence[SingleCase]) -> ContactEstimate:
     """Numbers of cases together: each `Span` is over all of them."""
-    estimates, spans = [estimate_contact(case) for _, case in cases], dict[str, Any]()
+    estimates, spans = [estimate_contact(case.sweep) for case in cases], dict[str, Any]()
     for name in (field.name for field in fields(ContactEstimate)):
         if isinstance(getattr(estimates[0], name), Span):
             ends = [end for estimate in estimates for end in getattr(estimate, name) or ()]

@@ -48,6 +48,7 @@ SPEED = Quantity("1.25 m/s")
 BULK = Quantity("25 degC", usual=USUAL["bulk_temperature"].ends, ends=OIL_WORKS)
 FRICTION = Share(at_least=0, usual=USUAL["friction"].ends)
 SEED = Integer(at_least=0)
+LOAD_FACTORS = Sorted(List(Number(above=0), distinct=True, max_length=MAX_ON_AXIS))
 STEPS = Integer(at_most=MOST_STEPS)
 USUAL_PRESET = "standard"
 LATER = "Acts after the simulation."
@@ -305,6 +306,11 @@ class SweepTable(Declared):
         "Cases, each with its own load and velocity: a table as CSV, or a list such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or words.", None)
+    load_factors: tuple[float, ...] | None = entry(
+        LOAD_FACTORS,
+        "Shares of the load of each row of `along` at which it is simulated, at its own velocity, "
+        "such as [0.5, 0.75, 1, 1.25]; 1 must be among them. Answers state the largest at which "
+        "the row is mild.", None)
     fields: Fields = entry(Either(Flag(), OneOf(("steps",))),
         "True to store pressure, temperature rise and wear depth over the window at the end of "
         'each point; "steps" to store them at each stored step.', False)

@@ -49,7 +49,7 @@ def warnings_of_all(sweep: Sweep) -> tuple[SceneWarning, ...]:
     of_entries = [warning for warning in sweep.warnings if warning.path not in column_paths]
     checked_cases = single_cases(sweep, 12)  # each takes some 0.1 s
     by_entry = dict[tuple[str, str], dict[str, SceneWarning]]()
-    for label, case in checked_cases:
+    for label, case, _ in checked_cases:
         for warning in warnings_of_case(case, estimate_contact(case)):
             # Cases that differ in the numbers of a warning share it.
             by_entry.setdefault((warning.code, warning.path), {})[label] = warning

@@ -29,7 +29,7 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.sweep.case import TEST
-from pipeline.sweep.case_table import in_order
+from pipeline.sweep.case_table import LOAD_FACTOR, in_order
 from pipeline.sweep.plan import choose_stored_steps
 from pipeline.sweep.stored_steps import ramp_of
 from pipeline.sweep.sweep import Point, Sweep
@@ -71,6 +71,8 @@ class Group:
             column.name: [values[label] for label in rows[column.along]]
             for column, values in sweep.case_table.coordinates.items()
         }
+        if factors := sweep.case_table.load_factors:
+            rows["load"] = [sweep.case_table.loads_of({"load": load}) for load in rows["load"]]
         scenes = [case.scene for case in sweep._on_first_surface]
         ramps = {ramp_of(scene): scene for scene in scenes}.values()
         loads_of_scenes: Iterable[tuple[Scene, float]] = itertools.product(ramps, sweep.loads)
@@ -79,6 +81,7 @@ class Group:
             loads_of_scenes = ((sweep.case(name).scene, float(row["load"])) for name, row in table)
         steps_of_points = itertools.starmap(stored_steps.select, loads_of_scenes)
         values: dict[str, Any] = {
+            LOAD_FACTOR: [*factors],
             "load": [*sweep.loads],
             "velocity": [*sweep.velocities],
             **rows,
@@ -183,8 +186,8 @@ class Group:
         """Points at indices; `indices` has an array for each of `dims`, as from `numpy.nonzero`."""
         names, columns = [*PLANE, *self.sweep.case_table.axes], []
         for name in names:
-            dim_indices = indices[self.dims.index(self.variables[name].dims[0])]
-            columns.append([self.axes[name][index] for index in dim_indices.tolist()])
+            at = tuple(indices[self.dims.index(dim)] for dim in self.variables[name].dims)
+            columns.append(np.array(self.axes[name], object)[at].tolist())
         return [
             Point(load, velocity, tuple(zip(names[2:], labels, strict=True)))
             for load, velocity, *labels in zip(*columns, strict=True)

@@ -44,9 +44,10 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         variants=_joined_variants(before, sweep),
     )
     old, new = before.case_table, sweep.case_table
+    factors = _union("sweep.load_factors", old.load_factors, new.load_factors)
     if [*old.axes] != [*new.axes]:  # the scene has all cases of the store
-        return joined
-    union = old.union(new)
+        return replace(joined, case_table=replace(new, load_factors=factors))
+    union = replace(old.union(new), load_factors=factors)
     cases = tuple((sweep if name in new.by_name else before).case(name) for name in union.names)
     return replace(joined, case_table=union, cases=cases)
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.sweep.case import TEST
-from pipeline.sweep.case_table import ROWS
+from pipeline.sweep.case_table import LOAD_FACTOR, ROWS
 from pipeline.sweep.plan import TEST_POINT
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError, WarningKind
@@ -53,6 +53,9 @@ def _field(units: str, long_name: str) -> Variable:
 
 COORDINATES = {
     **{name: Variable((name,), "1", meaning, "int64") for name, meaning in ROWS.items()},
+    LOAD_FACTOR: Variable(
+        (LOAD_FACTOR,), "1", "share of the load of each row at which it is simulated"
+    ),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the point, 0 at its end, −1 before", "int64"),
@@ -214,9 +217,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         )
         for column in sweep.case_table.columns
     }
+    plane_dims = {"load": LOAD_FACTOR} if sweep.case_table.load_factors else {}
+    if plane_dims:
+        table["load"] = table["load"]._replace(dims=(*table["load"].dims, LOAD_FACTOR))
     of_cases, surface = frozenset(table), dict(sweep.surface_with_fields)
     columns = sorted(name for name in of_cases if table[name].dims != (name,))
     absent = {*ROWS, *of_cases}  # the case table has the columns `ROWS`
+    absent |= {LOAD_FACTOR} if not plane_dims else set()
     absent |= {*_IN_FIELDS} if not sweep.fields else set()
     absent |= {FIELD_REALIZATION} if not surface else set()
     for name, variable in VARIABLES.items():
@@ -224,7 +231,8 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
             continue
         is_of_one_surface = name in (*PROGRESS, *FIELDS)
         outer = [dim for dim in sweep.case_table.axes if not (is_of_one_surface and dim in surface)]
-        inner = [dim for dim in variable.dims if dim not in of_cases]
+        inner = [plane_dims.get(dim, dim) for dim in variable.dims]
+        inner = [dim for dim in inner if dim not in of_cases]
         if name in FIELDS and sweep.fields == "steps":
             inner.insert(-2, "step")
         dims = variable.dims if name in COORDINATES else (*outer, *inner)

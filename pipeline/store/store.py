@@ -40,7 +40,7 @@ from pipeline.store.schema import (
     is_of_points,
     path_of,
 )
-from pipeline.sweep.case_table import CaseName
+from pipeline.sweep.case_table import LOAD_FACTOR, CaseName
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stored_steps import Fields
 from pipeline.sweep.sweep import Point
@@ -107,7 +107,9 @@ class Store:
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
-        labels = {"load": point.load, "velocity": point.velocity, **dict(point[2])}
+        labels = {"load": point.load, "velocity": point.velocity, **dict(point.case)}
+        if LOAD_FACTOR in self.dims:
+            labels[LOAD_FACTOR] = self.sweep.case_table.load_factor(point.case, point.load)
         numbered_dims = zip(self.dims, self._numbers, strict=True)
         return tuple(numbers[labels[dim]] for dim, numbers in numbered_dims)
 

@@ -11,6 +11,8 @@ from typing import Any
 from pipeline.quantities import DIMENSIONS, display
 from tribo import InputError
 
+LEAST_DISTANCE = 1e-4
+"""Least relative distance of loads and velocities; a slope between nearer ones would be noise."""
 CASE = "case"
 """Dimension that numbers the rows of a table that is no full product of its columns."""
 ROWS = {
@@ -18,6 +20,8 @@ ROWS = {
     CASE: "number of the row in the table of cases",
 }
 """Dimensions that number rows, without an entry of the scene, and their meanings."""
+LOAD_FACTOR = "load_factor"
+"""Dimension of the shares of a row's load at which it is simulated."""
 PLACE_UNITS = {"load": "N", "velocity": "m/s"}
 """Columns with the load or velocity of each row, and their units."""
 Label = float | int | str
@@ -72,11 +76,13 @@ class CaseTable:
 
     A column is a dimension, such as the seed of a random surface, or has values that a dimension
     determines. Each combination of values of the dimensions has a row. A row with its own velocity
-    or load is simulated only at that velocity or load, all other rows at those of the sweep.
+    or load is simulated only at that velocity or load, all other rows at those of the sweep. With
+    `load_factors`, which ascend, a row is simulated at these shares of its load.
     """
 
     columns: tuple[Column, ...] = ()
     rows: tuple[CaseRow, ...] = ({},)
+    load_factors: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if any(row.keys() != {column.name for column in self.columns} for row in self.rows):
@@ -89,7 +95,8 @@ class CaseTable:
     def __mul__(self, other: CaseTable) -> CaseTable:
         """Combine every row with every row of `other`."""
         rows = ({**a, **b} for a, b in itertools.product(self.rows, other.rows))
-        return CaseTable(self.columns + other.columns, tuple(rows))
+        factors = self.load_factors or other.load_factors
+        return CaseTable(self.columns + other.columns, tuple(rows), factors)
 
     @cached_property
     def by_name(self) -> dict[CaseName, CaseRow]:
@@ -137,7 +144,24 @@ class CaseTable:
         for row in self.rows:
             labels = {name: label for name, label in row.items() if name not in seeds}
             rows.setdefault((*labels.items(),), labels)
-        return CaseTable(columns, tuple(rows.values()))
+        return replace(self, columns=columns, rows=tuple(rows.values()))
+
+    def loads_of(self, row: CaseRow) -> tuple[float, ...]:
+        """Loads of a row with a load of its own, at each of the load factors [N]; else empty.
+
+        They are rounded, so that equal loads of two rows are equal numbers.
+        """
+        if "load" not in row:
+            return ()
+        load = float(row["load"])
+        return tuple(
+            load if factor == 1 else float(f"{load * factor:.12g}")
+            for factor in self.load_factors or (1.0,)
+        )
+
+    def load_factor(self, name: CaseName, load: float) -> float:
+        """The factor at which a case is simulated with a `load` [N]."""
+        return self.load_factors[self.loads_of(self.by_name[name]).index(load)]
 
     def column(self, name: str) -> tuple[Any, ...] | None:
         """Label of each case in a column; None if there is no such column."""
@@ -199,10 +223,14 @@ def surface_table(seeds: Sequence[int]) -> CaseTable:
     return CaseTable((column,), tuple({name: seed} for seed in seeds)) if seeds else CaseTable()
 
 
-def numbered_cases(columns: Iterable[Column], rows: Iterable[CaseRow]) -> CaseTable:
-    """Table of cases numbered from 0, with `columns`."""
+def numbered_cases(
+    columns: Iterable[Column], rows: Iterable[CaseRow], load_factors: Sequence[float] = ()
+) -> CaseTable:
+    """Table of cases numbered from 0, with `columns`, each at some shares of its load."""
     number = Column(CASE, meaning=ROWS[CASE])
     dependent_columns = (replace(column, along=CASE) for column in columns)
     return CaseTable(
-        (number, *dependent_columns), tuple({CASE: k, **row} for k, row in enumerate(rows))
+        (number, *dependent_columns),
+        tuple({CASE: k, **row} for k, row in enumerate(rows)),
+        tuple(load_factors),
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ import numpy as np
 
 from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.case import TEST, Case, Conditions
-from pipeline.sweep.case_table import PLACE_UNITS, CaseRow, CaseTable, Column
+from pipeline.sweep.case_table import PLACE_UNITS, CaseTable, Column
 from pipeline.sweep.stored_steps import Fields, StoredSteps, least_load_evaluated
 from pipeline.sweep.sweep import Point, Sweep
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures
@@ -127,14 +127,9 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     return tuple(
         Point(load, velocity, name)
         for name, row in sweep.case_table.by_name.items()
-        for velocity in _axis_values(row, "velocity", sweep.velocities)
-        for load in _axis_values(row, "load", sweep.loads)
+        for velocity in ((float(row["velocity"]),) if "velocity" in row else sweep.velocities)
+        for load in sweep.case_table.loads_of(row) or sweep.loads
     )
-
-
-def _axis_values(row: CaseRow, axis: str, plane_values: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities (`axis`) of a case: the single value of its row, else of the plane."""
-    return (row[axis],) if axis in row else plane_values
 
 
 def _without_nan(values: Any) -> Any:

@@ -136,7 +136,7 @@ class Sweep:
     def require_few_points(self) -> None:
         """Raise an `InputError` if the sweep has too many points, before they are listed."""
         table = self.case_table
-        loads = len(self.loads) if table.column("load") is None else 1
+        loads = len(table.loads_of(table.rows[0]) or self.loads)
         velocities = len(self.velocities) if table.column("velocity") is None else 1
         if (count := len(table) * loads * velocities) > MAX_POINTS:
             raise InputError(

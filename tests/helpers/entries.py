@@ -20,7 +20,7 @@ class Rows(CaseTable):
     """A table of cases, and the objects that each of its rows replaces, by path."""
 
     def __init__(self, table, changes):
-        super().__init__(table.columns, table.rows)
+        super().__init__(table.columns, table.rows, table.load_factors)
         object.__setattr__(self, "changes", [*changes])
 
     def __rmul__(self, other):
@@ -33,7 +33,7 @@ def changed(sweep, **values):
     objects = {name: value for name, value in values.items() if name not in {*_SWEEP, "tests"}}
     base, *cases = (_case(case, objects) for case in (sweep.base, *sweep.cases))
     if rows := sweep_values.pop("case_table", None):
-        table = CaseTable(rows.columns, rows.rows)
+        table = CaseTable(rows.columns, rows.rows, rows.load_factors)
         changes = getattr(rows, "changes", [{} for _ in rows.rows])
         pairs = zip(table.names, changes, strict=True)
         cases = [replace(_case(base, _seeded(name) | change), name=name) for name, change in pairs]
@@ -81,8 +81,8 @@ def _replaced(instance, path, value):
     )
 
 
-def placed_rows(*positions):
-    """Numbered cases, each (load, velocity), or with further labels."""
+def placed_rows(*positions, load_factors=()):
+    """Numbered cases, each (load, velocity), or with further labels, at shares of their loads."""
     case_rows = [
         {**labels, "load": load, "velocity": velocity}
         for load, velocity, labels in ((*position, {})[:3] for position in positions)
@@ -91,7 +91,7 @@ def placed_rows(*positions):
         Column(name, PLACE_UNITS.get(name, "1"), meaning=f"{name} of the row")
         for name in case_rows[0]
     )
-    return numbered_cases(columns, case_rows)
+    return numbered_cases(columns, case_rows, load_factors)
 
 
 def two_pins():

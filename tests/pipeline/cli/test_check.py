@@ -65,6 +65,17 @@ def test_each_row_is_described_at_its_own_place_and_a_warning_stands_once(check)
     assert words[0].endswith("(in all cases; numbers are of case A)")
 
 
+def test_load_factors_are_counted_and_the_contact_is_that_of_the_highest(check):
+    factors, one_row = "sweep.load_factors=[0.5, 1, 2]", "sweep.along=[{%s}]"
+    row = one_row % 'load = "4 kN", velocity = "2 m/s", place = "D"'
+    rows = check("--set", factors, scene="gear_mesh")
+    assert "24: 8 cases, each at its own load and velocity, 3 load factors from 0.5 to 2" in rows
+    document = check("--json", "--set", factors, "--set", row, scene="gear_mesh")
+    assert (document["cases"][0]["load"], document["cost"]["points"]) == (4000.0, 3)
+    low, high = document["contact"]["hertz_pressure"]
+    assert high / low == pytest.approx(2.0)  # the pressure of a line grows with the root of load
+
+
 def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, tmp_path):
     setting, message = 'sweep.loads=["75 kN"]', "sweep.loads: 75000 N exceeds what the window of"
     assert message in check("--set", setting, code=2)

@@ -79,6 +79,9 @@ def along(rows, **other_entries):
     return build
 
 
+ROW = "load [N],velocity [m/s]\n300,2\n"
+
+
 def measured(shape, **other_entries):
     np.save("surface.npy", np.zeros(shape))
     return scene((ROUGHNESS, MEASURED_SURFACE), **other_entries)
@@ -286,6 +289,23 @@ ENTRIES = {
     "row column": (along("load [N],pin.radius [mm]\n300,3\n"), "no column velocity in"),
     "row name": (along("number,load [N],velocity [m/s]\n\x1b[31mA,300,3\n"),
                  '[31mA" has a line break or a control character; leave it out'),
+    "load factors of a plane": (entry("sweep.load_factors", [0.5, 1]),
+                                "sweep.load_factors: has no effect without the rows of"),
+    "load factors without 1": (along(ROW, **{"sweep.load_factors": [0.5, 2]}),
+                               "sweep.load_factors: [0.5, 2.0] lacks the load of the rows"),
+    "near load factors": (along(ROW, **{"sweep.load_factors": [1, 1.00005]}),
+                          "1 and 1.00005 differ by less than 0.01 %; give one of them"),
+    "load factor 0": (along(ROW, **{"sweep.load_factors": [0, 1]}),
+                      "sweep.load_factors[0]: 0 is outside the allowed range"),
+    "many load factors": (along(ROW, **{"sweep.load_factors": [*range(1, 5003)]}),
+                          "sweep.load_factors: 5002 entries are too many"),
+    "row at a factor beyond the stages": (along(ROW, **{
+        "sweep.load_factors": [0.5, 1],
+        "loading": {"stages": [["100 N", "1 s"], ["300 N", "1 s"]], "rate": "150 N/s"}}),
+        "sweep.loads: 150 N is not a load stage"),
+    "rows by load factors": (along("load [N],velocity [m/s]\n" + "".join(
+        f"{300 + n / 100},1\n" for n in range(2600)), **{"sweep.load_factors": [0.5, 1]}),
+        "sweep.load_factors: 2 factors of 2600 rows exceed 5000 loads in all"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(5001))), "has 5001 rows; at most 5000 are read"),
 }  # fmt: skip
