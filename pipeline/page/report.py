@@ -35,6 +35,7 @@ from pipeline.answers.answer_lines import (
     not_included_lines,
     reason_lines,
     temperature_error_line,
+    uncertain_inputs_lines,
     withheld_lines,
 )
 from pipeline.answers.boundary_text import error_lines, ruling_lines
@@ -46,12 +47,14 @@ from pipeline.answers.point_text import (
     probability_line,
     to_decide,
 )
-from pipeline.answers.results import case_dims, dataset_of, refuse_cases, sweep_of
+from pipeline.answers.results import case_dims, cases_of, dataset_of, refuse_cases, sweep_of
+from pipeline.answers.sensitivity_answer import sensitivity_answer
 from pipeline.answers.value_text import code_text, verdict_text
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED
 from pipeline.arguments import typed_arguments
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import draw_rows, most_critical_row
+from pipeline.figures.study_figures import draw_sensitivities
 from pipeline.figures.style import fitted
 from pipeline.frames import cells_of, without_columns, write_text
 from pipeline.paths import writable_path
@@ -203,7 +206,7 @@ def report(
         style=css,
         digest=f"sha256-{base64.b64encode(hashlib.sha256(css.encode()).digest()).decode()}",
         sections=[*page.sections, _section_on_limits(ds)],
-        appendix=[*page.appendix, *_closing_sections(ds, version)],
+        appendix=[*page.appendix, *_inputs_sections(ds), *_closing_sections(ds, version)],
     )
     text = text.encode(errors="replace").decode()  # shells may pass bytes that are no text
     return text if path is None else write_text(text, path)
@@ -287,7 +290,8 @@ def _rows_page(ds: xr.Dataset, conditions: Conditions, margins: xr.Dataset) -> P
         plane = _plane_sections(ds, conditions, dict.fromkeys(zip(*coordinates, strict=True)))
         appendix += itertools.chain(*plane)
     else:
-        errors = temperature_error_line(margins), model_error_line(margins)
+        errors = [temperature_error_line(margins), model_error_line(margins)]
+        errors += uncertain_inputs_lines(margins)
         appendix.append(("Errors", [_sentences(errors), _CAUSES_OF_ERRORS]))
     return Page(verdict, title, _sentences(lines), sections, appendix)
 
@@ -335,6 +339,20 @@ def _section_on_limits(ds: xr.Dataset) -> Section:
     """The last section of the first page: what the model leaves out, and points with warnings."""
     warnings = _sentences(pipeline.points_with_warnings(ds).lines())
     return "What is not included", [_MODEL, warnings]
+
+
+def _inputs_sections(ds: xr.Dataset) -> list[Section]:
+    """Section with bars of the sensitivities to uncertain inputs; empty without their points."""
+    for case in cases_of(ds):
+        points = sorted({(v.load, v.velocity) for v, _ in case.variants if v.of_case == case.name})
+        if points and case.sweep.base.is_judged:
+            load, velocity = points[len(points) // 2]
+            answer = sensitivity_answer(case, load, velocity, case.sweep.base.uncertainty)
+            answer = answer.dropna("input", subset=["velocity_change"])
+            caption = "What the declared inputs, friction and temperatures change"
+            picture = _picture(partial(draw_sensitivities, answer), caption)
+            return [("Inputs and the limit", [picture])] if answer.sizes["input"] else []
+    return []
 
 
 def _closing_sections(ds: xr.Dataset, version: str) -> list[Section]:

@@ -328,3 +328,10 @@ def test_tests_narrow_uncertain_inputs_unless_these_are_their_own(uncertain, tmp
 def test_what_is_no_deviation_of_an_input_is_refused(key, value, words):
     with pytest.raises(pipeline.SceneFileError, match=words):
         load(**{key: value})
+
+
+def test_the_appendix_of_a_report_has_the_bars_of_inputs(uncertain, tmp_path):
+    answer(uncertain, uncertainty={CONDUCTIVITY: "15 %"})
+    page = pipeline.report(uncertain, *AT, out=tmp_path / "report.html").read_text("utf-8")
+    appendix = page.partition("Operating point")[2]
+    assert "Inputs and the limit" in appendix
