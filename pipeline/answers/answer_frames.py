@@ -136,7 +136,23 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     frame["probability"] = [
         None if np.isnan(p) else probability_text(p) for p in frame["probability"]
     ]
+    for axis in PLANE:
+        heading = _heading(f"{axis}_safety_factor", answer)
+        low, high = answer[f"mild_{axis}"].attrs["valid_range"]
+        ends = answer.assign(low=low / answer[axis], high=high / answer[axis])
+        columns = answer_frame(ends, f"mild_{axis}_side", "low", "high").iloc[:, -3:]
+        frame[heading] = [
+            _factor_outside(*row) if pd.isna(cell) else cell
+            for cell, row in zip(frame[heading], columns.itertuples(index=False), strict=True)
+        ]
     return without_columns(frame, [CASE] if user_columns and CASE in answer.sizes else [])
+
+
+def _factor_outside(side: str, low: float, high: float) -> str | None:
+    """Safety factor of a mild limit outside the sweep; its ends have the factors `low`, `high`."""
+    if side == "above":
+        return f"above {format_limit(high)}"
+    return f"below {format_limit(low, is_mild=False)}" if side == "below" else None
 
 
 def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:

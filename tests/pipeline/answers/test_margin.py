@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.answers.answer_frames import margin_frame
 from pipeline.answers.answer_lines import common_lines, temperature_error_line
 from pipeline.answers.point_text import headline, margin_facts, probability_line, to_decide
 from pipeline.store.schema import FAILED, PENDING
@@ -176,6 +177,13 @@ def test_safety_factors_are_the_mild_limits_over_the_values_of_the_point():
         assert ratio.values == pytest.approx(1.0, abs=0.02)
     outside = pipeline.margin(synthetic.sweep(), 9000.0, 2.0)
     assert np.isnan([outside[f"{name}_safety_factor"] for name in ("friction", "velocity")]).all()
+
+
+def test_a_table_states_on_which_side_of_the_sweep_a_safety_factor_lies():
+    frame = margin_frame(pipeline.margin(synthetic.sweep(tests=()), [200.0, 700.0], [0.5, 3.0]))
+    assert frame["load safety factor"].tolist() == ["above 3.75", "below 0.286"]  # 750, 200 N
+    assert frame["velocity safety factor"][1] == "0.263"
+    assert (frame["verdict"] == ["mild", "severe"]).all()
 
 
 def advice(ds, load, velocity, **conditions):
