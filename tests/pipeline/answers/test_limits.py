@@ -102,6 +102,29 @@ def test_wear_is_mild_just_below_a_mild_limit_and_not_just_above(name):
 
 
 @pytest.mark.parametrize("name", SCENES)
+def test_limits_of_random_conditions_have_their_verdict_on_one_side_only(name):
+    ds, tested = SCENES[name](), 0
+    conditions = {k: v for k, v in places([*SCENES].index(name), 8).items() if k not in PLANE}
+    boundary = pipeline.boundary(ds, **conditions)
+    for axis, other in (("velocity", "load"), ("load", "velocity")):
+        ends = float(ds[axis].min()), float(ds[axis].max())
+        for kind, code, sign in (("mild", MILD, 1), ("severe", SEVERE, -1)):
+            limit = boundary[f"{kind}_{axis}"]
+            within, beyond = (
+                pipeline.margin(
+                    ds,
+                    **conditions,
+                    **{axis: (limit * factor).clip(*ends), other: boundary[other]},
+                )["verdict"].where(limit.notnull())
+                for factor in (1 - 1e-3 * sign, 1 + 1e-3 * sign)
+            )
+            assert (within.where(limit.notnull(), code) == code).all(), (axis, kind)
+            assert not (beyond == code).any(), (axis, kind)
+            tested += int(limit.notnull().sum())
+    assert tested > 0 or name in ("film at every place", "unknown error")
+
+
+@pytest.mark.parametrize("name", SCENES)
 def test_all_places_from_the_lowest_to_a_mild_limit_are_mild_and_from_a_severe_one_severe(name):
     ds = SCENES[name]()
     boundary = pipeline.boundary(ds)
