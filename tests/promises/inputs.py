@@ -139,7 +139,7 @@ def report(rows):
         worst.setdefault(row["size"], []).append((abs(ratio - 1), error))
     texts = [
         f"{100 * size:g} %: {100 * max(x for x, _ in pairs):.1f} % of the standard deviation, "
-        f"{max(p for _, p in pairs):.3f} of P"
+        f"{max(p for _, p in pairs):.3f} of P at {len(pairs)} points"
         for size, pairs in worst.items()
     ]
     return "\n\n".join(
