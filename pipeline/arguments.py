@@ -1,4 +1,4 @@
-"""Values as users pass them in Python: to text with a unit, plain numbers, lists and tables.
+"""Convert user arguments to text with units, numbers, lists or tables.
 
 Whatever comes in as an override, an argument or an attribute of an array passes `plain_value`,
 which keeps the unit of a value or refuses the value.

@@ -63,12 +63,12 @@ def margin(
     ds : Dataset, str or path
         Dataset of `pipeline.open_sweep`, or path of a store.
     load, velocity : float, str, array or DataArray
-        Loads on the whole pin [N] and sliding velocities [m/s], or text with a unit; they and
-        conditions are broadcast against each other. Lists of equal length are pairs, along
-        ``place``. Leave both out for a sweep whose cases have one point each. In place of both, a
-        table with the columns ``load [N]`` and ``velocity [m/s]``: its path, or its columns by
-        heading, such as a data frame. It may set conditions row by row; its other columns become
-        coordinates.
+        Loads on the whole pin [N] and sliding velocities [m/s], or text with a unit. Two lists of
+        equal length are taken pairwise, along ``place``; DataArrays are broadcast by dimension,
+        against conditions, too. Leave both out for a sweep whose cases have one point each. In
+        place of both, a table with the columns ``load [N]`` and ``velocity [m/s]``: its path, or
+        its columns by heading, such as a data frame. It may set conditions row by row; its other
+        columns become coordinates.
     **conditions
         Conditions to use instead of the scene's: ``friction``, ``bulk_temperature``,
         ``critical_temperature``, ``critical_area_fraction`` and ``added_rise_fraction``. A list

@@ -26,10 +26,21 @@ from tribo import InputError
 def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
     """Compare the tests of a scene with the model, each at its own conditions, along ``test``.
 
-    ``log_rise_ratio_mild`` and ``log_rise_ratio_severe`` belong to the ends of a transition, and
-    ``loo_probability`` is the probability of the outcome, predicted from the other tests. The
-    attribute ``levels`` has the values of ln(rise ratio) at which severe wear is 5, 50 and 95 %
-    probable.
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or path of a store.
+    **conditions
+        Conditions as in `pipeline.margin`.
+
+    Returns
+    -------
+    Dataset
+        ``log_rise_ratio``, the ln of the computed rise over the allowable one; of a transition in
+        steps also ``log_rise_ratio_mild``, one step before, and ``log_rise_ratio_severe``, at the
+        transition; ``loo_probability``, the probability of the outcome, predicted from the other
+        tests. The attribute ``levels`` has the values of ln(rise ratio) at which severe wear is 5,
+        50 and 95 % probable.
 
     Examples
     --------
@@ -77,7 +88,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     """Find the critical temperature of the lubricant from the tests of a scene.
 
     The prior of ln(critical − bulk temperature) is Student's t with 4 degrees of freedom and a
-    scale of 1, about 120 K above the bulk temperature. A critical temperature in the scene is
+    scale of 1, centred on ln(120 K). A critical temperature in the scene is
     ignored.
 
     Returns

@@ -33,10 +33,20 @@ _MEANINGS = {
 
 @typed_arguments
 def points(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
-    """State of each simulated point of a sweep's first case, on each surface realization.
+    """Table of simulated points: mild, severe, failed or pending, on each surface realization.
 
-    ``state`` is mild, severe, failed, pending, or empty at points that are not simulated;
-    ``warned`` is true at points with a warning.
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or path of a store; of several cases, the first.
+    **conditions
+        Conditions as in `pipeline.margin`.
+
+    Returns
+    -------
+    Dataset
+        ``state``, which is empty at points that are not simulated; ``warned``, true at points with
+        a warning.
 
     Examples
     --------

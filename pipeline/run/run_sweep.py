@@ -91,12 +91,12 @@ def run_sweep(
         Largest numerical error (95 % bound) of the critical velocity at any load that has one,
         such as 0.02 or "2%": discretization, interpolation and surface sampling together. The run
         chooses the preset, and computes only the points and surface realizations that this needs.
-        Surface sampling does not count if the surface is not random, or its seeds are listed. A
+        Surface sampling is left out of the goal for scans, smooth surfaces and listed seeds. A
         later run with a smaller accuracy continues in the store. By default all points are
         computed.
     patience : float, optional
-        Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
-        it long if workers wait in a queue.
+        Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Set it
+        to the queueing time, such as 3600, on a batch cluster.
     dashboard : bool, optional
         True to report the link of Dask's dashboard, which everybody on this machine can read.
     source : str or path, optional

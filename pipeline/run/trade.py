@@ -89,7 +89,7 @@ def trade(
     Parameters
     ----------
     scene : Sweep, str or path
-        Scene, or its path or name. With several cases, errors of planes are those of the first.
+        Scene, or its path or name. Of several cases, only the first is measured.
     out : str or path
         New store for the points of the runs.
     accuracies : sequence of float, optional

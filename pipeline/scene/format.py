@@ -174,8 +174,8 @@ class RandomSurface(Declared):
     hurst_exponent: float = entry(Number(above=0, at_most=1),
         "A larger one is smoother at short wavelengths.")
     correlation_length: Any = entry(one_or_two(Quantity("4 um")),
-        "Length beyond which heights are independent; along x and y for a ground surface. Needed "
-        "without `rsm`.", None)
+        "Distance over which heights are correlated; for a ground surface two, along x and y. "
+        "Needed without `rsm`.", None)
     rsm: Any = entry(one_or_two(Quantity("30 um")),
         "Mean width RSm of the elements of a profile, which a profilometer prints next to Ra, "
         "instead of `correlation_length`; along x and y for a ground surface. The correlation "
@@ -283,7 +283,8 @@ class Model(Declared):
         "`[uncertainty]`, a bias that is stated is that without the uncertain inputs.",
         default=0.15)
     scatter: float = entry(Share(at_least=1e-3, below=1),
-        "Scatter between specimens; this prior weighs as much as four tests.", default=0.055)
+        "Scatter between specimens; the default counts as much as four tests of yours.",
+        default=0.055)
     rise: float = entry(Share(above=-1, usual=USUAL["added_rise_fraction"].ends),
         "Known heating outside the model, such as of a pin holder, a surface film or a "
         'reciprocating contact: "+6 %" multiplies the rise by 1.06.', default=0.0)
@@ -322,7 +323,7 @@ class SceneFile(Declared):
     extends: str | None = entry(Text(),
         "Shipped scene, or path of another file, that supplies missing entries.", None)
     without: tuple[str, ...] | None = entry(List(Text(), distinct=True, max_length=1000),
-        'Paths of entries that it does not supply, such as ["wear", "friction.band"].', None)
+        'Entries of the extended scene to leave out, such as ["wear", "friction.band"].', None)
     title: str | None = entry(Text(),
         "Title of figures; by default the name of the file.", None)
     note: str | None = entry(Text(), "A line that every verdict on this scene repeats.", None)

@@ -54,9 +54,9 @@ def load_scene(
         Preset of the numerical choices: standard, fine or reference. It replaces the scene's
         whole table ``[fidelity]``, including single entries.
     overrides : mapping, optional
-        Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
-        file's; or fields of `tribo.Fidelity`, which are applied last. ``without`` lists entries of
-        the file to leave out first.
+        Entries by key path, such as ``wear.pattern`` or ``title``; ``without``, a list of entries
+        to leave out; or fields of `tribo.Fidelity`. They are applied in this order: ``without``,
+        entries, fields of Fidelity.
 
     Raises
     ------

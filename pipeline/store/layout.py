@@ -129,7 +129,7 @@ class Group:
     # and fields are stored for one of them.
 
     def has_dims(self, name: str) -> list[bool]:
-        """True for each of `dims` that a variable has."""
+        """For each of `dims`, whether the variable has it."""
         return [dim in self.variables[name].dims for dim in self.dims]
 
     def point_indices(self, name: str, indices: Indices) -> Indices:

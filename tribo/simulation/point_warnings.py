@@ -57,7 +57,8 @@ class WarningKind(IntFlag):
     FEW_STEPS
         Too few steps lead to the load to resolve the shape of the wear.
     PRESENT_HEAT
-        The present heat, taken to act since the start, makes the rise too high by 1 % or more.
+        Assuming that the present heat flux acted from the start overestimates the rise by 1 % or
+        more (safe side).
     COARSE_PIXELS
         Elements are too large for the contact or its summits, or pixels for the roughness.
     BEYOND_SHAPE

@@ -91,7 +91,7 @@ class RampCache:
         self._last: tuple[Hashable, dict[Hashable, Any]] = None, {}
 
     def memo(self, key: Hashable) -> dict[Hashable, Any]:
-        """Memo of the last point's contact; a new dictionary if `key` is not that of this point."""
+        """Scratch dictionary of the most recent point; reset when `key` changes."""
         with self._lock:
             if self._last[0] != key:
                 self._last = key, {}

@@ -38,7 +38,7 @@ class Heat:
         `rise_quantile` without each of eight groups of elements in turn [K], see
         `tribo.thermal.quantiles`; None for a smooth disk, or if it was not requested.
     jackknife : JackknifeQuality
-        How well these groups show how surface realizations differ.
+        Quality of the jackknife estimate of how surface realizations differ.
 
     Examples
     --------
