@@ -67,8 +67,8 @@ def plot(
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
-        Width of the figure, in m or as text such as ``"8.5 cm"``. The figure's text shrinks less
-        than the figure.
+        Width of the figure, in m or as text such as ``"8.5 cm"``. Text keeps a
+        readable size at small widths.
     plain : bool
         Draw no title and no caption.
     dpi : float, optional
@@ -94,7 +94,7 @@ def plot(
     >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
     'diagram.svg'
     """
-    drawn_by = getattr(ds, "drawn_by", None)  # of the result of a study
+    drawn_by, scene = getattr(ds, "drawn_by", None), ""  # of the result of a study
     kinds, inputs, default_kind = dict[str, Callable[..., Figure]](KINDS), tuple[Any, ...](), ""
     kind_options: dict[str, Any] = {**options}
     if drawn_by:
@@ -106,7 +106,8 @@ def plot(
     else:
         names = [name for name in CONDITION_NAMES if name in kind_options]
         inputs = dataset_of(ds), {name: kind_options.pop(name) for name in names}
-        table = sweep_of(inputs[0]).case_table
+        sweep = sweep_of(inputs[0])
+        table, scene = sweep.case_table, sweep.meaning_digest
         default_kind = "rows" if any(table.column(name) for name in PLANE) else "diagram"
     if kind and kind not in kinds:
         raise InputError(f"unknown kind {kind!r}; choose one of {', '.join(kinds)}")
@@ -120,4 +121,4 @@ def plot(
     path = None if out is None else writable_path(out, FIGURES)
     with style.fitted(None if width is None else in_si("width", width, "1 m"), plain, dpi):
         figure = draw(*inputs, **kind_options)
-        return figure if path is None else style.save_figure(figure, path)
+        return figure if path is None else style.save_figure(figure, path, scene)

@@ -19,7 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.style import context
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.text import Text
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from pipeline.frames import write_bytes
 from tribo import InputError
@@ -166,11 +167,23 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
 
 @house_style
-def save_figure(figure: Figure, out: Path) -> Path:
-    """Write a figure to a path that `writable_path` has checked, and return the path."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=out.suffix[1:])
+def save_figure(figure: Figure, out: Path, scene: str = "") -> Path:
+    """Write a figure to a path that `writable_path` has checked, and return the path.
+
+    A PNG carries the texts of the figure as its description, and the digest of its `scene` as its
+    source, so that a test compares them with those of today.
+    """
+    buffer, suffix = io.BytesIO(), out.suffix[1:]
+    carried = {"Description": "\n".join(texts_of(figure)), "Source": scene}
+    figure.savefig(buffer, format=suffix, metadata=carried if suffix == "png" else None)
     return write_bytes(buffer.getvalue(), out)
+
+
+def texts_of(figure: Figure) -> list[str]:
+    """All different texts of a figure, in one line each."""
+    texts = (text for text in figure.findobj(Text) if text.get_visible())
+    lines = (" ".join(text.get_text().split()) for text in texts)
+    return [*dict.fromkeys(line for line in lines if line)]
 
 
 def plain_numbers(axes: Axes) -> None:
@@ -179,8 +192,11 @@ def plain_numbers(axes: Axes) -> None:
         if axis.get_scale() != "log":
             continue
         low, high = axis.get_view_interval()
-        subs = range(1, 10) if high < 10 * low else (1, 2, 5)
-        axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
+        is_narrow = (
+            high < 10 * low
+        )  # where powers of ten would leave most of the axis without ticks
+        locator = MaxNLocator(7, steps=(1, 2, 5, 10)) if is_narrow else LogLocator(subs=(1, 2, 5))
+        axis.set_major_locator(locator)
         axis.set_major_formatter("{x:g}")
         axis.set_minor_locator(NullLocator())
 

@@ -57,7 +57,8 @@ def case_words(case: CaseName) -> list[str]:
 class Sweep:
     """Cases, loads and velocities to simulate, and the conditions of their verdicts.
 
-    A sweep is read once, from a scene file; after that it is plain data, as it is in a store.
+    What `pipeline.load_scene` returns; it is immutable, and ``changed`` and ``with_scene`` return
+    copies.
 
     Attributes
     ----------
@@ -119,16 +120,17 @@ class Sweep:
 
     def __eq__(self, other: object) -> bool:
         """True if both sweeps have the same meaning, however their entries are written."""
-        return isinstance(other, Sweep) and self._meaning_digest == other._meaning_digest
+        return isinstance(other, Sweep) and self.meaning_digest == other.meaning_digest
 
     def __hash__(self) -> int:
-        return hash(self._meaning_digest)
+        return hash(self.meaning_digest)
 
     def __repr__(self) -> str:
         return f"{self.name}: {self.title} ({len(self.case_table)} cases)"
 
     @cached_property
-    def _meaning_digest(self) -> str:
+    def meaning_digest(self) -> str:
+        """Digest of what the sweep means, whatever way its entries are written."""
         plane = self.loads, self.velocities, self.fields, self.steps
         texts = self.title, self.note
         return digest(((self.base, *self.cases), plane, texts, self.tests, self.case_table))
@@ -231,7 +233,7 @@ class Sweep:
         return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), case_table=table)
 
     def _hash_scene(self, scene: Scene) -> str:
-        """SHA-256 of a scene, computed once for this sweep."""
+        """SHA-256 of a scene, cached."""
         if scene not in self._hashes:
             self._hashes[scene] = digest(scene)
         return self._hashes[scene]

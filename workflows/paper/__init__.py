@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from pipeline.figures.style import save_figure
 from pipeline.messages import did_you_mean
@@ -102,9 +103,11 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Recom
 def _make_smaller(file: Path) -> None:
     """Write a picture again with few colours: a third of its size, in the repository."""
     with Image.open(file) as picture:
-        method = Image.Quantize.MEDIANCUT
+        method, metadata = Image.Quantize.MEDIANCUT, PngInfo()
+        for keyword, text in picture.text.items():  # type: ignore[attr-defined]
+            metadata.add_text(keyword, text)
         few = picture.convert("RGB").quantize(256, method, dither=Image.Dither.NONE)
-    few.save(file, optimize=True)
+    few.save(file, optimize=True, pnginfo=metadata)
 
 
 def write_gallery(
