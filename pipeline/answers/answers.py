@@ -142,8 +142,7 @@ def _margin_of_case(
         for name, array in overrides.items()
         if array.ndim
     }
-    answer = answer_dataset(models, variables, varied)
-    return answer if case.own_load is None else with_mild_load_factor(answer, case.own_load)
+    return with_mild_load_factor(answer_dataset(models, variables, varied), case)
 
 
 def _evaluate(

@@ -79,6 +79,7 @@ class CaseResults:
     #: Variants of its scene, each with its point.
     variants: tuple[tuple[Variant, TestPoint], ...] = field(default=(), repr=False)
     own_load: float | None = None  #: Load of a row at load factor 1 [N]; None without factors.
+    load_factors: tuple[float, ...] = ()  #: Ascending; empty without factors.
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.answers.answer_frames import row_labels
+from pipeline.answers.case_results import CaseResults
 from pipeline.answers.scene_wording import named_value
 from pipeline.answers.value_text import load_factor_texts
 from pipeline.answers.verdict_limits import Side, round_to
@@ -21,11 +22,13 @@ _SIDES = Side.BELOW, Side.INSIDE, Side.ABOVE
 """Sides of limits of rows that have one, that of the smallest limit first."""
 
 
-def with_mild_load_factor(answer: xr.Dataset, own_load: float) -> xr.Dataset:
-    """Margins of a row whose load is `own_load` [N], with its mild load factor."""
+def with_mild_load_factor(answer: xr.Dataset, case: CaseResults) -> xr.Dataset:
+    """Margins of a row with its mild load factor; unchanged without load factors."""
+    if case.own_load is None:
+        return answer
     mild_load, side = answer["mild_load"], answer["mild_load_side"]
-    factor = mild_load.copy(data=round_to(np.floor, mild_load.values / own_load))
-    ends = [end / own_load for end in mild_load.attrs["valid_range"]]
+    factor = mild_load.copy(data=round_to(np.floor, mild_load.values / case.own_load))
+    ends = [case.load_factors[0], case.load_factors[-1]]
     meaning = "largest share of the load of the row at which it is mild"
     factor.attrs = {"units": "1", "long_name": meaning, "valid_range": ends}
     side = side.assign_attrs(long_name="where mild_load_factor lies")

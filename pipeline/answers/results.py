@@ -208,8 +208,9 @@ def _results_of_case(
     ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
 ) -> CaseResults:
     case, name = _identify_case(ds, sweep)
-    own_load = None
+    own_load, factors = None, ()
     if LOAD_FACTOR in ds["status"].dims:
+        factors = tuple(ds[LOAD_FACTOR].values.tolist())
         ds = ds.swap_dims({LOAD_FACTOR: "load"}).drop_vars(LOAD_FACTOR)
         row = next(row for label, row in sweep.case_table.by_name.items() if {*name} <= {*label})
         own_load = float(row["load"])
@@ -230,7 +231,7 @@ def _results_of_case(
         for variant, (point,) in zip(sweep.variants, tests[count:], strict=True)
         if is_row or variant.of_case == name
     )
-    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants, own_load)
+    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants, own_load, factors)
 
 
 def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:

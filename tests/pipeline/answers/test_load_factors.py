@@ -122,6 +122,13 @@ def test_beyond_the_simulated_factors_the_limit_of_the_rows_is_stated_in_words(f
     assert answer["mild_load_factor"].isnull().all()
 
 
+def test_the_words_beyond_the_ends_are_the_factors_of_the_scene_whatever_the_loads():
+    ds = rows_of(((297.7, 0.8), (133.3, 3.9), (89.27, 2.1)), (0.35, 0.7, 1.0, 1.1))
+    for friction, words in ((0.01, "at least 1.1"), (0.9, "less than 0.35")):
+        answer = pipeline.margin(ds, friction=friction)
+        assert f"of all rows: {words}; " in next(load_factor_lines(answer))
+
+
 def test_the_row_with_the_smallest_mild_load_factor_governs():
     answer = pipeline.margin(rows_of(), friction=[0.09, 0.1])
     assert answer["governs"].dims == ("case", "friction")
