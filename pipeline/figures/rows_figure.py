@@ -124,7 +124,7 @@ def _draw_load_factors(axes: Axes, margins: xr.Dataset) -> Axes:
             textcoords="offset points", va="center", ha="right" if is_above else "left",
             color="white" if is_above else BLACK, fontsize="small",
         )  # fmt: skip
-    panel.axvline(1.0, color=BLACK, lw=style.THIN, ls="--")
+    panel.axvline(1.0, color=BLACK, lw=style.THIN, ls="--", zorder=0)
     panel.tick_params(labelleft=False)
     panel.set(xlim=(0.0, 1.05 * high), xlabel="load over load of the row")
     return panel

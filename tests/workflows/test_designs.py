@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
+from pipeline.answers.value_text import load_factor_texts
 from tests.helpers.stores import commit_all
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -26,12 +27,12 @@ def path(tmp_path):
     return tmp_path / "designs.zarr"
 
 
-def column_of(design):
-    """Cells of a design in the table of the page, by change."""
+def column_of(design, table="change"):
+    """Cells of a design in the table of the page whose first heading is `table`, by their row."""
+    lines = PAGE.partition(f"\n| {table} |")[2].partition("\n\n")[0].splitlines()
     head, _, *rows = [
         [cell.strip() for cell in line.strip("|").split("|")]
-        for line in PAGE.splitlines()
-        if line.startswith("|")
+        for line in [f"| {table} |{lines[0]}", *lines[1:]]
     ]
     return {change: dict(zip(head[1:], cells, strict=True))[design] for change, *cells in rows}
 
@@ -95,7 +96,24 @@ def assert_column_agrees(design, path, scene, roughness, operating_point=(), **o
 )
 def test_a_row_of_a_scene_has_the_computed_numbers(design, scene, row, roughness, path):
     along = [row_of(scene, row)]
-    assert_column_agrees(design, path, scene, roughness, **{"sweep.along": along})
+    entries = {"sweep.along": along, "sweep.load_factors": [1.0]}
+    assert_column_agrees(design, path, scene, roughness, **entries)
+
+
+@pytest.mark.parametrize(
+    ("heading", "scene", "row"),
+    [("`cam_tappet`, nose", "cam_tappet", "nose"), ("`gear_mesh`, D", "gear_mesh", "D")],
+)
+def test_the_mild_load_factor_of_a_row_is_the_computed_one(heading, scene, row, path):
+    sweep = pipeline.load_scene(scene, overrides={"sweep.along": [row_of(scene, row)]})
+    commit_all(path, sweep)
+    ds = pipeline.open_sweep(path)
+    cells = column_of(heading, "friction")
+    assert len(cells) == 4
+    for friction, cell in cells.items():
+        conditions = {} if friction == "of the scene" else {"friction": float(friction)}
+        (text,) = load_factor_texts(pipeline.margin(ds, **conditions))
+        assert text == cell, friction
 
 
 @pytest.mark.slow
