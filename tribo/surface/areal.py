@@ -1,4 +1,4 @@
-"""Roughness of a map of heights by ISO 25178-2, above its form: a plane or a curved surface."""
+"""Roughness and lay of a map of heights above its form: a plane or a curved surface."""
 
 from __future__ import annotations
 
@@ -21,22 +21,15 @@ _MAX_LAG_SHARE = 0.5  # longest lag over the side; longer lags have too few pair
 
 @dataclass(frozen=True, slots=True)
 class ArealRoughness:
-    """Roughness of an area by ISO 25178-2, measured from its form.
+    """Roughness of an area, measured from its form.
 
     Attributes
     ----------
-    sa, sq, sz : float
-        Average and root mean square distance from the form, and range of the heights [m].
-    ssk, sku : float
-        Skewness and kurtosis; 0 and 3 of a Gaussian surface.
-    sdq : float
-        Root mean square gradient, from neighbouring heights.
-    sal : float
-        Shortest distance over which the autocorrelation falls to 0.2 [m]; infinite if it stays
-        above that over half the side.
+    sa, sq : float
+        Average and root mean square distance from the form [m], Sa and Sq of ISO 25178-2.
     aspect : float
-        Str, the shortest such distance divided by the longest; 0 if the longest is beyond the area,
-        NaN if the shortest is, too.
+        Str, the shortest distance over which the autocorrelation falls to 0.2 divided by the
+        longest; 0 if the longest is beyond half the side, NaN if the shortest is.
     lay : float or None
         Direction of the lay, from x towards y, from −90 to 90 [°]; None without a lay.
     mean : float
@@ -50,11 +43,6 @@ class ArealRoughness:
 
     sa: float
     sq: float
-    sz: float
-    ssk: float
-    sku: float
-    sdq: float
-    sal: float
     aspect: float
     lay: float | None
     mean: float
@@ -65,7 +53,7 @@ class ArealRoughness:
 def areal_roughness(
     heights: Array, spacing: tuple[float, float], with_lay: bool = True
 ) -> ArealRoughness:
-    """Compute the roughness parameters of a map of heights.
+    """Compute the roughness and the lay of a map of heights.
 
     Parameters
     ----------
@@ -74,7 +62,7 @@ def areal_roughness(
     spacing : tuple of float
         Sides of a pixel along x and y [m].
     with_lay : bool, optional
-        False to leave out Sal, Str and the lay, which take most of the time; they are NaN and None.
+        False to leave out Str and the lay, which take most of the time; they are NaN and None.
 
     Raises
     ------
@@ -94,12 +82,7 @@ def areal_roughness(
     level, slopes, radii = remove_form(heights, spacing)
     values = level[np.isfinite(level)]
     values = values - values.mean()
-    sq = float(np.sqrt(np.mean(values**2)))
-    gradients = (np.diff(level, axis=axis) / step for axis, step in enumerate(spacing))
-    mean_squares = [
-        float(np.nanmean(gradient**2)) for gradient in gradients if np.isfinite(gradient).any()
-    ]
-    shortest = aspect = direction = math.nan
+    aspect = direction = math.nan
     if with_lay:
         starts = [max(0, (n - _MAX_SIDE) // 2) for n in level.shape]
         centre = level[tuple(slice(start, start + _MAX_SIDE) for start in starts)]
@@ -107,12 +90,7 @@ def areal_roughness(
         aspect = shortest / longest if math.isfinite(shortest) else math.nan
     return ArealRoughness(
         sa=float(np.abs(values).mean()),
-        sq=sq,
-        sz=float(np.ptp(values)),
-        ssk=float(np.mean((values / sq) ** 3)),
-        sku=float(np.mean((values / sq) ** 4)),
-        sdq=math.sqrt(sum(mean_squares)),
-        sal=shortest,
+        sq=float(np.sqrt(np.mean(values**2))),
         aspect=aspect,
         lay=direction if aspect < _LAY_ASPECT else None,
         mean=float(np.nanmean(heights)),

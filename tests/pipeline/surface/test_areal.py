@@ -1,4 +1,4 @@
-"""Roughness by ISO 25178, of measured heights only and after removal of the form."""
+"""Roughness of measured heights only and after removal of the form."""
 
 import math
 
@@ -28,7 +28,6 @@ def test_amplitudes_are_those_of_the_measured_heights():
     assert roughness.sa == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
     assert roughness.sa / roughness.sq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
     assert roughness.mean == pytest.approx(values.mean(), rel=1e-9)
-    assert (roughness.ssk, roughness.sku) == pytest.approx((0, 3), abs=0.1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
