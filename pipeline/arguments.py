@@ -33,7 +33,8 @@ _FLAG = (bool, np.bool_), "True or False"
 _ALLOWED: dict[str, tuple[Any, str]] = {
     "path": _PATH, "out": _PATH, "source": _PATH, "title": _TEXT, "author": _TEXT, "preset": _TEXT,
     "command": _TEXT, "like": _TEXT, "kind": _TEXT, "plain": _FLAG, "retry_failed": _FLAG,
-    "dashboard": _FLAG, "sweep": (_PATH[0], "a Sweep, or the path of a scene"),
+    "dashboard": _FLAG, "without_tests": _FLAG,
+    "sweep": (_PATH[0], "a Sweep, or the path of a scene"),
     "scene": (_PATH[0], "a Sweep, or the path of a scene"),
     "ds": (_PATH[0], "a Dataset of pipeline.open_sweep, or the path of a store"),
     "progress": (Callable, "a function of a Progress"),

@@ -295,3 +295,8 @@ def _notes(model: VerdictModel) -> Iterator[str]:
     warnings = warning_lines(sweep, answered=True)
     lines = model.omitted_tests, sweep.note, *warnings, added_rise_words(model.conditions), unknown
     yield from filter(None, lines)
+    if model.case.is_changed and model.evidence.specimens:
+        yield (
+            "the rises of the dataset were changed, but not those of the tests, which are a group "
+            "of their own; without_tests=True leaves the tests out"
+        )

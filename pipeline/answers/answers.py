@@ -54,6 +54,7 @@ def margin(
     ds: xr.Dataset | PathLike,
     load: Any = None,
     velocity: Any = None,
+    without_tests: bool = False,
     **conditions: Unpack[ConditionValues],
 ) -> xr.Dataset:
     """Judge operating points without a new simulation.
@@ -69,6 +70,8 @@ def margin(
         place of both, a table with the columns ``load [N]`` and ``velocity [m/s]``: its path, or
         its columns by heading, such as a data frame. It may set conditions row by row; its other
         columns become coordinates.
+    without_tests : bool, optional
+        Leave out the tests of the scene.
     **conditions
         Conditions to use instead of the scene's: ``friction``, ``bulk_temperature``,
         ``critical_temperature``, ``critical_area_fraction`` and ``added_rise_fraction``. A list
@@ -95,7 +98,10 @@ def margin(
     >>> answer["governing_temperature"].round(1).item()
     391.6
     """
-    ds = dataset_of(ds)
+    ds = dataset_of(ds, without_tests)
+    if hasattr(load, "to_pandas") and not isinstance(load, xr.DataArray | xr.Dataset):
+        package = type(load).__module__.partition(".")[0]
+        raise InputError(f"load is of {package}; give load.to_pandas()")
     tables = OperatingPoints, str, os.PathLike, Mapping, pd.DataFrame
     if velocity is None and isinstance(load, tables):
         table = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
@@ -240,13 +246,19 @@ def _mild_limits(
 
 @typed_arguments
 @np.errstate(under="ignore")
-def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> xr.Dataset:
+def boundary(
+    ds: xr.Dataset | PathLike,
+    without_tests: bool = False,
+    **conditions: Unpack[ConditionValues],
+) -> xr.Dataset:
     """Find the critical velocity at each load, and the critical load at each velocity.
 
     Parameters
     ----------
     ds : Dataset, str or path
         Dataset of `pipeline.open_sweep`, or path of a store.
+    without_tests : bool, optional
+        Leave out the tests of the scene.
     **conditions
         As in `margin`.
 
@@ -271,7 +283,7 @@ def boundary(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -
     >>> boundary["critical_velocity"].sel(load=400).round(2).values.tolist()
     [2.28, 1.68]
     """
-    ds = dataset_of(ds)
+    ds = dataset_of(ds, without_tests)
     overrides, cases = condition_arrays(conditions), cases_of(ds)
     for name in PLANE:
         if name not in ds["status"].dims and cases[0].is_row:

@@ -18,7 +18,7 @@ from pipeline.sweep.case import Conditions, Variant
 from pipeline.sweep.case_table import CaseName, Label
 from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
-from tribo import InputError, WarningKind
+from tribo import QUANTILES, InputError, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation.verdict import (
     columns_needed,
@@ -33,8 +33,8 @@ ROUNDING = 1e-6
 """Relative difference of values that a user may have stored in 32 bits."""
 NOT_SIMULATED = (
     "the dataset has values that xarray moved or computed from other points ({}); "
-    "select stored points by sel or isel, and give other loads and velocities to pipeline.margin, "
-    "which interpolates with an error"
+    "select stored points by sel or isel, change single variables by assign, and give other loads "
+    "and velocities to pipeline.margin, which interpolates with an error"
 )
 """Message for values that are no results of a simulation, with the sign of it."""
 
@@ -80,6 +80,7 @@ class CaseResults:
     variants: tuple[tuple[Variant, TestPoint], ...] = field(default=(), repr=False)
     own_load: float | None = None  #: Load of a row at load factor 1 [N]; None without factors.
     load_factors: tuple[float, ...] = ()  #: Ascending; empty without factors.
+    is_changed: bool = False  #: True if rises are not those of the store, but a user's.
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property
@@ -160,11 +161,31 @@ class CaseResults:
                 "friction and heat: run the scene with friction into another store"
             )
         least_loads = [least_load_evaluated(self.sweep.scene, load) for load in self.loads.tolist()]
+        self._require_quantiles(1 - conditions.critical_area_fraction)
         columns = self._columns({"normal_load", "rise_quantile", *columns_needed(conditions)})
         self._require_values_of_labels()
         rises = worst_rises(columns, np.array(least_loads)[:, None, None], conditions)
         rises = np.where(self.done, rises, np.nan)
         return np.asarray(np.log(np.maximum(rises, 1e-9)))  # finite without heat
+
+    def _require_quantiles(self, share: float) -> None:
+        """Raise an `InputError` if quantiles next to a share were left out of the dataset.
+
+        Between others, the governing rise would err by up to 2 %.
+        """
+        quantiles = self.ds["area_fraction_below"].values
+        if np.isclose(quantiles, share, rtol=0, atol=ROUNDING).any():
+            return
+        nearest = [
+            *[quantile for quantile in QUANTILES if quantile <= share + ROUNDING][-1:],
+            *[quantile for quantile in QUANTILES if quantile >= share - ROUNDING][:1],
+        ]
+        for quantile in nearest:
+            if not np.isclose(quantiles, quantile, rtol=0, atol=ROUNDING).any():
+                raise InputError(
+                    f"the dataset lacks area_fraction_below {quantile:g}, which a critical area "
+                    f"fraction of {1 - share:g} needs; keep all of its values"
+                )
 
     def _require_values_of_labels(self) -> None:
         """Raise an `InputError` for a point that has values of another load or velocity."""

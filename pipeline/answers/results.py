@@ -48,6 +48,7 @@ from pipeline.sweep.stored_steps import least_load_evaluated
 from pipeline.sweep.sweep import Sweep
 from tribo import InputError
 
+_RISES = "rise_quantile", "mean_rise", "max_rise"
 _MAX_SWEEPS = 64  # kept in memory
 _decoded_sweeps = dict[tuple[str, str], Sweep]()
 """Sweeps by their text and the digests of their arrays."""
@@ -86,9 +87,13 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ascending(ds)
 
 
-def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Dataset of the store at a path; a dataset is returned unchanged."""
-    return source if isinstance(source, xr.Dataset) else open_sweep(source)
+def dataset_of(source: xr.Dataset | PathLike, without_tests: bool = False) -> xr.Dataset:
+    """Dataset of the store at a path; a dataset is returned unchanged.
+
+    Answers leave the tests of the scene out if `without_tests` is True.
+    """
+    ds = source if isinstance(source, xr.Dataset) else open_sweep(source)
+    return ds.assign_attrs(without_tests="yes") if without_tests else ds
 
 
 def ascending(ds: xr.Dataset) -> xr.Dataset:
@@ -117,8 +122,9 @@ def sweep_of(ds: xr.Dataset) -> Sweep:
     ds = with_sweep_and_tests(ds)
     if "sweep" not in ds.attrs:
         raise InputError(
-            "the dataset has no attribute sweep, which describes its scene; use one from "
-            "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
+            "the dataset has no attribute sweep, which describes its scene and tests; use one from "
+            "pipeline.open_sweep, also to write a netCDF file, and keep its attributes with "
+            "xarray.set_options(keep_attrs=True)"
         )
     text, data = str(ds.attrs["sweep"]), ds.variables.get(INPUTS)
     key = text, "" if data is None else str(data.attrs["digests"])
@@ -165,7 +171,8 @@ def cases_of(source: xr.Dataset | PathLike) -> list[CaseResults]:
     if dims:
         ds = ds.compute()  # each variable once, and not once for each case
     parts = (ds.isel(dict(zip(dims, index, strict=True))) for index in np.ndindex(*sizes))
-    return [_results_of_case(part, sweep, tests) for part in parts]
+    is_changed = any(_is_computed(ds, name) for name in _RISES)
+    return [_results_of_case(part, sweep, tests, is_changed) for part in parts]
 
 
 def case_dims(ds: xr.Dataset) -> list[str]:
@@ -205,7 +212,7 @@ def _identify_case(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
 
 
 def _results_of_case(
-    ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...]
+    ds: xr.Dataset, sweep: Sweep, tests: tuple[tuple[TestPoint, ...], ...], is_changed: bool
 ) -> CaseResults:
     case, name = _identify_case(ds, sweep)
     own_load, factors = None, ()
@@ -231,7 +238,9 @@ def _results_of_case(
         for variant, (point,) in zip(sweep.variants, tests[count:], strict=True)
         if is_row or variant.of_case == name
     )
-    return CaseResults(case, labels, name, ds, tests[:count], is_row, variants, own_load, factors)
+    return CaseResults(
+        case, labels, name, ds, tests[:count], is_row, variants, own_load, factors, is_changed
+    )
 
 
 def _nearest_label(labels: tuple[Label, ...], value: Any) -> Label:
@@ -250,12 +259,19 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
         raise InputError("the dataset has no status; use it as pipeline.open_sweep returns it")
     if ds["status"].dtype.kind not in "iu":  # as after where, shift, interp, reindex, coarsen
         raise InputError(NOT_SIMULATED.format("its status is not an integer"))
+    if _is_computed(ds, "wall_time"):  # as after round
+        raise InputError(NOT_SIMULATED.format("all of its variables are computed"))
     if joined := [name for name, index in ds.indexes.items() if index.nlevels > 1]:
         raise InputError(f"{joined[0]} joins dimensions of the dataset; call ds.unstack() first")
     if "step" in ds.coords and 0 not in ds["step"].values:
         raise InputError("the dataset lacks step 0, the end of each point, which decides")
     if "step" not in ds.dims and any(name in ds for name in COLUMNS):
         raise InputError("step is a single value; select a list instead: ds.sel(step=[0])")
+    if "area_fraction_below" in ds.coords and "area_fraction_below" not in ds.dims:
+        raise InputError(
+            "area_fraction_below is a single value; select a list instead: "
+            f"ds.sel(area_fraction_below=[{ds['area_fraction_below'].item():g}])"
+        )
     for name, swept in (("load", sweep.loads), ("velocity", sweep.velocities)):
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
@@ -271,6 +287,12 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
         if (is_other := distances > ROUNDING * np.abs(values)).any():
             reason = f"{name} {values[is_other][0]:g} is not in its sweep"
             raise InputError(NOT_SIMULATED.format(reason))
+
+
+def _is_computed(ds: xr.Dataset, name: str) -> bool:
+    """True if xarray computed a variable of a store, which then has lost its encoding."""
+    encodings = [ds.variables[k].encoding for k in (name, "normal_load") if k in ds.variables]
+    return len(encodings) == 2 and not encodings[0] and bool(encodings[1])
 
 
 def _test_points(ds: xr.Dataset, sweep: Sweep) -> tuple[tuple[TestPoint, ...], ...]:

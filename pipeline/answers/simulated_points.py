@@ -143,9 +143,9 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues
     470.0
     """
     ds = dataset_of(ds)
-    if len(ds["area_fraction_below"]) < len(QUANTILES):
+    if ds["area_fraction_below"].size < len(QUANTILES):
         raise InputError(
-            f"the dataset has {len(ds['area_fraction_below'])} of {len(QUANTILES)} values of "
+            f"the dataset has {ds['area_fraction_below'].size} of {len(QUANTILES)} values of "
             "area_fraction_below; give all, and select from the result"
         )
     parts = list[xr.Dataset]()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
+from pipeline.answers.results import dataset_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.cli.output import print_note
 from pipeline.messages import did_you_mean
@@ -123,7 +124,7 @@ def dataset_in(options: argparse.Namespace) -> xr.Dataset:
     for path, value in options.at.items():
         if path not in _CONDITION_OF:
             ds = _select_entry(ds, path, value)
-    return ds.assign_attrs(without_tests="yes") if options.without_tests else ds
+    return dataset_of(ds, options.without_tests)
 
 
 def _select_entry(ds: xr.Dataset, name: str, value: str) -> xr.Dataset:

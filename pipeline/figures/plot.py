@@ -52,6 +52,7 @@ def plot(
     width: float | str | None = None,
     plain: bool = False,
     dpi: float | None = None,
+    without_tests: bool = False,
     **options: Unpack[PlotOptions],
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
@@ -73,6 +74,8 @@ def plot(
         Draw no title and no caption.
     dpi : float, optional
         Resolution in dots per inch; by default 150.
+    without_tests : bool, optional
+        Leave out the tests of the scene.
     **options
         Of a diagram: ``log``, True for logarithmic axes; ``load`` and ``velocity`` of an operating
         point to mark, in SI or text with a unit, or lists of equal length for several. Of any
@@ -105,7 +108,7 @@ def plot(
         kinds, inputs = {default_kind: draw_sensitivities}, (ds,)
     else:
         names = [name for name in CONDITION_NAMES if name in kind_options]
-        inputs = dataset_of(ds), {name: kind_options.pop(name) for name in names}
+        inputs = dataset_of(ds, without_tests), {name: kind_options.pop(name) for name in names}
         sweep = sweep_of(inputs[0])
         table, scene = sweep.case_table, sweep.meaning_digest
         default_kind = "rows" if any(table.column(name) for name in PLANE) else "diagram"

@@ -139,6 +139,7 @@ def report(
     title: str | None = None,
     author: str | None = None,
     command: str = "",
+    without_tests: bool = False,
     **conditions: Any,
 ) -> str | Path:
     """Write a report on a sweep: one page of HTML without scripts, which needs no other file.
@@ -161,6 +162,8 @@ def report(
         Title of the report, by default that of the scene; name of its author.
     command : str, optional
         Command that wrote the report, to be stated in it.
+    without_tests : bool, optional
+        Leave out the tests of the scene.
     **conditions
         Conditions as in `pipeline.margin`, such as ``friction=0.12``.
 
@@ -182,7 +185,7 @@ def report(
     True
     """
     path = None if out is None else writable_path(out, (".html",))
-    ds = dataset_of(ds)
+    ds = dataset_of(ds, without_tests)
     if (load is None) != (velocity is None) or (points is not None and load is not None):
         raise InputError("give a load and a velocity, or a table of points, or neither")
     if load is None and points is None and _is_plane(ds):

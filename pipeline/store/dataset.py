@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,7 @@ def _store_of(ds: xr.Dataset) -> Store | None:
     if "status" not in ds.variables:
         return None
     location = ds.variables["status"].encoding.get("store", ds.encoding.get("source"))
-    if not location:
+    if not location or Path(location).is_file() or "sweep_digest" not in ds.attrs:
         return None
     store = opened(location)
     if ds.attrs.get("sweep_digest") != store.root.sweep_digest:
@@ -93,7 +94,6 @@ def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store without fields, as a dataset whose data are read when they are used."""
     names = [name for name in store.group.variables if not is_in_fields(name)]
     variables = {name: _variable_of(store, name) for name in names}
-    variables["status"].encoding["store"] = str(store.location)
     # Answers need the sweep, which stays in the attributes of datasets made from this one.
     attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
     coords = {*store.group.coordinates, *PROGRESS} - {INPUTS}
@@ -121,7 +121,8 @@ def _variable_of(store: Store, name: str) -> xr.Variable:
         values = indexing.LazilyIndexedArray(_MaskedVariable(store, name))
     attributes = attributes_of(variable)
     attributes.pop("coordinates", None)
-    return xr.Variable(variable.dims, values, attributes)
+    # Variables that xarray computes from this one have no encoding, see `cases_of`.
+    return xr.Variable(variable.dims, values, attributes, {"store": str(store.location)})
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:

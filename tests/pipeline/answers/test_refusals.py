@@ -76,6 +76,13 @@ def compared_for_another_oil():
     return pipeline.compare_tests(ds, critical_temperature="160 degC")
 
 
+def computed(ds):
+    """The dataset as it is after `round`, which loses the encoding of variables."""
+    ds = ds.assign(wall_time=xr.zeros_like(ds["status"], float))
+    ds.variables["normal_load"].encoding["store"] = "results/plane.zarr"
+    return ds
+
+
 REFUSALS = {
     "tests of another oil": (compared_for_another_oil, "no tests to compare: the tests are left"),
     # datasets
@@ -92,6 +99,10 @@ REFUSALS = {
                 "point joins dimensions of the dataset; call ds.unstack() first"),
     "no end": (margin_of(lambda ds: ds.isel(step=slice(-1))), "the dataset lacks step 0"),
     "one step": (margin_of(lambda ds: ds.sel(step=0)), "select a list instead: ds.sel(step=[0])"),
+    "one quantile": (margin_of(lambda ds: ds.sel(area_fraction_below=0.9)),
+                     "select a list instead: ds.sel(area_fraction_below=[0.9])"),
+    "left out": (margin_of(lambda ds: ds.isel(area_fraction_below=[0, -1])),
+                 "the dataset lacks area_fraction_below 0.9, which a critical area fraction of"),
     "no load": (margin_of(lambda ds: ds.drop_vars("load")), "the dataset has no finite load"),
     "endless load": (margin_of(lambda ds: ds.assign_coords(load=[200.0, 400.0, np.inf])),
                      "the dataset has no finite load"),
@@ -104,6 +115,7 @@ REFUSALS = {
     "masked": (margin_of(lambda ds: ds.where(ds["load"] > 300)), "its status is not an integer"),
     "interpolated": (margin_of(lambda ds: ds.interp(load=[300.0, 500.0])),
                      "its status is not an integer"),
+    "computed": (margin_of(computed), "all of its variables are computed"),
     "other times": (margin_of(lambda ds: ds.assign_coords(time=2 * ds["time"])),
                     "those at velocity 0.5 m/s are those of 0.25"),
     # cases
@@ -117,6 +129,8 @@ REFUSALS = {
     # points and conditions
     "one load": (boundary_of(lambda ds: ds.sel(load=400.0)),
                  "load is a single value; select a list instead: ds.sel(load=[400])"),
+    "polars": (margin(type("DataFrame", (), {"__module__": "polars", "to_pandas": None})()),
+               "load is of polars; give load.to_pandas()"),
     "load alone": (margin(400.0), "give both a load and a velocity"),
     "no point": (margin(), "no operating point is given; give a load and a velocity"),
     "unlike lengths": (of_unlike_lengths, "load, velocity and conditions do not fit together"),
