@@ -11,15 +11,21 @@ from tests.sources.measure import ROOT
 def test_each_constant_has_a_meaning_and_a_command_that_exists():
     rows = [*constants()]
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    page = (ROOT / "workflows/COMMANDS.md").read_text()
     assert {"RISE_EXPONENT", "PRESET_BOUNDS"} <= {
         name.strip("`").split(" ")[0] for _, name, *_ in rows
     }
     for position, _, meaning, words in rows:
-        command = re.search("`(.*)`", words)[1].split()
-        exists = command[1] in targets if command[0] == "make" else bool(find_spec(command[2]))
-        exists &= all((ROOT / path).exists() for path in command[3:])
+        program, *command = re.search("`(.*)`", words)[1].split()
+        exists = {
+            "make": lambda command: command[0] in targets,
+            "irg": lambda command: f"## `irg {command[0]}`" in page,
+            "python": lambda command: (
+                bool(find_spec(command[1])) and all((ROOT / path).exists() for path in command[2:])
+            ),
+        }
         assert meaning, position
-        assert exists, position
+        assert exists[program](command), position
 
 
 def test_each_constant_that_changes_an_answer_of_the_pipeline_names_its_command():
