@@ -10,6 +10,7 @@ import io
 import itertools
 import math
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -77,12 +78,8 @@ def read_scan(path: str | Path, height_unit: float) -> tuple[Array, list[str]]:
 def _without_marks(heights: Array) -> tuple[Array, list[str]]:
     """Heights with marks of missing ones, such as −9999 or infinity, as NaN; and notes on these."""
     notes, heights = list[str](), np.where(np.isfinite(heights), heights, np.nan)
-    while (values := np.unique(heights[np.isfinite(heights)])).size > 3:
-        min_gap = 4 * (values[-2] - values[1])
-        gaps = {values[0]: values[1] - values[0], values[-1]: values[-1] - values[-2]}
-        mark = max(gaps, key=lambda value: gaps[value])
-        if gaps[mark] <= min_gap:  # not far from all others
-            break
+    values = np.unique(heights[np.isfinite(heights)])
+    for mark in _marks_in(values):
         notes.append(f"{(heights == mark).sum()} heights of {mark:.6g} are treated as missing")
         heights[heights == mark] = np.nan
     values, counts = np.unique(heights[np.isfinite(heights)], return_counts=True)
@@ -91,6 +88,29 @@ def _without_marks(heights: Array) -> tuple[Array, list[str]]:
         value = values[counts.argmax()]
         notes.append(f"{max_count} heights are exactly {value:.6g}: write nan if these are missing")
     return np.ascontiguousarray(heights), notes
+
+
+def _marks_in(values: Array) -> list[float]:
+    """At most three values at each end of ascending `values` that are far from all others."""
+    marks, inner = list[float](), values
+    for _ in range(2):  # at either end
+        for count in (3, 2, 1):
+            if inner.size < count + 3:
+                continue
+            if _is_far(inner, count):
+                marks, inner = marks + inner[:count].tolist(), inner[count:]
+                break
+            if _is_far(-inner[::-1], count):
+                marks, inner = marks + inner[-count:].tolist(), inner[:-count]
+                break
+    return marks
+
+
+def _is_far(values: Array, count: int) -> bool:
+    """True if the lowest values, `count` of them, are far below all others, without the highest."""
+    others = values[count:]
+    most_others = others[:-3] if others.size > 9 else others[:-1]
+    return bool(others[0] - values[count - 1] > 4 * np.ptp(most_others))
 
 
 def _require_text(path: Path, content: bytes) -> None:
@@ -125,16 +145,25 @@ def _matrix(content: bytes) -> Array:
     """Numbers in rows of text, a row for each y; an empty cell and nan are missing heights."""
     is_utf16 = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     text = content.decode("utf-16" if is_utf16 else "utf-8-sig", errors="replace")
-    lines = (line.strip(" ") for line in text.replace("−", "-").strip("\n").splitlines())
-    rows = [*itertools.dropwhile(lambda line: not line or line.startswith("#"), lines)]
+    if re.search(r'"-?\d+,\d+"', text):
+        raise InputError("numbers in quotes have commas; write decimals with points")
+    text = text.replace("−", "-").replace('"', "").rstrip("\n")
+    numbered = enumerate((line.strip(" ") for line in text.splitlines()), start=1)
+    numbered_rows = [
+        *itertools.dropwhile(lambda row: not row[1] or row[1].startswith("#"), numbered)
+    ]
+    rows = [row for _, row in numbered_rows]
     delimiter = next((mark for mark in "\t;," if rows and mark in rows[0]), None)
     if delimiter and all(row.endswith(delimiter) for row in rows):
         rows = [row[:-1] for row in rows]
     counts = [*dict.fromkeys(len(row.split(delimiter)) for row in rows)]
     if len(counts) != 1:
+        lengths = (len(row.split(delimiter)) for row in rows)
+        pairs = zip(numbered_rows, lengths, strict=True)
+        unequal = (row[0] for row, length in pairs if length != counts[0])
         raise InputError(
             f"its rows have {', '.join(map(str, counts[:4])) or 'no'} numbers; give one matrix, "
-            "without headings and empty lines"
+            f"without headings and empty lines (line {next(unequal, 1)} is the first that differs)"
         )
     if delimiter == "," and (zeros := _SPLIT_DECIMAL.search("\n".join(rows))):
         raise InputError(
@@ -152,13 +181,26 @@ def _matrix(content: bytes) -> Array:
     try:
         matrix = np.loadtxt(rows, delimiter=delimiter, ndmin=2, comments=None)
     except ValueError as error:
+        words = (
+            (line, cell)
+            for line, row in numbered_rows
+            for cell in row.split(delimiter)
+            if not _is_number(cell)
+        )
+        line, word = next(words, (1, ""))
         raise InputError(
-            f"not a matrix of numbers: {error}; write nan for a missing height, and decimals with "
-            "points"
+            f"not a matrix of numbers: line {line} has {quoted(word.strip())}; write nan for a "
+            "missing height, and decimals with points"
         ) from error
     if np.isnan(matrix).all(axis=0).any():
         raise InputError("a column is empty, as between two tables; keep one table")
     return matrix
+
+
+def _is_number(cell: str) -> bool:
+    with suppress(ValueError):
+        return not cell.strip() or isinstance(float(cell), float)
+    return False
 
 
 def _maybe_thousands(rows: list[str], delimiter: str | None) -> str:
@@ -183,11 +225,28 @@ def _require_map(matrix: Array) -> Array:
             f"{matrix.shape[1]} × {matrix.shape[0]} numbers are no map of heights, but maybe a "
             "profile, or a list of points; give a matrix, a row for each y"
         )
-    for name, values in (("row", matrix[0]), ("column", matrix[:, 0])):
-        steps = np.diff(values[1:])
-        if steps[0] and np.allclose(steps, steps[0], rtol=0.02, atol=0):
+    edges = {
+        "first row": matrix[0], "first column": matrix[:, 0],
+        "last row": matrix[-1], "last column": matrix[:, -1],
+    }  # fmt: skip
+    for name, values in edges.items():
+        if _is_axis(values[1:-1]):  # corners may be of another axis
+            verb = "rises" if values[-2] > values[1] else "falls"
             raise InputError(
-                f"the first {name} rises evenly, from {values[1]:g} to {values[-1]:g}: no heights, "
-                "but an axis or numbers of rows; leave it out"
+                f"the {name} {verb} evenly, from {values[1]:g} to {values[-2]:g}: no heights, but "
+                "an axis or numbers of rows; leave it out"
             )
     return matrix
+
+
+def _is_axis(values: Array) -> bool:
+    """True for values that rise or fall evenly, within half of their last printed digit."""
+    steps = np.diff(values)
+    if not np.isfinite(values).all() or not ((steps > 0).all() or (steps < 0).all()):
+        return False
+    decimals = next((d for d in range(-3, 9) if np.allclose(values, values.round(d), 0, 1e-12)), 9)
+    line = np.polyval(np.polyfit(np.arange(values.size), values, 1), np.arange(values.size))
+    half_digit = 0.55 * 10.0**-decimals if decimals < 9 else 0.0
+    return bool(
+        (np.abs(values - line) <= half_digit).all() or np.allclose(steps, steps[0], 0.02, 0)
+    )
