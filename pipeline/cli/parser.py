@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import textwrap
 from collections.abc import Sequence
 from contextlib import suppress
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline.cli import values
+from pipeline.messages import did_you_mean, quoted
 from pipeline.paths import FIGURES, TABLES, user_path
 
 _BEGIN = """Begin with:
@@ -55,7 +57,7 @@ class _StoreEntry(argparse.Action):
     def __call__(self, parser: Any, namespace: Any, entry: Any, name: str | None = None) -> None:
         key, value = entry
         entries = getattr(namespace, self.dest)
-        if key in entries:
+        if key.removeprefix("fidelity.") in {known.removeprefix("fidelity.") for known in entries}:
             parser.error(f"{key} is given twice; give it once")
         setattr(namespace, self.dest, {**entries, key: value})
 
@@ -70,13 +72,28 @@ class _Version(argparse.Action):
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Parse the arguments of one command, by default those of this process."""
-    options = whole_parser().parse_args(arguments)
+    parser = whole_parser()
+    words = [*(sys.argv[1:] if arguments is None else arguments)]
+    _require_command_first(parser, words)
+    options = parser.parse_args(words)
     paths = {name: path for name, path in vars(options).items() if isinstance(path, Path)}
     out = paths.pop("output", None)
     with suppress(OSError):  # such as a name that is too long, which the command reports
         if out and any(path.exists() and path.samefile(out) for path in paths.values()):
             options.parser.error(f"{out} is an input of this command; choose another output file")
     return options
+
+
+def _require_command_first(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Refuse options before the command, and an unknown command, by what to type."""
+    commands = parser.get_default("commands")
+    if not words or words[0] in ("-h", "--help", "--version"):
+        return
+    if words[0].startswith("-"):
+        command = next((word for word in words if word in commands), "COMMAND")
+        parser.error(f"options stand after the command: irg {command} ... {words[0]}")
+    if words[0] not in commands:
+        parser.error(f"there is no command {quoted(words[0])}{did_you_mean(words[0], commands)}")
 
 
 def whole_parser() -> argparse.ArgumentParser:

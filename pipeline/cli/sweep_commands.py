@@ -29,11 +29,26 @@ from pipeline.store.schema import PLANE
 from tribo import Fidelity, InputError
 
 
+def _require_possible_run(options: argparse.Namespace) -> None:
+    """Refuse a goal out of reach, and a store to copy from that is not there, before a run."""
+    from pipeline.progress import silent
+    from pipeline.run.goal import GoalRun
+    from pipeline.store.create import find_sweep
+    from pipeline.store.store import opened
+
+    if options.source is not None:
+        opened(options.source)
+    if options.accuracy is not None:
+        out = options.output or Path("results") / f"{options.scene.stem}.zarr"
+        GoalRun(scene_in(options), find_sweep(out), options.accuracy, silent)
+
+
 def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     if options.accuracy is not None:
         _refuse_numerical_settings(options)
     if options.dry_run:
+        _require_possible_run(options)
         # The path of the store; irg check would write its table to it.
         options.store_path, options.output = options.output, None
         return check(options)

@@ -263,8 +263,8 @@ def _build_case(
         assert built
         if base.tables.sweep.fields and built.case.scene.grid != base.case.scene.grid:
             raise InputError(
-                "this changes the grid of the stored fields, which must be equal in all cases; run "
-                "each value into its own store"
+                "this changes the grid of the stored fields, which must be equal in all cases; set "
+                "sweep.fields = false, or run each value into its own store"
             )
     except InputError as error:
         key = AREAS_ENTRY if changes.keys() == {AREAS_ENTRY} else key

@@ -90,7 +90,9 @@ def _overridden(document: Document, overrides: Mapping[str, Any], faults: Faults
     table: Entries = {}
     for name, value in values.items():
         key = f"fidelity.{name}" if name in settings else name
-        if not ("." in key or (key in TableKind(SceneFile).keys and key != "extends")):
+        if key != name and key in values:
+            faults.refuse(key, f"is given twice, also as {name}; give it once")
+        elif not ("." in key or (key in TableKind(SceneFile).keys and key != "extends")):
             hint = did_you_mean(key, [*settings, *scene_entries()])
             faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
         elif key.count(".") >= _MAX_LEVELS:

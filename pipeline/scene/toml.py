@@ -132,11 +132,39 @@ def _toml(path: Path) -> dict[str, Any]:
             raise ValueError(f"more than 20 parts are joined by points: {quoted(key[0][:40])}")
         tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also text that is not UTF-8
-        fault = f"is not valid TOML in UTF-8: {error}; correct it"
+        fault = _slip(str(error), content) or f"is not valid TOML in UTF-8: {error}; correct it"
         raise SceneFileError(path, [fault]) from error
     if empty := next((entry for entry, value in flat(tables) if value == {}), None):
         raise SceneFileError(path, [f"{empty}: the table is empty; fill it or remove it"])
     return tables
+
+
+def _slip(error: str, content: bytes) -> str:
+    """The fault of a common slip in TOML, and what to write; empty if the `error` is another."""
+    match = re.search(r"^(.*) \(at (?:line (\d+), column (\d+)|end of document)\)$", error)
+    if match is None:
+        return ""
+    words, lines = match[1], content.decode("utf-8-sig").splitlines() or [""]
+    number = int(match[2] or len(lines))
+    line, column = lines[min(number, len(lines)) - 1], int(match[3] or 0)
+    before = "\n".join([*lines[: number - 1], line[: max(column - 1, 0)]])
+    is_in_braces = re.search(r"=\s*\{[^{}]*$", before) is not None
+    if "hex value" in words or "Unescaped" in words:
+        return f"line {number}: a backslash begins an escape; write / or put the text in '...'"
+    if words.startswith("Illegal character") or "Unterminated" in words:
+        return f"line {number}: a quote is not closed; write it at the end of the text"
+    if table := re.search(r"Cannot (?:declare|mutate immutable namespace) \((.*?),?\)", words):
+        name = ".".join(re.findall(r"'([^']*)'", table[1]))
+        return f"line {number}: [{name}] occurs twice; write its entries below the first"
+    if "Cannot overwrite" in words:
+        return f"line {number}: the entry occurs twice; keep one"
+    if is_in_braces and ("key part" in words or "Unclosed inline table" in words):
+        return f"line {number}: a table in braces stands on one line, without a comma at its end"
+    if re.search(r"\d$", line[: max(column - 1, 0)]) and line[column - 1 : column] == ",":
+        return f"line {number}: a number has a comma; write decimals with a point"
+    if "Unclosed array" in words:
+        return f"line {number}: a list has a comma between its values, and ] at its end"
+    return ""
 
 
 def text_of(tables: Entries) -> str:
