@@ -16,7 +16,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from pipeline.messages import quoted
+from pipeline.messages import did_you_mean, quoted
 from pipeline.units import UnitError, share_of, to_si
 from tribo import InputError
 
@@ -31,7 +31,8 @@ _PATH = (str, os.PathLike), "text or a Path"
 _TEXT = str, "text"
 _FLAG = (bool, np.bool_), "True or False"
 _ALLOWED: dict[str, tuple[Any, str]] = {
-    "path": _PATH, "out": _PATH, "source": _PATH, "title": _TEXT, "author": _TEXT, "preset": _TEXT,
+    "path": _PATH, "out": _PATH, "source": _PATH, "title": _TEXT, "author": _TEXT,
+    "preset": (str, "text; entries of a scene go into overrides="),
     "command": _TEXT, "like": _TEXT, "kind": _TEXT, "plain": _FLAG, "retry_failed": _FLAG,
     "dashboard": _FLAG, "without_tests": _FLAG,
     "sweep": (_PATH[0], "a Sweep, or the path of a scene"),
@@ -58,6 +59,9 @@ def typed_arguments(function: Callable[P, T]) -> Callable[P, T]:
 
     @functools.wraps(function)
     def checked(*arguments: P.args, **keywords: P.kwargs) -> T:
+        for name in keywords:
+            if name not in parameters and (hint := did_you_mean(name, names)):
+                raise InputError(f"unknown argument {name}{hint}")
         for name, value in {**dict(zip(names, arguments, strict=False)), **keywords}.items():
             types, description = _ALLOWED.get(name, (object, ""))
             is_default = value is None and name in parameters and parameters[name].default is None

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.messages import quoted
 from pipeline.sweep.case import CONDITION_ENTRIES, OIL_WORKS
-from pipeline.table import read_table
+from pipeline.table import Table, read_table
 from pipeline.units import share_of, to_si
 from tribo import InputError
 
@@ -58,12 +59,23 @@ class OperatingPoints(NamedTuple):
         condition_names = {path: name for name, path in CONDITION_ENTRIES.items()}
         max_rows = 100_000  # which are judged within a minute
         table = read_table(path_or_columns, max_rows, decimal, ignore, condition_names)
+        table = _without_answers(table)
         rows = table.rows(_RANGES, _faults_in, _LOAD_AND_VELOCITY)
         columns = {
             name: [_value(name, row[name]) for row in rows] for name in _RANGES if name in rows[0]
         }
         label_columns = (column for column in table.columns if column.name not in _RANGES)
         return cls(columns, {column.heading: column.cells for column in label_columns})
+
+
+def _without_answers(table: Table) -> Table:
+    """A table of the command ``irg margin`` without what it answers; another table unchanged."""
+    names = [column.name for column in table.columns]
+    if not {*_LOAD_AND_VELOCITY, "verdict", "probability"} <= {*names}:
+        return table
+    last = max(names.index(name) for name in _LOAD_AND_VELOCITY)
+    kept = [column for k, column in enumerate(table.columns) if k < last or column.name in _RANGES]
+    return replace(table, columns=kept)
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

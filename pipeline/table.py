@@ -29,14 +29,15 @@ from pipeline.paths import (
     user_path,
     workbook_problem,
 )
-from pipeline.units import MAYBE_THOUSANDS, NUMBER, to_si
+from pipeline.units import MAYBE_THOUSANDS, NUMBER, si_unit, to_si
 from tribo import InputError
 from tribo.types import Array
 
 NAME = "number"
 """Column with the numbers or names of specimens and rows, which stay as they are written."""
 Source = str | Path | Mapping[str, Sequence[Any]]
-_HEADING = re.compile(r"(.+?)\s*\[([^\[\]]*)\]")
+_HEADING = re.compile(r"(.+?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
+_DATE = re.compile(r"\d{4}[-/.]\d\d?[-/.]\d\d?\b|\d\d?[-/.]\d\d?[-/.]\d{2,4}\b")
 _LONG_NAMES = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 _NUMBER = re.compile(NUMBER, re.ASCII)
 _NUMERIC = re.compile(
@@ -54,11 +55,28 @@ _PYTHON_UNITS = {
 
 
 class TableError(InputError):
-    """A table cannot be read; `faults` has all of its faults, a line each."""
+    """A table cannot be read; `faults` has all of its faults, a line for each kind."""
 
     def __init__(self, name: str, faults: list[str]) -> None:
-        super().__init__(fault_lines(name, faults))
-        self.faults = faults
+        self.faults = _grouped(faults)
+        super().__init__(fault_lines(name, self.faults))
+
+
+def _grouped(faults: Sequence[str]) -> list[str]:
+    """Faults in which more than three of one kind are one, with its first three rows."""
+    kinds = dict[str, list[str]]()
+    for fault in faults:
+        kinds.setdefault(re.sub(r'"[^"]*"|[\d.,+-]*\d', "", fault), []).append(fault)
+    lines = list[str]()
+    for same in kinds.values():
+        rows = [fault.split(maxsplit=1)[1] for fault in same if fault.startswith("row ")]
+        if len(same) <= 3 or len(rows) < len(same):
+            lines += same
+            continue
+        numbers = [re.match(r"\d+", row)[0] for row in rows[:3]]  # type: ignore[index]
+        rest = rows[0].removeprefix(numbers[0])
+        lines.append(f"rows {', '.join(numbers)} and {len(rows) - 3} more{rest}")
+    return lines
 
 
 class TableColumn(NamedTuple):
@@ -71,10 +89,12 @@ class TableColumn(NamedTuple):
 
     @classmethod
     def from_heading(cls, heading: str, cells: Iterable[str] = ()) -> TableColumn:
-        """A column by its heading, such as "load [N]"; `[-]` and `[1]` are units of numbers."""
+        """A column by its heading, such as "load [N]" or "load (N)"; `[-]` has no unit."""
         heading = " ".join(heading.split())
         match = _HEADING.fullmatch(heading)
-        name, unit = (match[1], match[2].strip()) if match else (heading, "")
+        if match and match[3] is not None and not _is_unit(match[3].strip()):
+            match = None  # words in parentheses
+        name, unit = (match[1], (match[2] or match[3] or "").strip()) if match else (heading, "")
         key = name if "." in name else name.lower().replace(" ", "_")
         unit = "" if unit in _NUMBER_UNITS else unit
         return cls(heading, _LONG_NAMES.get(key, key), unit, [cell.strip() for cell in cells])
@@ -153,6 +173,12 @@ class Table:
         number = next(numbers, None)
         if not hint and number is None and "." not in column.name:
             return ""
+        if number and _DATE.match(number[1]):
+            ignore = quoted(column.heading)
+            return (
+                f"the column {ignore} has dates ({quoted(number[1])} in row {number[0]}); ignore "
+                f"it: ignore = [{ignore}] (--ignore {ignore})"
+            )
         choices = f"one of {', '.join(known)}" if len(known) <= 12 else "the path of an entry"
         reason = f"has numbers ({quoted(number[1])} in row {number[0]}), but " if number else ""
         heading = quoted(column.heading)
@@ -207,6 +233,13 @@ class Table:
             name: np.array([to_si(str(row[name]), f"1 {unit}") for row in rows])
             for name, unit in units.items()
         }
+
+
+def _is_unit(text: str) -> bool:
+    """True for a unit that columns may have, such as "N" or "%"."""
+    with suppress(ValueError):
+        return text in _NUMBER_UNITS or text == "%" or bool(si_unit(f"1 {text}"))
+    return False
 
 
 def read_table(
@@ -274,7 +307,8 @@ def _without_ignored(
         kept = [
             column
             for column in columns
-            if key not in (column.heading.lower(), column.heading.partition("[")[0].strip().lower())
+            if key
+            not in (column.heading.lower(), re.split(r"\[|\(", column.heading)[0].strip().lower())
         ]
         if len(kept) == len(columns):
             names = ", ".join(quoted(column.heading) for column in columns)

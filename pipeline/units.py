@@ -28,9 +28,13 @@ _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-
 MAYBE_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
 """A number whose marks may divide thousands, or precede three decimals."""
 _HARDNESS_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
+_OTHER_SCALE = re.compile(r"H(R[ABD-Z]\w*|K|S|LD|M)")
 _SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
 
-_PRINTED_SIGNS = str.maketrans({**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"})
+_PRINTED_SIGNS = str.maketrans({
+    **dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)),
+    "℃": "degC", "Å": "angstrom", "\u212b": "angstrom",
+})  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _TIMES_TEN = re.compile(r"(?:\s*[×x]\s*10(?:\^|(?=[+-]))| +10\^)([+-]?\d{1,2})(?=\s*[A-Za-z])")
 _SHARE = re.compile(rf"\s*({NUMBER})\s*(%|percent|per cent)?\s*", re.ASCII)
@@ -153,6 +157,8 @@ def _number_and_unit(text: str) -> tuple[Decimal, Unit]:
     try:
         if unit_text.startswith("H") and (scale := _HARDNESS_SCALE.fullmatch(unit_text)):
             return _hardness_pressure(Decimal(number), scale[scale.lastindex or 0]), _unit("Pa")
+        if _OTHER_SCALE.fullmatch(unit_text):
+            raise InputError("is on a scale that is not known: HRC, HV and HB are")
         return Decimal(number), _unit(unit_text)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
@@ -173,7 +179,8 @@ def _unit(text: str) -> Unit:
         pint_unit = registry.parse_units(text)
         zero, first = (registry.Quantity(Decimal(k), pint_unit).to_base_units() for k in (0, 1))
     except pint.UndefinedUnitError as error:
-        raise InputError(f"has an unknown unit: {error}") from error
+        unknown = str(error).removesuffix(" is not defined in the unit registry")
+        raise InputError(f"has an unknown unit: {unknown}") from error
     except Exception as error:  # pint raises errors that are not its own
         raise InputError("has a unit that cannot be read") from error
     size = first.magnitude - zero.magnitude

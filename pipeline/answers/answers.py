@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, Unpack
 
 import numpy as np
@@ -41,6 +42,7 @@ from pipeline.operating_points import OperatingPoints
 from pipeline.quantities import snap
 from pipeline.store.location import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.units import UnitError, to_si
 from tribo import InputError
 from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array, Indices
@@ -103,7 +105,7 @@ def margin(
         package = type(load).__module__.partition(".")[0]
         raise InputError(f"load is of {package}; give load.to_pandas()")
     tables = OperatingPoints, str, os.PathLike, Mapping, pd.DataFrame
-    if velocity is None and isinstance(load, tables):
+    if velocity is None and isinstance(load, tables) and not _is_load(load):
         table = load if isinstance(load, OperatingPoints) else OperatingPoints.read(load)
         columns: dict[str, Any] = {
             name: xr.DataArray(cells, dims="place") for name, cells in table.columns.items()
@@ -116,7 +118,8 @@ def margin(
             }
         )
     if (load is None) != (velocity is None):
-        raise InputError("give both a load and a velocity")
+        missing = "load" if load is None else "velocity"
+        raise InputError(f"{missing} is missing; give both a load and a velocity, or a table")
     points = {
         name: argument_array(name, values, functools.partial(in_si, name, like=like), "place")
         for name, values, like in (("load", load, "500 N"), ("velocity", velocity, "2 m/s"))
@@ -126,6 +129,13 @@ def margin(
     cases = cases_of(ds)
     answers = [_margin_of_case(case, points, overrides) for case in cases]
     return with_governing_row(join_cases(ds, cases, answers))
+
+
+def _is_load(value: Any) -> bool:
+    """True for text such as "400 N", which is no path of a table."""
+    with suppress(UnitError):
+        return isinstance(value, str) and to_si(value, "1 N") > 0
+    return False
 
 
 def _margin_of_case(

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.arguments import in_share, in_si, plain_value
+from pipeline.messages import did_you_mean
 from pipeline.quantities import display
 from pipeline.sweep.case import OIL_WORKS, PATHS, Conditions
 from tribo import InputError
@@ -71,8 +72,10 @@ def replace_conditions(conditions: Conditions, values: Mapping[str, Any]) -> Con
 def condition_arrays(overrides: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Conditions as arrays in SI; a list has a dimension with the name of its condition."""
     if unknown := overrides.keys() - {*CONDITION_NAMES}:
+        hint = did_you_mean(min(unknown), CONDITION_NAMES)
         raise InputError(
-            f"{min(unknown)} is not a condition; the conditions are {', '.join(CONDITION_NAMES)}"
+            f"{min(unknown)} is not a condition{hint}; the conditions are "
+            f"{', '.join(CONDITION_NAMES)}"
         )
     arrays = dict[str, xr.DataArray]()
     for name, value in overrides.items():
@@ -126,9 +129,10 @@ def _oil_temperature(name: str, value: Any) -> float:
     kelvin = in_si(name, value, "80 degC")
     hottest = _HOTTEST if name == "bulk_temperature" else math.inf
     if kelvin < _COLDEST or hottest < kelvin < math.inf:
+        in_kelvins = "" if isinstance(value, str) else "a number is in kelvins; "
         raise InputError(
-            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; a "
-            'number in Python is in kelvins, and text has its unit, such as "80 degC"'
+            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; "
+            f'{in_kelvins}give a temperature such as "80 degC"'
         )
     return float(kelvin)
 

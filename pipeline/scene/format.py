@@ -36,7 +36,7 @@ from pipeline.scene.table_kinds import (
     entry,
     number_in,
 )
-from pipeline.sweep.case import OIL_WORKS, OUTCOMES
+from pipeline.sweep.case import OIL_WORKS, OUTCOME_WORDS, OUTCOMES
 from pipeline.sweep.stored_steps import Fields, Steps
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.usual_values import USUAL
@@ -81,7 +81,7 @@ class Test(Declared):
     velocity: float = entry(VELOCITY, "Sliding velocity of the test.")
     load: float | None = entry(LOAD,
         "Normal load; needed without `mild_up_to` and `severe_at`.", None)
-    outcome: str | None = entry(OneOf(OUTCOMES),
+    outcome: str | None = entry(OneOf(OUTCOMES, OUTCOME_WORDS),
         'Outcome at the end of the hold, needed with `load`; "transition" if load or velocity was '
         "raised until wear became severe.", None)
     step: Level | None = entry(LoadOrVelocity(Quantity("50 N"), Quantity("0.25 m/s")),

@@ -6,8 +6,9 @@ A kind reads a value, and states what is allowed, as text (``str(kind)``).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from pipeline.messages import did_you_mean, is_unprintable, quoted
@@ -92,6 +93,8 @@ class OneOf(Kind):
 
     value_types = str
     options: tuple[str, ...]
+    translations: Mapping[str, str] = field(default_factory=dict)
+    """Options for other words, which a refusal lists."""
 
     def __str__(self) -> str:
         *first, last = map(quoted, self.options)
@@ -100,9 +103,15 @@ class OneOf(Kind):
     def _read(self, value: Any, path: str, faults: Faults) -> str:
         require(value, str, "is not text")
         if value not in self.options:
-            raise InvalidValueError(
-                f"{quoted(value)} is not a valid choice{did_you_mean(value, self.options)}"
-            )
+            hint = did_you_mean(value, self.options)
+            if value.lower() in self.translations:
+                hint = f" (write {self.translations[value.lower()]})"
+            elif self.translations and not hint:
+                pairs = ", ".join(
+                    f"{word} → {option}" for word, option in self.translations.items()
+                )
+                hint = f" ({pairs})"
+            raise InvalidValueError(f"{quoted(value)} is not a valid choice{hint}")
         return str(value)
 
 
@@ -193,10 +202,13 @@ class Quantity(Kind):
     from_tests: bool = False
 
     def __str__(self) -> str:
-        limit = "of at least 0" if self.zero else "above 0"
-        name = self.name or DIMENSIONS[si_unit(self.example)].name
+        dimension = si_unit(self.example)
+        limit = " of at least 0" if self.zero else " above 0"
+        if dimension == "K":
+            limit = ""  # °C may be below 0
         tests = f", or {quoted(FROM_TESTS)}" if self.from_tests else ""
-        return f"{name} {limit}, such as {quoted(self.example)}{tests}"
+        name = self.name or DIMENSIONS[dimension].name
+        return f"{name}{limit}, such as {quoted(self.example)}{tests}"
 
     @property
     def unit(self) -> str:

@@ -16,6 +16,11 @@ from tribo.simulation import verdict
 
 OUTCOMES = ("mild", "severe", "transition")
 """Outcomes of a test."""
+OUTCOME_WORDS = {
+    "ok": "mild", "pass": "mild", "passed": "mild",
+    "fail": "severe", "failed": "severe", "scuffed": "severe", "seized": "severe",
+}  # fmt: skip
+"""Outcomes for words that laboratories write; a scene has the outcomes themselves."""
 OperatingPoint = tuple[float, float]
 """Load [N] and velocity [m/s]."""
 LARGEST = 1e15

@@ -25,6 +25,7 @@ _HEADS = "key", "value", "meaning"
 _SHORT = (
     (r'an? [a-z -]+? above 0, such as ("[^"]+")', r"\1"),  # the page states this limit once
     (r'an? [a-z -]+? (of at least 0), such as ("[^"]+")', r"\2, \1"),
+    (r'a temperature, such as ("[^"]+")', r"\1"),
     (r"\bof at least\b", "at least"),
     (r"(,| and) at most \d{4,}", ""),  # limits of memory
     (r"\ban? (share|number|whole number)\b", r"\1"),

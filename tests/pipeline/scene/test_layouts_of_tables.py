@@ -1,0 +1,119 @@
+"""Tables in the layouts of laboratories: points that are read, and words on those that are not."""
+
+import itertools
+
+import pandas as pd
+import pytest
+
+import pipeline
+from pipeline.answers.answer_frames import complete_frame
+from pipeline.operating_points import OperatingPoints
+from tribo import InputError
+
+LOADS, VELOCITIES = [300.0, 1500.5], [1.25, 2.5]
+HEADS = {
+    "brackets": ("load [N]", "velocity [m/s]"), "parentheses": ("Load (N)", "Velocity (m/s)"),
+    "other units": ("normal load [kN]", "sliding velocity (mm/s)"),
+}  # fmt: skip
+LAYOUTS = {
+    "comma": (",", "."), "semicolon": (";", ","), "tab": ("\t", "."), "tab and comma": ("\t", ","),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("heads", "layout", "encoding"), [*itertools.product(HEADS, LAYOUTS, ["utf-8-sig", "utf-16"])]
+)
+def test_points_are_read_whatever_the_layout(heads, layout, encoding, tmp_path):
+    delimiter, mark = LAYOUTS[layout]
+    load, velocity = (1e-3, 1e3) if heads == "other units" else (1, 1)
+    rows = [(f"{load * n:g}", f"{velocity * v:g}", "ok") for n, v in zip(
+        LOADS, VELOCITIES, strict=True)]  # fmt: skip
+    lines = [(*HEADS[heads], "remark (short)"), *rows]
+    text = "\r\n".join(
+        delimiter.join(cell.replace(".", mark) if k else cell for cell in line)
+        for k, line in enumerate(lines)
+    )
+    (tmp_path / "points.csv").write_bytes(text.encode(encoding))
+    points = OperatingPoints.read(tmp_path / "points.csv", decimal=mark)
+    assert points.columns["load"] == pytest.approx(LOADS)
+    assert points.columns["velocity"] == pytest.approx(VELOCITIES)
+    assert [*points.labels] == ["remark (short)"]
+
+
+@pytest.mark.parametrize(
+    ("head", "cell", "words"),
+    [
+        ("Date", "2026-10-01", r'the column "Date" has dates .*; ignore it: ignore = \["Date"\]'),
+        ("Day", "1.10.2026", "has dates"),
+        ("Speed", "3", '"Speed" has numbers'),
+        ("Load (mean)", "3", r'"Load \(mean\)" has numbers'),
+    ],
+)
+def test_columns_of_dates_and_unknown_numbers_are_named(head, cell, words):
+    with pytest.raises(InputError, match=words):
+        OperatingPoints.read({"load [N]": [300], "velocity [m/s]": [1], head: [cell]})
+
+
+def test_many_faults_of_one_kind_are_one_line():
+    loads = ["1,200"] * 12 + ["-3"]
+    with pytest.raises(InputError) as caught:
+        OperatingPoints.read({"load [N]": loads, "velocity [m/s]": [1.0] * 13})
+    assert "rows 1, 2, 3 and 9 more, load [N]: 1,200 has a comma" in str(caught.value)
+    assert "row 13, load [N]" in str(caught.value)
+
+
+@pytest.mark.parametrize(("word", "outcome"), [("OK", "mild"), ("scuffed", "severe")])
+def test_words_of_laboratories_are_refused_with_the_outcome_to_write(word, outcome):
+    test = {"load": "400 N", "velocity": "1 m/s", "outcome": word}
+    with pytest.raises(pipeline.SceneFileError, match=rf"not a valid choice \(write {outcome}\)"):
+        pipeline.load_scene("first_try", overrides={"tests": [test]})
+
+
+def test_an_answer_of_the_program_is_read_as_points(tiny_store, tmp_path):
+    points = pd.DataFrame({"pump": ["a", "b"], "load [N]": [200, 400], "velocity [m/s]": [0.6, 1]})
+    points.to_csv(tmp_path / "points.csv", index=False)
+    names = ("verdict", "probability", "governing_temperature")
+    answer = pipeline.margin(tiny_store, tmp_path / "points.csv")
+    complete_frame(answer).to_csv(tmp_path / "answer.csv", index=False)
+    again = pipeline.margin(tiny_store, tmp_path / "answer.csv")
+    for name in names:
+        assert again[name].values == pytest.approx(answer[name].values, nan_ok=True)
+    assert again["pump"].values.tolist() == ["a", "b"]
+
+
+SLIPS = {
+    'title = "C:\\Users\\a"\n': "line 3: a backslash begins an escape",
+    'title = "open\n': "line 3: a quote is not closed",
+    '[pin]\nradius = "2 mm"\n[pin]\n': r"line 5: \[pin\] occurs twice",
+    'sweep = { loads = ["2 N"],\n velocities = ["1 m/s"] }\n': "a table in braces stands on one",
+    "[friction]\ncoefficient = 0,1\n": "line 4: a number has a comma",
+    'title = "a"\ntitle = "b"\n': "line 4: the entry occurs twice",
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slips_in_toml_are_named_in_words(slip, tmp_path):
+    (tmp_path / "a.toml").write_text(f'extends = "first_try"\n\n{slip}')
+    with pytest.raises(pipeline.SceneFileError, match=SLIPS[slip]):
+        pipeline.load_scene(tmp_path / "a.toml")
+
+
+def test_a_slip_in_an_argument_is_named(tiny_store):
+    class Frame:
+        def to_pandas(self):
+            return None
+
+    for call, words in (
+        (lambda: pipeline.margin(tiny_store, "400 N"), "velocity is missing; give both"),
+        (lambda: pipeline.margin(tiny_store, Frame()), r"give load.to_pandas\(\)"),
+        (lambda: pipeline.report(tiny_store, "a.html", autor="b"), r'autor .did you mean "author"'),
+        (lambda: pipeline.load_scene("first_try", {"pin.radius": "3 mm"}), "go into overrides="),
+        (
+            lambda: pipeline.load_scene(
+                "first_try", overrides={"increments": 5, "fidelity.increments": 6}
+            ),
+            "increments: is given twice",
+        ),
+    ):
+        with pytest.raises((InputError, pipeline.SceneFileError), match=words):
+            call()
