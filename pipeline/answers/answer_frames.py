@@ -138,6 +138,8 @@ def margin_frame(answer: xr.Dataset) -> pd.DataFrame:
     ]
     for axis in PLANE:
         heading = _heading(f"{axis}_safety_factor", answer)
+        if heading not in frame or "valid_range" not in answer[f"mild_{axis}"].attrs:
+            continue  # rows, each with its own range
         low, high = answer[f"mild_{axis}"].attrs["valid_range"]
         ends = answer.assign(low=low / answer[axis], high=high / answer[axis])
         columns = answer_frame(ends, f"mild_{axis}_side", "low", "high").iloc[:, -3:]
