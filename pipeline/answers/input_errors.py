@@ -9,86 +9,54 @@ uncertainty in common add before they are squared.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
-from pipeline.answers.case_results import CaseResults
+from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.store.schema import PENDING
 from pipeline.sweep.case import (
     CLOSED_FORM,
     INPUT_STEP,
     VELOCITY_INPUT,
     Conditions,
+    OperatingPoint,
     Uncertainty,
+    Variant,
 )
 from tribo.types import Array
 
 STEP = math.log(INPUT_STEP)
 """Change of ln(input) on either side."""
+FACTORS = INPUT_STEP, 1 / INPUT_STEP
+Variants = Sequence[tuple[Variant, TestPoint]]
+"""Variants of a case, each with its point."""
+_LogRises = dict[tuple[str, OperatingPoint, float], float]
 
 
-def sensitivity_dataset(case: CaseResults, conditions: Conditions) -> xr.Dataset:
-    """Sensitivities of a case along (input, point), from the variants of its scene.
+def sensitivity_dataset(variants: Variants, conditions: Conditions) -> xr.Dataset:
+    """Sensitivities of a case along (input, point), from the points of its variants.
 
     ``sensitivity`` is dy/d ln(input), or dy/dT [1/K] of a temperature; ``curvature`` is the sum of
     the changes of y on both sides, NaN in closed form or if one side has no result; ``sides`` has
-    the factors of the input that were simulated. ``velocity_exponent`` is that of the rise.
+    the signs of the changes that have a result. ``velocity_exponent`` is that of the rise.
     """
-    logs, values = dict[tuple[str, float, float, float], float](), dict[str, tuple[float, str]]()
-    for variant, point in case.variants:
-        changed = replace(conditions, corrections=variant.case.conditions.corrections)
-        rise = math.nan if point.missing_reason else point.rise(changed)
-        key = variant.entry, variant.load, variant.velocity, variant.factor
-        if rise > 0 or point.status == PENDING:
-            logs[key] = math.log(rise) if rise > 0 else math.nan
-        values[variant.entry] = variant.value, variant.unit
-    points = [*dict.fromkeys((v.load, v.velocity) for v, _ in case.variants)]
-    names = [name for name in values if name != VELOCITY_INPUT]
-
-    def changes(entries: list[str], factor: float) -> Array:
-        """Change of y (entry, point), infinite where the factor was refused or failed."""
-        rows = [
-            [
-                logs.get((entry, *point, factor), math.inf)
-                - logs.get((VELOCITY_INPUT, *point, 1.0), math.nan)
-                for point in points
-            ]
-            for entry in entries
-        ]
-        return np.array(rows).reshape(len(entries), len(points))
-
-    def slopes(entries: list[str]) -> tuple[Array, Array]:
-        up, down = (changes(entries, factor) for factor in (INPUT_STEP, 1 / INPUT_STEP))
-        is_up, is_down = ~np.isinf(up), ~np.isinf(down)
-        with np.errstate(invalid="ignore"):
-            both, curvature = (up - down) / (2 * STEP), up + down
-        slope = np.select(
-            (is_up & is_down, is_up, is_down), (both, up / STEP, -down / STEP), np.nan
-        )
-        return slope, np.where(is_up & is_down, curvature, np.nan)
-
-    closed = closed_sensitivities(conditions)
-    shape = len(closed), len(points)
-    closed_rows = np.broadcast_to([[slope] for slope in closed.values()], shape)
-    sensitivity, curvature = slopes(names)
-    sides = [
-        " and ".join(
-            text
-            for factor, text in ((INPUT_STEP, "+"), (1 / INPUT_STEP, "−"))
-            if all((name, *point, factor) in logs for point in points)
-        )
-        for name in names
-    ]
-    values |= _closed_values(conditions)
+    logs, points = _log_rises(variants, conditions), [*dict.fromkeys(v.point for v, _ in variants)]
+    values = {variant.entry: (variant.value, variant.unit) for variant, _ in variants}
+    names, closed = [name for name in values if name != VELOCITY_INPUT], _closed(conditions)
+    sensitivity, curvature = _slopes(logs, names, points)
+    slopes = np.broadcast_to([[slope] for slope, *_ in closed.values()], (len(closed), len(points)))
+    values |= {path: (value, unit) for path, (_, value, unit) in closed.items()}
     rows = [*names, *closed]
     return xr.Dataset(
         {
-            "sensitivity": (("input", "point"), np.concatenate([sensitivity, closed_rows])),
-            "curvature": (("input", "point"), np.concatenate([curvature, closed_rows * np.nan])),
-            "velocity_exponent": ("point", slopes([VELOCITY_INPUT])[0][0]),
+            "sensitivity": (("input", "point"), np.concatenate([sensitivity, slopes])),
+            "curvature": (("input", "point"), np.concatenate([curvature, slopes * np.nan])),
+            "velocity_exponent": ("point", _slopes(logs, [VELOCITY_INPUT], points)[0][0]),
         },
         {
             "input": rows,
@@ -96,9 +64,56 @@ def sensitivity_dataset(case: CaseResults, conditions: Conditions) -> xr.Dataset
             "velocity": ("point", [velocity for _, velocity in points]),
             "value": ("input", [values[name][0] for name in rows]),
             "unit": ("input", [values[name][1] for name in rows]),
-            "sides": ("input", [*sides, *("+ and −" for _ in closed)]),
+            "sides": ("input", [*_sides(logs, names, points), *["+ and −"] * len(closed)]),
         },
     )
+
+
+def _log_rises(variants: Variants, conditions: Conditions) -> _LogRises:
+    """ln(rise) by input, point and factor; NaN if it is pending, missing if it has failed."""
+    logs = _LogRises()
+    for variant, point in variants:
+        changed = replace(conditions, corrections=variant.case.conditions.corrections)
+        rise = math.nan if point.missing_reason else point.rise(changed)
+        if rise > 0 or point.status == PENDING:
+            log_rise = math.log(rise) if rise > 0 else math.nan
+            logs[variant.entry, variant.point, variant.factor] = log_rise
+    return logs
+
+
+def _slopes(
+    logs: _LogRises, entries: Sequence[str], points: Sequence[OperatingPoint]
+) -> tuple[Array, Array]:
+    """Sensitivities and curvatures (entry, point), by one side where the other has no result."""
+    base = np.array([logs.get((VELOCITY_INPUT, point, 1.0), math.nan) for point in points])
+    up, down = (
+        np.array([[logs.get((e, p, factor), math.inf) for p in points] for e in entries])
+        for factor in FACTORS
+    )
+    shape = len(entries), len(points)
+    up, down = up.reshape(shape) - base, down.reshape(shape) - base
+    is_up, is_down = ~np.isinf(up), ~np.isinf(down)
+    with np.errstate(invalid="ignore"):
+        both, curvature = (up - down) / (2 * STEP), up + down
+    slopes = np.select((is_up & is_down, is_up, is_down), (both, up / STEP, -down / STEP), np.nan)
+    return slopes, np.where(is_up & is_down, curvature, np.nan)
+
+
+def _sides(
+    logs: _LogRises, names: Iterable[str], points: Sequence[OperatingPoint]
+) -> Iterator[str]:
+    """Yield the signs of the changes of each input that have a result, such as "+ and −"."""
+    for name in names:
+        has_result = [all((name, point, factor) in logs for point in points) for factor in FACTORS]
+        yield " and ".join(itertools.compress("+−", has_result))
+
+
+def _closed(conditions: Conditions) -> dict[str, tuple[float, float, str]]:
+    """Sensitivity, value and unit of friction and temperatures, by path."""
+    slopes, c = closed_sensitivities(conditions), conditions
+    values = c.friction, c.bulk_temperature, c.critical_temperature
+    columns = zip(CLOSED_FORM, values, ("", "°C", "°C"), strict=True)
+    return {path: (slopes[path], v, unit) for path, v, unit in columns if v and path in slopes}
 
 
 def closed_sensitivities(conditions: Conditions) -> dict[str, float]:
@@ -108,14 +123,6 @@ def closed_sensitivities(conditions: Conditions) -> dict[str, float]:
         return {CLOSED_FORM[0]: 1.0}
     margin = critical - bulk
     return dict(zip(CLOSED_FORM, (1.0, 1 / margin, -1 / margin), strict=True))
-
-
-def _closed_values(conditions: Conditions) -> dict[str, tuple[float, str]]:
-    values = conditions.friction, conditions.bulk_temperature, conditions.critical_temperature
-    pairs = (
-        (value or math.nan, unit) for value, unit in zip(values, ("", "°C", "°C"), strict=True)
-    )
-    return dict(zip(CLOSED_FORM, pairs, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +161,7 @@ def input_errors(case: CaseResults, conditions: Conditions) -> InputErrors | Non
     closed = closed_sensitivities(conditions)
     sensitivities = {path: np.full(1, slope) for path, slope in closed.items()}
     if case.variants:
-        table = sensitivity_dataset(case, conditions)
+        table = sensitivity_dataset(case.variants, conditions)
         rows = zip(table["input"].values.tolist(), table["sensitivity"].values, strict=True)
         sensitivities = dict(rows)
     if not {path for each in uncertainties for path in each.entries} <= sensitivities.keys():

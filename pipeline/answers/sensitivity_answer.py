@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 from scipy.optimize import brentq
 
-from pipeline.answers.case_results import CaseResults
+from pipeline.answers.case_results import CaseResults, TestPoint
 from pipeline.answers.input_errors import STEP, input_name, sensitivity_dataset
 from pipeline.answers.verdict_model import conditions_of
 from pipeline.frames import frame_of, lines_of
@@ -51,15 +51,19 @@ def sensitivity_answer(
 ) -> xr.Dataset:
     """Sensitivities of a case at a load [N] and a velocity [m/s], the strongest input first."""
     conditions = conditions_of(case, {})
-    ds = sensitivity_dataset(case, conditions)
-    is_point = (ds["load"] == load) & (ds["velocity"] == velocity)
-    ds = ds.isel(point=int(np.flatnonzero(is_point)[0]))
+    variants = [
+        (variant, point)
+        for variant, point in case.variants
+        if variant.point == (load, velocity) and variant.of_case == case.name
+    ]
+    ds = sensitivity_dataset(variants, conditions).isel(point=0)
     film = ""
     if (oil := case.sweep.lubricant) and case.sweep.base.has_film:
         row = _viscosity_row(oil, conditions.bulk_temperature)
         options: Any = {"data_vars": "minimal", "coords": "minimal", "compat": "override"}
         ds = xr.concat([ds, row], "input", **options)
-        film = _film_text(case, oil, load, velocity)
+        (base,) = (p for v, p in variants if (v.entry, v.factor) == (VELOCITY_INPUT, 1))
+        film = _film_text(case, oil, base)
     paths = ds["input"].values.tolist()
     steps = xr.DataArray(
         [TEMPERATURE_STEP if p in TEMPERATURES else STEP for p in paths], dims="input"
@@ -91,23 +95,17 @@ def _viscosity_row(oil: Oil, bulk: float) -> xr.Dataset:
     )
 
 
-def _film_text(case: CaseResults, oil: Oil, load: float, velocity: float) -> str:
+def _film_text(case: CaseResults, oil: Oil, point: TestPoint) -> str:
     """From which viscosity on the film carries too much load for the model; empty if unknown."""
-    point = next(
-        point
-        for variant, point in case.variants
-        if (variant.entry, variant.factor) == (VELOCITY_INPUT, 1)
-        if (variant.load, variant.velocity) == (load, velocity)
-    )
     inlet, pressure = (float(point.columns.get(k, -1)) for k in ("film_inlet", "film_pressure"))
     if not (inlet > 0 and pressure > 0):
         return ""
-    bulk = case.conditions.bulk_temperature
+    scene, bulk = case.sweep.scene, case.conditions.bulk_temperature
 
     def excess(log_factor: float) -> float:
         thick, thin = (math.exp(log_factor) * viscosity for viscosity in oil.viscosities)
         scaled = replace(oil, viscosities=(thick, thin))
-        return film_excess(case.sweep.scene, scaled, load, velocity, bulk, inlet, pressure)
+        return film_excess(scene, scaled, point.load, point.velocity, bulk, inlet, pressure)
 
     if excess(0.0) > 0:
         return "the oil film carries more than 20 % of the load here, which is outside the model"

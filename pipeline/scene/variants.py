@@ -119,8 +119,15 @@ def _changed_inputs(
     replaced_tables = [f"{TABLE_OF_PART[name]}." for name in sweep.user_parts]
     parts = {name: getattr(case.scene, name) for name in sweep.user_parts}
     for path, entry in inputs_of(base.tables).items():
-        is_requested = requested is None or path in requested
-        if not is_requested or path.startswith((*replaced_tables,)):
+        if path.startswith((*replaced_tables,)):
+            if requested and path in requested:
+                table = path.rpartition(".")[0]
+                raise InputError(
+                    f"uncertainty.{path} has no effect, since with_scene has replaced {table}; "
+                    "leave it out"
+                )
+            continue
+        if requested is not None and path not in requested:
             continue
         changed_cases, problem = dict[float, Case](), ""
         for factor in _FACTORS:

@@ -203,6 +203,11 @@ class Variant:
     of_case: CaseName = ()  # the case of the sweep, without its surface, that the point belongs to
 
     @property
+    def point(self) -> OperatingPoint:
+        """Load [N] and velocity [m/s] at which the sensitivity is."""
+        return self.load, self.velocity
+
+    @property
     def points(self) -> tuple[OperatingPoint, ...]:
         """Load [N] and velocity [m/s] of the one point to simulate."""
         is_velocity = self.entry == VELOCITY_INPUT
