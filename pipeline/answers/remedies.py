@@ -24,7 +24,7 @@ from pipeline.answers.error import (
 )
 from pipeline.answers.evidence import prior_of
 from pipeline.answers.verdict_model import MILD, SEVERE, Places, VerdictModel
-from pipeline.constants import RISE_EXPONENT
+from pipeline.constants import RISE_EXPONENT, VERDICT_PROBABILITIES
 from tribo.types import Array, Indices, Mask
 
 
@@ -66,7 +66,9 @@ def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
         codes[is_decided & (codes == 0)] = Remedy.INPUT
     judgement = model.judge(points, places)
     is_within_error = ~(abs(judgement.log_ratio) > np.log1p(judgement.error))
-    test = Remedy.TEST | np.where(is_within_error, _largest(places.errors), 0)
+    low, _, high = judgement.probabilities
+    is_at_verdict = (low <= VERDICT_PROBABILITIES[0]) | (high >= VERDICT_PROBABILITIES[-1])
+    test = Remedy.TEST | np.where(is_within_error & is_at_verdict, _largest(places.errors), 0)
     return np.where(codes == 0, test, codes).astype(np.int16)
 
 

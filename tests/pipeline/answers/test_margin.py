@@ -203,7 +203,8 @@ def test_a_test_is_advised_only_where_no_computing_decides():
     assert middle.probability_low <= 0.05 < middle.probability < 0.95 <= middle.probability_high
     assert advice(sure, 425.0, 2.23, **at(0.05)).endswith(" and run a test at this point")
     assert "test" not in advice(sure, 425.0, 2.23, **at(1.1))
-    assert advice(unsure, 425.0, 2.23, **at(1.5)) == "run a test at this point"
+    for error_count in (0.05, 1.5):  # the numerical error reaches no verdict
+        assert advice(unsure, 425.0, 2.23, **at(error_count)) == "run a test at this point"
     assert advice(sure, 425.0, 0.6) == advice(sure, 425.0, 4.0) == ""
 
 
