@@ -11,7 +11,7 @@ from pipeline.arguments import in_count, in_si
 from pipeline.scene.contact_estimate import require_admissible_load
 from pipeline.scene.variants import variants_of
 from pipeline.units import share_of
-from tests.helpers import tiny
+from tests.helpers import laws, tiny
 from tests.helpers.refusals import refusal_tests
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
@@ -250,6 +250,10 @@ ENTRIES = {
     "sensitivity of a store": (
         lambda: variants_of(tiny.sweep(), [(400.0, 2.0, ())]),
         "sensitivities need the scene file; use it in place of its store"),
+    "input of a part of a user": (
+        lambda: variants_of(load_scene("first_try").with_scene(wear=laws.ByPressure()),
+                            [(400.0, 2.0, ())], {"wear.specific_wear_rate"}),
+        "uncertainty.wear.specific_wear_rate has no effect, since with_scene has replaced wear"),
     "input refused on both sides": (
         lambda: variants_of(load_scene("first_try", overrides=TIGHT),
                             [(20.0, 2.0, ())], {"pin.length"}),
