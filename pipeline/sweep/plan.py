@@ -195,9 +195,9 @@ def run_point(
             for step in load_steps
             if step.index in heat_steps or step.normal_load >= load
         }
-    memo = ramp_cache.memo(contact_key(fitted_scene, load, velocity, heat_steps))
-    memo_key = fitted_scene, stored_steps, with_film, fields
-    if memo_key not in memo:  # no point before it had this heat
+    results = ramp_cache.memo(contact_key(fitted_scene, load, velocity, heat_steps)).results
+    key = fitted_scene, stored_steps, with_film, fields
+    if key not in results:  # no point before it had this heat
         states: list[State] = []
         if isinstance(fitted_scene.loading, Stages):
             states += stages_of(scene, load, velocity, ramp_cache)
@@ -212,8 +212,8 @@ def run_point(
         rows = [*course, *map(values_at, states)]
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         film = _film_of(fitted_scene, states[-1]) if with_film else _NO_FILM
-        memo[memo_key] = columns, states[-1], film
-    columns, state, film = memo[memo_key]
+        results[key] = columns, states[-1], film
+    columns, state, film = results[key]
     return PointResult(
         point=point,
         columns=columns,

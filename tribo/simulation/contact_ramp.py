@@ -14,10 +14,9 @@ implicit step that may end a step. `element_size` chooses the size of elements b
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Container, Generator, Hashable, Iterator, Sequence
+from collections.abc import Container, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
 from tribo.simulation.loading_step import advance, start
-from tribo.simulation.ramp_cache import RampCache, Recorder
+from tribo.simulation.ramp_cache import PointMemo, RampCache, Reached, Recorder
 from tribo.simulation.requested_state import refine_step, solve_positions
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -111,13 +110,17 @@ def contacts(
     on_finest = range(MOST_STEPS + 1) if recorder and not has_stages else requested
     advance_step = partial(_advance_shared, levels, velocity, on_finest)
     key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
-    if has_stages or (recorder and load_steps[-1].on_trunk):
-        memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
-        last = yield from _reach_shared_end(
-            ramp_cache, key, start(scene), load_steps, advance_step, recorder
-        )
-        if last.is_requested or not last.pressure.any():
-            yield last if has_stages else _with_positions(levels[-1], last, memo)
+    memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
+    begin = start(scene)
+    if has_stages or (recorder and load_steps[-1].on_trunk):  # higher loads continue from the end
+        ramp = ramp_cache.reach(key, begin, load_steps, advance_step, recorder)
+        for reached, load_step in zip(ramp, load_steps, strict=True):
+            if reached.is_new and load_step is not load_steps[-1]:
+                yield reached.state
+        end = reached.state
+        if end.is_requested or not end.pressure.any():
+            end = end if has_stages else _with_positions(levels[-1], end, memo)
+            yield replace(end, course=reached.course)
             return
     shared_steps = list(
         itertools.takewhile(
@@ -129,55 +132,36 @@ def contacts(
             load_steps,
         )
     )
-    memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
-    new_states = ramp_cache.reach(key, start(scene), shared_steps, advance_step, recorder)
-    state, course = yield from new_states
-    state = state.history or state
-    if "ends" in memo:  # solved for a scene that differs only in thermal constants
-        yield from (replace(end, course=course) for end in memo["ends"])
+    reached = Reached(begin, is_new=False)
+    for reached in ramp_cache.reach(key, begin, shared_steps, advance_step, recorder):
+        if reached.is_new:
+            yield reached.state
+    if memo.ends is not None:  # solved for a scene that differs only in thermal constants
+        yield from (replace(end, course=reached.course) for end in memo.ends)
         return
-    final_states = list[State]()
+    before, final_states = reached.state.history or reached.state, list[State]()
     for end in _final_states(
-        levels, state, load_steps[len(shared_steps) :], normal_load, velocity, requested
+        levels,
+        before,
+        load_steps[len(shared_steps) :],
+        normal_load,
+        velocity,
+        requested,
     ):
         if end.is_requested:
             final_states.append(end)
-        yield replace(end, course=course) if end.is_requested else end
+        yield replace(end, course=reached.course) if end.is_requested else end
     if ramp_cache.has_room_for(final_states):
-        memo["ends"] = final_states
+        memo.ends = final_states
 
 
-def _reach_shared_end(
-    ramp_cache: RampCache,
-    key: Hashable,
-    begin: State,
-    load_steps: Sequence[LoadStep],
-    advance: Callable[[State, LoadStep], State],
-    recorder: Recorder | None,
-) -> Generator[State, None, State]:
-    """Yield the states that are new to `ramp_cache`; return the last state.
-
-    Higher loads continue from the last state, which is that of a stage, or of a ramp at the end of
-    a step.
-    """
-    yield from ramp_cache.reach(key, begin, load_steps[:-1], advance, recorder)
-    last_step = ramp_cache.reach(key, begin, load_steps, advance, recorder)
-    while True:
-        try:
-            next(last_step)
-        except StopIteration as end:
-            last: State = end.value[0]
-            return replace(last, course=end.value[1])
-
-
-def _with_positions(scene: Scene, last: State, memo: dict[Hashable, Any]) -> State:
+def _with_positions(scene: Scene, last: State, memo: PointMemo) -> State:
     """The shared state `last` as the end of a point, with contacts at all positions of the disk."""
     if not (last.is_requested and scene.wears_by_strips):
         return last
-    if "end" not in memo:  # not solved for a scene that differs only in thermal constants
-        memo["end"] = solve_positions(scene, last)
-    end: State = memo["end"]
-    return replace(end, course=last.course)
+    if memo.shared_end is None:  # not solved for a scene that differs only in thermal constants
+        memo.shared_end = solve_positions(scene, last)
+    return memo.shared_end
 
 
 def _advance_shared(
@@ -314,6 +298,5 @@ def _later_state(contact: State, load_step: LoadStep, velocity: float) -> State:
         time=load_step.time,
         impulse=load_step.impulse,
         index=load_step.index,
-        on_trunk=load_step.on_trunk,
         sliding_distance=abs(velocity) * load_step.time,
     )

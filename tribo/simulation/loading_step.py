@@ -37,7 +37,6 @@ def start(scene: Scene) -> State:
         time=0.0,
         sliding_distance=0.0,
         impulse=0.0,
-        on_trunk=True,
         index=0,
         iterations=0,
         residual=0.0,
@@ -116,7 +115,6 @@ def advance(
         # Not summed over the steps, so that the last bits do not depend on the steps.
         sliding_distance=abs(velocity) * load_step.time,
         impulse=load_step.impulse,
-        on_trunk=load_step.on_trunk,
         index=load_step.index,
         iterations=iterations,
         residual=residual,

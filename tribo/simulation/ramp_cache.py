@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -26,6 +26,26 @@ class Recorder(NamedTuple):
 
     name: Hashable
     record: Callable[[State], Any]
+
+
+class Reached(NamedTuple):
+    """A step of a shared ramp: its state, and what was recorded at all steps up to it."""
+
+    state: State
+    is_new: bool  # not cached before
+    course: tuple[Any, ...] = ()  # empty without a recorder
+
+
+@dataclass(slots=True, eq=False)
+class PointMemo:
+    """Results of the last point, for scenes that differ from its scene in thermal constants only.
+
+    The cache fills none of them: `ends` and `shared_end` are of `contacts`, `results` of callers.
+    """
+
+    ends: list[State] | None = None  # requested states after the shared steps
+    shared_end: State | None = None  # end of the shared steps, at all positions of the disk
+    results: dict[Hashable, Any] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)
@@ -88,13 +108,13 @@ class RampCache:
         self._limit = limit
         self._trunks: OrderedDict[Hashable, _Trunk] = OrderedDict()
         self._lock = threading.Lock()
-        self._last: tuple[Hashable, dict[Hashable, Any]] = None, {}
+        self._last: tuple[Hashable, PointMemo] = None, PointMemo()
 
-    def memo(self, key: Hashable) -> dict[Hashable, Any]:
-        """Scratch dictionary of the most recent point; reset when `key` changes."""
+    def memo(self, key: Hashable) -> PointMemo:
+        """Memo of the most recent point; a new one when `key` changes."""
         with self._lock:
             if self._last[0] != key:
-                self._last = key, {}
+                self._last = key, PointMemo()
             return self._last[1]
 
     def has_room_for(self, states: Sequence[State]) -> bool:
@@ -108,13 +128,12 @@ class RampCache:
         load_steps: Sequence[LoadStep],
         advance: Callable[[State, LoadStep], State],
         recorder: Recorder | None = None,
-    ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
-        """Continue a cached ramp up to the last of its `load_steps`, and yield the new states.
+    ) -> Iterator[Reached]:
+        """Continue a cached ramp up to the last of its `load_steps`, and yield each of them.
 
         The ramp starts from the state `begin`, and is cached by `key`. `load_steps` are the ends of
         its steps: times with their loads. `advance` computes a state from the state one step
-        earlier. Returns the state at the last load step, and a tuple of the value that `recorder`
-        recorded at each load step; the tuple is empty without a `recorder`.
+        earlier.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
@@ -125,17 +144,16 @@ class RampCache:
             records: list[Any] = trunk.records.setdefault(recorder.name, []) if recorder else []
             state = begin
             for index, load_step in enumerate(load_steps, 1):
-                if trunk.dropped < index <= trunk.count:
-                    state = trunk.states[index - trunk.dropped - 1]
-                elif index > trunk.count:
+                is_new = index > trunk.count
+                if is_new:
                     state = advance(state, load_step)
                     trunk.add(state, self._limit)
-                    yield state
+                elif index > trunk.dropped:
+                    state = trunk.states[index - trunk.dropped - 1]
                 if recorder and len(records) < index:
                     records.append(recorder.record(state))
-            result = state, tuple(records[: len(load_steps)])
+                yield Reached(state, is_new, tuple(records[:index]))
         self._drop_oldest()
-        return result
 
     def _drop_oldest(self) -> None:
         with self._lock:

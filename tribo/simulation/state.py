@@ -98,8 +98,6 @@ class State:
         Distance slid since the start [m].
     impulse : float
         Integral of the load over the time since the start, ∫F dt [N s].
-    on_trunk : bool
-        True if the simulation of a higher load passes through this state.
     index : int
         Number of steps of the loading from the unloaded state up to this one.
     iterations : int
@@ -142,7 +140,6 @@ class State:
     time: float
     sliding_distance: float
     impulse: float
-    on_trunk: bool
     index: int
     iterations: int
     residual: float
