@@ -208,7 +208,7 @@ def _identify_case(ds: xr.Dataset, sweep: Sweep) -> tuple[Sweep, CaseName]:
     if not name:
         return sweep, ()
     words = ", ".join(f"{key} {text}" for key, text in table.to_text(tuple(name)).items())
-    return replace(sweep._select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
+    return replace(sweep.select_case(tuple(name)), title=f"{sweep.title}, {words}"), tuple(name)
 
 
 def _results_of_case(

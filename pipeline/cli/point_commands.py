@@ -54,7 +54,7 @@ def point(options: argparse.Namespace) -> Result:
     require_admissible_load(sweep, load, "--load")
     lower, higher = 0.8 * velocity, 1.2 * velocity
     point_sweep = replace(
-        sweep._take_surface(options.realization)._single_case(),
+        sweep.take_surface(options.realization).single_case(),
         steps="end",
         loads=(load,),
         velocities=(lower, velocity, higher),
@@ -101,7 +101,7 @@ def infer(options: argparse.Namespace) -> Result:
 
     A contact width gives the wear rate. Otherwise the tests give the critical temperature.
     """
-    sweep = one_scene_in(options)._take_surface(options.realization)
+    sweep = one_scene_in(options).take_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
     if any(option is not None for option in (options.load, options.velocity, options.duration)):
@@ -111,7 +111,7 @@ def infer(options: argparse.Namespace) -> Result:
             f"scene {sweep.name} has no tests; add [[tests]] with load, velocity and outcome"
         )
     small_sweep = replace(
-        sweep._single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:]
+        sweep.single_case(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:]
     )
     with run_line(2.0) as progress, writing(None, small_sweep) as store:
         run_serial(store, source=stored_tests_of(sweep), report=progress)
@@ -177,4 +177,4 @@ def _hold_for(sweep: Sweep, load: float, duration: float) -> Sweep:
             f"--duration is {duration:g} s, shorter than the ramp to {load:g} N, which takes "
             f"{ramp_time:g} s"
         )
-    return replace(sweep._single_case(), base=sweep.base.with_hold(duration - ramp_time), tests=())
+    return replace(sweep.single_case(), base=sweep.base.with_hold(duration - ramp_time), tests=())

@@ -200,7 +200,7 @@ class _SubmittedTasks:
     def _case(self, name: CaseName) -> bytes:
         sweep, fields = self._store.sweep, self._store.fields_of(name)
         case = sweep.case(name)
-        key = sweep._hash_scene(case.scene), fields
+        key = sweep.scene_hashes[name], fields
         if key not in self._cases:
             new_case = CaseInputs(case.scene, self._stored_steps, fields, case.has_film)
             self._cases[key] = new_case.pickled()

@@ -145,7 +145,7 @@ class GoalRun:
         realizations = [len(x.case_table.axes.get("realization", ())) for x in (sweep, before) if x]
         self.sweep = chosen
         if not self.is_fixed:
-            self.sweep = chosen._with_realizations(max(*realizations, _LEAST_REALIZATIONS))
+            self.sweep = chosen.with_realizations(max(*realizations, _LEAST_REALIZATIONS))
 
     @property
     def _seeds(self) -> tuple[int, ...]:
@@ -175,7 +175,7 @@ class GoalRun:
                 points.append((Point(*coordinates, (*case.name, *seed)), realization))
         if count > len(sweep_seeds) and not self.is_fixed:
             # More than needed now, because extending the store takes as long as some points.
-            self.sweep = self.sweep._with_realizations(min(MOST_REALIZATIONS, count + count // 2))
+            self.sweep = self.sweep.with_realizations(min(MOST_REALIZATIONS, count + count // 2))
         if new_velocities and not points:
             velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
             self.sweep = replace(self.sweep, velocities=velocities)

@@ -115,9 +115,9 @@ def _study_of(sweep: Sweep) -> Sweep:
     """The sweep whose points a study simulates: one case on one surface, or all rows themselves."""
     tests = sweep.tests if sweep.base.critical_from_tests else ()
     if sweep.case_table.column("load") is None:
-        sweep = sweep._single_case()
+        sweep = sweep.single_case()
         if not reason_surface_is_fixed(sweep):
-            sweep = sweep._with_realizations(1)  # a search may add further ones
+            sweep = sweep.with_realizations(1)  # a search may add further ones
 
     def certain(case: Case) -> Case:
         return replace(case, uncertainty=())  # whose points only a run adds

@@ -166,7 +166,7 @@ def _seconds_of_point(sweep: Sweep, target: float) -> float:
 
     Points of a plane share their ramps, and so may take less.
     """
-    case, load = sweep._on_first_surface[0], sweep.loads[len(sweep.loads) // 2]
+    case, load = sweep.on_first_surface[0], sweep.loads[len(sweep.loads) // 2]
     velocity = min((v for v in sweep.velocities if v > 0), key=lambda v: abs(v - target))
     stored_steps = choose_stored_steps(replace(sweep, steps="end", loads=(load,)))
     began = time.process_time()

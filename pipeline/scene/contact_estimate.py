@@ -81,7 +81,7 @@ def single_cases(sweep: Sweep, max_count: int) -> list[SingleCase]:
     cases = list[SingleCase]()
     for name in names[:: math.ceil(len(names) / max_count)]:
         row = next(row for row in rows if {*name} <= {*row.items()})
-        case, labels = sweep._select_case(name), [*sweep.case_table.to_text(name).values()]
+        case, labels = sweep.select_case(name), [*sweep.case_table.to_text(name).values()]
         if "load" in row:
             loads = sweep.case_table.loads_of(row)
             case = replace(case, loads=loads, velocities=(float(row["velocity"]),))

@@ -43,7 +43,7 @@ def variants_of(
     """
     if sweep.source is None:
         raise InputError("sensitivities need the scene file; use it in place of its store")
-    cases = dict(zip(sweep.case_table.without_surfaces.names, sweep._on_first_surface, strict=True))
+    cases = dict(zip(sweep.case_table.without_surfaces.names, sweep.on_first_surface, strict=True))
     entries_by_case, changed_inputs = _entries_by_case(sweep), dict[CaseName, list[_ChangedInput]]()
     variants, requested = list[Variant](), None if paths is None else {*paths}
     for load, velocity, name in points:

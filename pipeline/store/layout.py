@@ -73,7 +73,7 @@ class Group:
         }
         if factors := sweep.case_table.load_factors:
             rows["load"] = [sweep.case_table.loads_of({"load": load}) for load in rows["load"]]
-        scenes = [case.scene for case in sweep._on_first_surface]
+        scenes = [case.scene for case in sweep.on_first_surface]
         ramps = {ramp_of(scene): scene for scene in scenes}.values()
         loads_of_scenes: Iterable[tuple[Scene, float]] = itertools.product(ramps, sweep.loads)
         if self.prefix:  # each test has loads of its own
@@ -195,7 +195,7 @@ class Group:
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        return self.sweep._scene_hashes[point.case]
+        return self.sweep.scene_hashes[point.case]
 
     def is_stepped(self, name: str) -> bool:
         """True for a variable with values at each step of a point."""

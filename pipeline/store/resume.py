@@ -77,7 +77,7 @@ def _union(name: str, old: Sequence[float], new: Sequence[float]) -> tuple[float
 def mismatches(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can."""
     old, new = stored.case_table, sweep.case_table
-    old_hashes, new_hashes = (compared._scene_hashes for compared in (stored, sweep))
+    old_hashes, new_hashes = (compared.scene_hashes for compared in (stored, sweep))
     if [*old.axes] != [*new.axes] and not {*old_hashes.values()} <= {*new_hashes.values()}:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
         yield f"axes: {have} in the store, {gives} in the scene, which lacks cases of the store"

@@ -96,7 +96,7 @@ class Root:
     @property
     def layout(self) -> list[Any]:
         """Points, variables and scenes; a store goes on as it is if they stay the same."""
-        return [(group.axes, {*group.arrays}, group.sweep._scene_hashes) for group in self.groups]
+        return [(group.axes, {*group.arrays}, group.sweep.scene_hashes) for group in self.groups]
 
     @functools.cached_property
     def sweep_digest(self) -> str:

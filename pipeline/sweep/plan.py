@@ -292,7 +292,7 @@ def choose_stored_steps(sweep: Sweep) -> StoredSteps:
     """Steps (times of the loading) to store; those of an existing store do not change."""
     if sweep.stored_steps:
         return sweep.stored_steps
-    steps, cases = sweep.steps, sweep._on_first_surface
+    steps, cases = sweep.steps, sweep.on_first_surface
     scenes = [case.scene for case in cases]
     if not steps:
         # Cases that share contacts would take 2.9 to 4.4 times as long with temperatures at all

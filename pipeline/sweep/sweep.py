@@ -193,7 +193,7 @@ class Sweep:
         return self._by_name[name]
 
     @cached_property
-    def _on_first_surface(self) -> tuple[Case, ...]:
+    def on_first_surface(self) -> tuple[Case, ...]:
         """Cases that the user chose, each on its first surface."""
         if not self.case_table.chosen_columns:
             return (self.base,)
@@ -216,12 +216,12 @@ class Sweep:
             if column.is_seed
         )
 
-    def _single_case(self, name: CaseName = ()) -> Self:
+    def single_case(self, name: CaseName = ()) -> Self:
         """The sweep of one case, by default of the scene itself."""
         case = replace(self.case(name), name=())
         return replace(self, base=case, cases=(case,), case_table=CaseTable())
 
-    def _select_case(self, name: CaseName) -> Self:
+    def select_case(self, name: CaseName) -> Self:
         """The sweep of the random surfaces of one case, named without them."""
         table, labels = self.case_table.surfaces_of(name), {*name}
         selected = [case for case in self.cases if labels <= {*case.name}]
@@ -232,20 +232,11 @@ class Sweep:
         ]
         return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), case_table=table)
 
-    def _hash_scene(self, scene: Scene) -> str:
-        """SHA-256 of a scene, cached."""
-        if scene not in self._hashes:
-            self._hashes[scene] = digest(scene)
-        return self._hashes[scene]
-
     @cached_property
-    def _hashes(self) -> dict[Scene, str]:
-        return {}
-
-    @cached_property
-    def _scene_hashes(self) -> dict[CaseName, str]:
+    def scene_hashes(self) -> dict[CaseName, str]:
         """SHA-256 of the scene of each case, by the name of the case."""
-        return {case.name: self._hash_scene(case.scene) for case in self.cases}
+        hashes = {scene: digest(scene) for scene in {case.scene for case in self.cases}}
+        return {case.name: hashes[case.scene] for case in self.cases}
 
     def changed(self, path: str, value: Any) -> Self:
         """The sweep with another value of an entry, as in a scene file; None removes the entry.
@@ -318,13 +309,13 @@ class Sweep:
         tests = tuple(replace(test, case=change(test.case)) for test in self.tests)
         return replace(self, base=base, cases=tuple(cases), tests=tests)
 
-    def _with_realizations(self, count: int) -> Self:
+    def with_realizations(self, count: int) -> Self:
         """The sweep on `count` random surfaces, with ascending seeds from that of the scene on."""
         roughness = self.scene.roughness
         assert isinstance(roughness, SelfAffineRoughness)
         chosen = self.case_table.without_surfaces
         table = chosen * surface_table(range(roughness.seed, roughness.seed + count))
-        first_cases = dict(zip(chosen.names, self._on_first_surface, strict=True))
+        first_cases = dict(zip(chosen.names, self.on_first_surface, strict=True))
         cases = tuple(
             replace(first_cases[(*labels,)].on_surface(int(seed)), name=(*labels, (dim, seed)))
             for *labels, (dim, seed) in table.names
@@ -346,7 +337,7 @@ class Sweep:
         replaced_conditions = {**self.replaced_conditions, **changes}
         return replace(self, base=base, cases=tuple(cases), replaced_conditions=replaced_conditions)
 
-    def _take_surface(self, seed: int | None) -> Self:
+    def take_surface(self, seed: int | None) -> Self:
         """The sweep without cases, on the random surface of a seed; unchanged for None."""
         if seed is None:
             return self
@@ -355,7 +346,7 @@ class Sweep:
                 f"realization {seed} has no effect: the disk of the scene is smooth; leave it out"
             )
         if not isinstance(self.scene.roughness, SelfAffineRoughness):  # an area of a scan
-            return self.changed(AREAS_ENTRY, [seed])._single_case()
+            return self.changed(AREAS_ENTRY, [seed]).single_case()
         base = replace(self.base.on_surface(seed), name=())
         tests = tuple(replace(test, case=test.case.on_surface(seed)) for test in self.tests)
         return replace(self, base=base, cases=(base,), case_table=CaseTable(), tests=tests)

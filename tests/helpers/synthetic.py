@@ -134,7 +134,7 @@ def sweep(
     judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
     simulated = scene(conditions=judged, fields=fields, **plane | overrides)
-    first = simulated._on_first_surface[0].scene
+    first = simulated.on_first_surface[0].scene
     area = np.prod(first.grid.size) * first.pin.windows(first.grid)
     with np.errstate(invalid="ignore"):
         pressure = scalars["normal_load"] / (scalars["contact_fraction"] * area)

@@ -64,7 +64,7 @@ class Planes:
         if self.fixed:
             return [sweep.scene]
         return [
-            case.scene for case in sweep._with_realizations(MOST_REALIZATIONS + REALIZATIONS).cases
+            case.scene for case in sweep.with_realizations(MOST_REALIZATIONS + REALIZATIONS).cases
         ]
 
     def keep(self):

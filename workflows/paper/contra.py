@@ -48,7 +48,7 @@ def contra(study: Study) -> Recomputation:
     for name in study.stages(_CHANGES):
         entries = {"motion.slide_roll_ratio": _RATIO, **_CHANGES[name]}
         scene = _changed(study.scene(_SCENE), entries)
-        fits = [_fit(scene._take_surface(seed)) for seed in (seeds if name == _USUAL else few)]
+        fits = [_fit(scene.take_surface(seed)) for seed in (seeds if name == _USUAL else few)]
         exponents[name] = [n for n, _ in fits]
         misfits[name] = max(misfit for _, misfit in fits)
     usual = np.array(exponents[_USUAL])

@@ -106,7 +106,7 @@ def _percent(changes: Sequence[float]) -> str:
 
 def _rises(sweep: Sweep, seed: int, load: float, velocity: float) -> tuple[float, float]:
     """Rises at friction 1 [K] that govern: of the whole contact, and of both its ends along y."""
-    surface = sweep._take_surface(seed)
+    surface = sweep.take_surface(seed)
     *_, state = simulate(surface.scene, load, velocity)
     assert state.heat
     y = np.abs(refined_scene(surface.scene, state).grid.coordinates(1))

@@ -66,7 +66,7 @@ def fig6(study: Study) -> Recomputation:
     drawn_count = max(count for count in counts if count <= _PUBLISHED)
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, is_explicit) in _SCHEMES.items():
-        scenes = [worn(sweep, pattern)._take_surface(seed) for seed in seeds]
+        scenes = [worn(sweep, pattern).take_surface(seed) for seed in seeds]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
         by_increments[name], pressures = _with_steps(scenes, stages, is_explicit)
         unstable[name] = [

@@ -79,7 +79,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
     """Critical temperature [°C] from a transition, (surface, conductivity)."""
     temperatures = []
     for seed in study.seeds(_SURFACES):
-        surface = sweep._take_surface(seed)
+        surface = sweep.take_surface(seed)
         *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)

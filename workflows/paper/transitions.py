@@ -107,7 +107,7 @@ def on_surfaces(
 ) -> Ends:
     """Quantities at the end of transitions (transition, surface), by name; see `end_of`."""
     surfaces = [
-        _stacked([end(scene._take_surface(seed), test) for scene, test in transitions])
+        _stacked([end(scene.take_surface(seed), test) for scene, test in transitions])
         for seed in seeds
     ]
     return _stacked(surfaces, axis=1)

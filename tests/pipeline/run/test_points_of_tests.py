@@ -57,7 +57,7 @@ def answered(source):
 
 def simulated_rise(sweep, load, velocity, friction=0.1, **entries):
     """Rise at a load and velocity in the scene of a sweep with other entries."""
-    scene = sweep._single_case()
+    scene = sweep.single_case()
     for path, value in entries.items():
         scene = scene.changed(path.replace("__", "."), value)
     point = pipeline.run_point(scene, load, velocity)

@@ -67,7 +67,7 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     # The unworn first stage is hotter than the second.
     assert temperatures[2] < temperatures[0]
     assert governing == pytest.approx(np.maximum.accumulate(temperatures)[1::2], rel=1e-9)
-    point = pipeline.run_point(store[0]._single_case(), 120.0, 2.0)
+    point = pipeline.run_point(store[0].single_case(), 120.0, 2.0)
     assert point.verdict(store[0].conditions).governing_temperature == pytest.approx(
         governing[1], rel=1e-12
     )

@@ -91,7 +91,7 @@ def test_a_damaged_chunk_of_rows_is_found_and_computed_again(path):
 
 def test_rows_and_random_surfaces_have_points_at_each_factor(path):
     table = placed_rows(*ROWS[:2], load_factors=(0.5, 1.0))
-    sweep = tiny.sweep(case_table=table)._with_realizations(2)
+    sweep = tiny.sweep(case_table=table).with_realizations(2)
     commit_all(path, sweep)
     ds = pipeline.open_sweep(path)
     assert dict(ds["status"].sizes) == {"case": 2, "realization": 2, "load_factor": 2}

@@ -64,7 +64,7 @@ def test_realizations_of_a_scan_are_its_areas(scene):
     listed = scene((14, 18), realizations=[5, 2])
     assert [dict(case.name)["realization"] for case in listed.cases] == [2, 5]
     assert listed.scene == listed.cases[0].scene == sweep.cases[2].scene
-    assert sweep._take_surface(4).scene == sweep.cases[4].scene
+    assert sweep.take_surface(4).scene == sweep.cases[4].scene
     for numbers in (7, [0, 6]):
         with pytest.raises(SceneFileError, match=r"has 6 areas .* there is no area 6"):
             scene((14, 18), realizations=numbers)
