@@ -134,7 +134,7 @@ def compute(client: Client, watch: Watch, store: Store, queue: TaskQueue, tally:
                         suspect_tasks.append(job.task)
                     else:
                         writer.add([PointRecord(point, None, _LOST_MESSAGE)])
-            if written := writer.written():
+            if written := writer.flush_if_due():
                 tally.count(written, len(workers))
         tally.count(writer.flush(), len(workers))
 

@@ -180,10 +180,10 @@ def run_planned(
             for tests in store.groups[1:]:  # first, as the critical temperature may follow
                 cluster.compute(tests, tally)
             computed_tests = tally.computed
-            store = _ask_for(store, plan, tally) if plan else store
+            store = _with_next_points(store, plan, tally) if plan else store
             while store.pending():
                 cluster.compute(store, tally)
-                store = _ask_for(store, plan, tally) if plan else store
+                store = _with_next_points(store, plan, tally) if plan else store
             computed = tally.computed - computed_tests
             if larger := with_variants(store):
                 store = enlarged(store, larger)
@@ -243,8 +243,8 @@ class _Workers(ExitStack):
         return self._watch.cpu_time() - self._initial_cpu_time if self._watch else 0.0
 
 
-def _ask_for(store: Store, plan: Plan, tally: Tally) -> Store:
-    """Ask for the next points of a plan; the store is enlarged for further realizations."""
+def _with_next_points(store: Store, plan: Plan, tally: Tally) -> Store:
+    """The store with the next points of a plan as pending, enlarged for further realizations."""
     while True:
         sweep = plan.sweep
         points = plan.next_points(store)
@@ -252,7 +252,7 @@ def _ask_for(store: Store, plan: Plan, tally: Tally) -> Store:
             store = enlarged(store, plan.sweep)
             store.leave_out_pending()
         if points or not is_larger:
-            store.ask_for(points)
+            store.need(points)
             tally.follow(store)
             return store
 

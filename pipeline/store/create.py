@@ -144,9 +144,9 @@ def _open(
         store = Store(location, root, lock)
     else:
         store = _replace(location, before, root, lock, progress)
-    store.ask(points(sweep))
+    store.need_only(points(sweep))
     for tests in store.groups[1:]:
-        tests.ask(points(tests.sweep))
+        tests.need_only(points(tests.sweep))
     return store
 
 

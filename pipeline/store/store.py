@@ -245,19 +245,19 @@ class Store:
         """Mark points as pending, so that they are computed again."""
         self.set_flags(np.where(self._mask(points), np.int8(PENDING), self.flags))
 
-    def ask(self, points: Iterable[Point]) -> None:
+    def need_only(self, points: Iterable[Point]) -> None:
         """Mark `points` as needed, and all others that are not done as not needed."""
-        self.ask_for(points := [*points])
+        self.need(points := [*points])
         is_unchanged = self._mask(points) | (self.flags == DONE)
         self.set_flags(np.where(is_unchanged, self.flags, np.int8(NOT_NEEDED)))
 
-    def ask_for(self, points: Iterable[Point]) -> None:
+    def need(self, points: Iterable[Point]) -> None:
         """Mark further points as needed."""
         is_new = self._mask(points) & (self.flags == NOT_NEEDED)
         self.set_flags(np.where(is_new, np.int8(PENDING), self.flags))
 
     def leave_out_pending(self) -> None:
-        """Mark pending points as not needed, until `ask_for` is called with them."""
+        """Mark pending points as not needed, until `need` is called with them."""
         self.set_flags(np.where(self.flags == PENDING, np.int8(NOT_NEEDED), self.flags))
 
     def _mask(self, points: Iterable[Point]) -> Mask:
@@ -317,7 +317,7 @@ class Writer:
         """Add records to the waiting ones."""
         self._waiting += records
 
-    def written(self) -> list[PointRecord]:
+    def flush_if_due(self) -> list[PointRecord]:
         """Write and return the waiting records if a commit is due."""
         return self.flush() if time.monotonic() >= self._next else []
 
