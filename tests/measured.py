@@ -266,8 +266,8 @@ ROWS = {
         faults("power", "cuts", "cuts"),
     ),
     "damage": Row(
-        "No damaged data are taken for sound: flipped bits; files cut, zeroed, deleted, replaced "
-        "by older ones",
+        "No damaged data are taken for sound, and no damaged document costs a store: flipped bits; "
+        "files cut, zeroed, deleted, replaced by older ones",
         STORE,
         "python -m tests.crash damage",
         "--trials 20",
