@@ -124,9 +124,9 @@ def sensitivity_frame(ds: xr.Dataset) -> pd.DataFrame:
     rows = [
         (
             input_name(path), value_text(ds, path), step_text(path), ds["choice"].values[k],
-            *(float(f"{ds[n].values[k]:.3g}") for n in ("log_rise_change", "velocity_change")),
-            deviation_text(path, ds["uncertainty"].values[k]), ds["log_rise_deviation"].values[k],
-            path,
+            *(_rounded(ds[n].values[k], 3) for n in ("log_rise_change", "velocity_change")),
+            deviation_text(path, ds["uncertainty"].values[k]),
+            _rounded(ds["log_rise_deviation"].values[k], 2), path,
         )
         for k, path in enumerate(ds["input"].values.tolist())
     ]  # fmt: skip
@@ -137,6 +137,11 @@ def sensitivity_frame(ds: xr.Dataset) -> pd.DataFrame:
     frame = frame_of(heads, rows)
     is_declared = ds["uncertainty"].notnull().any()
     return frame if is_declared else frame.drop(columns=["standard deviation", "rise by it ± [%]"])
+
+
+def _rounded(value: float, digits: int) -> float:
+    """The value with a number of significant digits, and 0 without a sign."""
+    return float(f"{value:.{digits}g}") + 0.0
 
 
 def value_text(ds: xr.Dataset, path: str) -> str:
