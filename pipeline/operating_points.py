@@ -74,8 +74,10 @@ def _without_answers(table: Table) -> Table:
     if not {*_LOAD_AND_VELOCITY, "verdict", "probability"} <= {*names}:
         return table
     last = max(names.index(name) for name in _LOAD_AND_VELOCITY)
-    kept = [column for k, column in enumerate(table.columns) if k < last or column.name in _RANGES]
-    return replace(table, columns=kept)
+    point_columns = [
+        column for k, column in enumerate(table.columns) if k < last or column.name in _RANGES
+    ]
+    return replace(table, columns=point_columns)
 
 
 def _faults_in(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
