@@ -28,7 +28,7 @@ from pipeline.answers.case_results import CaseResults
 from pipeline.answers.condition_values import argument_array
 from pipeline.answers.regions import Region, regions
 from pipeline.answers.results import cases_of, sweep_of
-from pipeline.answers.scene_wording import value_words
+from pipeline.answers.scene_wording import named_value
 from pipeline.answers.value_text import attribute_texts
 from pipeline.answers.verdict_model import MILD, OUTSIDE, SEVERE, UNDECIDED, UNKNOWN, VERDICTS
 from pipeline.arguments import in_load_or_velocity
@@ -232,12 +232,14 @@ def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
     friction_band = case.sweep.base.friction_band
     if friction_band and friction_band[0] < friction_band[1]:
         look = {"color": GREY, "lw": style.THIN, "ls": "--"}
+        drawn_friction = float(np.ravel(margins["friction"].values)[0])  # has its line already
+        frictions = [x for x in friction_band if not math.isclose(x, drawn_friction, rel_tol=1e-3)]
         are_drawn = [
             _draw_zero(axes, in_model["critical_friction"] - friction, "friction", look)
-            for friction in friction_band
+            for friction in frictions
         ]
         if any(are_drawn):
-            label = f"computed at friction {friction_band[0]:g} and {friction_band[1]:g}"
+            label = f"computed at friction {' and '.join(f'{x:g}' for x in frictions)}"
             legend[label] = Line2D([], [], **look)
     return legend
 
@@ -272,6 +274,26 @@ def _name_regions(axes: Axes, margins: xr.Dataset) -> None:
                 velocities[column], loads[row], name, ha="center", va="center", fontweight="bold",
                 color=colour, gid="region", path_effects=style.HALO, zorder=3,
             )  # fmt: skip
+        else:
+            _name_side(axes, margins["log_rise_ratio"].values, verdict)
+
+
+def _name_side(axes: Axes, log_ratios: Array, verdict: int) -> None:
+    """Name the side of a line in its corner: slow and light, or fast and heavy.
+
+    `log_ratios` (..., load, velocity) are those of one or several lines. Nothing is written if the
+    corner is on the other side of any line.
+    """
+    is_severe = verdict == SEVERE
+    at_corner = log_ratios[..., -1, -1] if is_severe else -log_ratios[..., 0, 0]
+    if not (at_corner > 0).all():
+        return
+    text, colour = ("severe →", VERMILION) if is_severe else ("← mild", BLUE)
+    axes.text(
+        0.98 if is_severe else 0.02, 0.97 if is_severe else 0.03, text, transform=axes.transAxes,
+        ha="right" if is_severe else "left", va="top" if is_severe else "bottom",
+        fontweight="bold", color=colour, gid="side", path_effects=style.HALO, zorder=3,
+    )  # fmt: skip
 
 
 def _mark_simulated(axes: Axes, ds: xr.Dataset, conditions: Mapping[str, Any]) -> list[str]:
@@ -306,18 +328,15 @@ def _draw_cases(axes: Axes, margins: xr.Dataset, dimensions: Sequence[str]) -> L
     colours = colormaps["viridis"](np.linspace(0.0, 0.8, log_ratios.sizes["line"]))
     legend = Legend()
     for log_ratio, colour in zip(log_ratios, colours, strict=True):
-        name = ", ".join(_name(margins[dim], log_ratio[dim].item()) for dim in dimensions)
+        labels = [margins[dim].sel({dim: log_ratio[dim].item()}) for dim in dimensions]
+        name = ", ".join(map(named_value, labels))
         look: dict[str, Any] = style.BOUNDARY | {"color": colour}
         if not _draw_zero(axes, log_ratio, f"boundary {name}", look):
             name, look = f"{name}: no boundary in the sweep", {"ls": "none"}
         legend[name] = Line2D([], [], **look)
+    for verdict in (MILD, SEVERE):
+        _name_side(axes, log_ratios.values, verdict)
     return legend
-
-
-def _name(axis: xr.DataArray, value: Any) -> str:
-    """A value of a varied entry or condition, such as "1 mm" or "friction 0.1"."""
-    text = value_words(axis, value)
-    return f"{axis.name} {text}" if text == f"{value:g}" else text
 
 
 def _mark_operating_points(axes: Axes, points: Sequence[OperatingPoint]) -> None:

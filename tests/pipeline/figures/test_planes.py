@@ -152,8 +152,8 @@ def two_pins(factors=(1.0, 0.1), **options):
 
 def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     axes, words, legend = drawn(two_pins())
-    assert words == ["1 mm", "2 mm: no boundary in the sweep"]
-    boundary = vertices(axes, "boundary 1 mm")
+    assert words == ["pin radius 1 mm", "pin radius 2 mm: no boundary in the sweep"]
+    boundary = vertices(axes, "boundary pin radius 1 mm")
     ends = boundary[:, 1].min(), boundary[:, 1].max()
     assert ends == pytest.approx((LOADS[0], LOADS[-1]), rel=1e-4)
     expected = synthetic.critical_velocity(boundary[:, 1], LIMIT)
@@ -163,7 +163,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     with pytest.raises(InputError, match="needs at least two loads and two velocities"):
         pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
-    assert words == ["1 mm", "2 mm"]
+    assert words == ["pin radius 1 mm", "pin radius 2 mm"]
     ends = [vertices(axes, f"boundary {name}")[:, 0].max() for name in words]
     assert ends[0] < ends[1]  # the cooler pin's boundary is faster
     colours = [collection.get_edgecolor()[0].tolist() for collection in axes.collections]
