@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.style import context
 from matplotlib.text import Text
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import Locator, LogLocator, MaxNLocator, NullLocator
 
 from pipeline.frames import write_bytes
 from tribo import InputError
@@ -192,10 +192,11 @@ def plain_numbers(axes: Axes) -> None:
         if axis.get_scale() != "log":
             continue
         low, high = axis.get_view_interval()
-        is_narrow = (
-            high < 10 * low
-        )  # where powers of ten would leave most of the axis without ticks
-        locator = MaxNLocator(7, steps=(1, 2, 5, 10)) if is_narrow else LogLocator(subs=(1, 2, 5))
+        if high < 3 * low:  # hardly any power of ten, or half of it, lies between
+            locator: Locator = MaxNLocator(7, steps=(1, 2, 5, 10))
+        else:
+            subs = range(1, 10) if high < 10 * low else (1, 2, 5)
+            locator = LogLocator(subs=tuple(map(float, subs)))
         axis.set_major_locator(locator)
         axis.set_major_formatter("{x:g}")
         axis.set_minor_locator(NullLocator())
