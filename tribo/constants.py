@@ -140,6 +140,9 @@ HEAVY_WEAR = 9.0  # depth of heavy wear, over Ra of the elements
 FEWEST_PIXELS = 2.0  # per correlation length, to resolve the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin after which wear is even around it to about 10 %
 WIDEST = 0.3  # half-width in radii up to which parabola and half-space approximate a pin
+# Longest end of a pin [m], and the excess of its rise over that of the whole pin from which a point
+# warns. Surfaces change the rise of so short a part by 1.3 % (standard deviation).
+END_LENGTH, HOT_END = 0.4e-3, 0.04
 # Largest relative error of the rise by present heat that gives no warning.
 MAX_ELAPSED_HEAT_ERROR = 0.01
 LEAST_SUMMIT = 0.7  # elements across a summit, below which the rise was up to 16 % too low

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
+    END_LENGTH,
     FEW_ELEMENTS,
     FEW_PIXELS,
     FEW_SWEPT,
@@ -18,6 +19,7 @@ from tribo.constants import (
     FEWEST_ROWS,
     FEWEST_TURNS,
     HEAVY_WEAR,
+    HOT_END,
     LEAST_SUMMIT,
     MAX_ELAPSED_HEAT_ERROR,
     SLOWEST,
@@ -34,6 +36,7 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State, touching_elements
 from tribo.simulation.usual_values import unusual_values
 from tribo.surface import SelfAffineRoughness, average_roughness
+from tribo.thermal.quantiles import contact_quantiles, rise_exceeded
 from tribo.types import Array
 
 SLOW = (
@@ -69,6 +72,8 @@ class WarningKind(IntFlag):
     SLOW_RISE
         The rise hardly grows with velocity. Found from neighbouring points of a sweep; for a worn
         ball at a single point, too.
+    HOT_ENDS
+        An end of a pin that is computed with its ends is clearly hotter than the whole pin.
 
     Examples
     --------
@@ -85,6 +90,7 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
+    HOT_ENDS = 512
 
     @property
     def label(self) -> str:
@@ -159,6 +165,7 @@ def point_warnings(scene: Scene, state: State) -> list[PointWarning]:
         _warn_shape,
         _warn_few_turns,
         _warn_slow_rise,
+        _warn_hot_ends,
     )
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
@@ -277,6 +284,30 @@ def _warn_slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
         yield WarningKind.SLOW_RISE, SLOW
 
 
+def _warn_hot_ends(scene: Scene, state: State) -> Iterator[Reason]:
+    """Warn if wear would become severe at an end of the pin before it does on the whole pin."""
+    if scene.pin.length is None or scene.grid.periodic[1] or state.heat is None:
+        return
+    if not state.pressure.any():
+        return
+    length = min(END_LENGTH, scene.pin.length / 2)
+    contact, count = state.pressure > 0, round(length / scene.pin.length * len(state.pressure[0]))
+    parts = slice(None), slice(count), slice(-count, None)
+    whole, *ends = (
+        float(rise_exceeded(contact_quantiles(state.heat.rise[:, part], contact[:, part]), 0.1))
+        for part in parts
+        if contact[:, part].any()
+    )
+    if max(ends, default=0.0) > (1 + HOT_END) * whole:
+        yield (
+            WarningKind.HOT_ENDS,
+            f"on the hottest tenth of its contact, an end of {1e3 * length:.2g} mm of the pin has "
+            f"a rise {100 * (max(ends) / whole - 1):.0f} % above that of the whole pin, by which "
+            "the verdict is given; wear becomes severe there first: relieve the ends, or let them "
+            "wear",
+        )
+
+
 def _warn_few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if so few elements touch that the temperature of the contact is uncertain."""
     are_pixels, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
@@ -284,7 +315,8 @@ def _warn_few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     if is_worn:
         min_count = FEW_WORN
     elif are_pixels:
-        min_count = FEW_SWEPT if scene.sweeps_over else FEW_PIXELS
+        passes_rim = scene.sweeps_over and scene.pin.length is None
+        min_count = FEW_SWEPT if passes_rim else FEW_PIXELS
     elif scene.fidelity.fewest_elements:  # the largest that the surface allows
         min_count //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
     if not 0 < touching_elements(scene, state) < min_count or (are_pixels and not scene.roughness):
@@ -306,8 +338,9 @@ def _warn_few_elements(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _is_heavily_worn(scene: Scene, state: State) -> bool:
-    """True if wear averaged over positions of the disk is much deeper than its roughness."""
-    if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
+    """True under a ball if wear averaged over positions is much deeper than the roughness."""
+    heights = elastic_bodies(scene).heights
+    if not scene.sweeps_over or scene.pin.length is not None or heights is None:
         return False
     return bool(state.wear_depth.max() > HEAVY_WEAR * average_roughness(heights))
 

@@ -56,6 +56,27 @@ def test_sharp_ends_of_the_papers_pin_carry_more_than_its_middle():
     assert share[y > 1.6e-3].mean() == pytest.approx(1.24, abs=0.03)
 
 
+def test_a_short_pin_of_over_200_pixels_in_contact_has_no_warning():
+    state = end(SCENE)
+    assert 200 < np.count_nonzero(state.pressure) < 3000
+    kinds = [warning.kind for warning in tribo.warnings(SCENE, state)]
+    assert tribo.WarningKind.FEW_NODES not in kinds
+
+
+def test_a_hardly_worn_sharp_pin_warns_of_hot_ends_and_a_relieved_one_does_not():
+    length = 3.4e-3
+    pixels = tribo.Grid((64, 544), (5e-6, length / 544), (False, False))
+    loading, wear = tribo.Ramp(150.0, 600.0), tribo.Wear(1e-18)
+    texts = []
+    for relief in (None, tribo.Relief(2e-6, 0.3e-3)):
+        pin = replace(SHARP, length=length, relief=relief)
+        scene = replace(SCENE, pin=pin, pixels=pixels, loading=loading, wear=wear)
+        texts.append([warning.text for warning in tribo.warnings(scene, end(scene, 560.0))])
+    (text,) = texts[0]
+    assert "an end of 0.4 mm of the pin has a rise 13 % above that of the whole pin" in text
+    assert texts[1] == []
+
+
 def test_a_window_with_free_ends_is_the_whole_pin():
     assert SHARP.windows(WINDOW) == 1
     assert SCENE.nominal_area == pytest.approx(WINDOW.area)

@@ -165,4 +165,5 @@ def test_kinds_keep_the_bits_that_stores_have():
         "beyond shape": 64,
         "few turns": 128,
         "slow rise": 256,
+        "hot ends": 512,
     }
