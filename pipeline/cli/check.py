@@ -38,6 +38,11 @@ from pipeline.sweep.sweep import Sweep
 from tribo import InputError, lubrication_regime
 from tribo.simulation.lubrication import SurfaceSummary, find_lubrication
 
+_ENDS = {
+    True: 'which pin.ends = "free" computes (irg help model: how much)',
+    False: 'without a known size; pin.ends = "free" computes them',
+}
+"""What to do about the ends of a pin, by whether the pin rests and wears."""
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
@@ -114,7 +119,7 @@ def _meaning_rows(
     nx, ny = scene.grid.shape
     yield "window", f"{display_sides(contact.window)}, {nx} × {ny} elements; {memory}"
     if scene.pixels.periodic[1]:
-        yield "", "repeats along y; pin ends: not modelled"
+        yield "", "repeats along y; pin ends: not modelled, " + _ENDS[scene.wears_by_strips]
     yield "surface", _surface_words(contact.surface) if contact.surface else "smooth"
     time, distance = _span_text(contact.duration, "s"), _span_text(contact.sliding_distance, "m")
     yield "motion", f"duration {time}, sliding distance {distance}"
