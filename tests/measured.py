@@ -146,12 +146,22 @@ RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
 ROWS = {
     "presets": Row(
         "At 99 % of positions without a warning, the critical velocity errs by less than the bound "
-        "of the preset, or by less than 3.5 % if the pin wears under strips of the disk",
+        "of the preset; for a pin that wears under strips of the disk, with the stated error by "
+        "their positions",
         ("tribo",),
         "python -m tests.promises.front",
         "--scenes 8 --minutes 3",
         "",
         presets,
+    ),
+    "positions": Row(
+        "At 95 % of positions of the disk's strips, the rise deviates from its mean by less than "
+        "the stated error; judged on scenes that did not set it",
+        ("tribo",),
+        "python -m tests.promises.positions",
+        "--scenes 4",
+        "",
+        last_line,
     ),
     "moving disk": Row(
         "The mean temperature rise is that under a disk that moves through 384 positions, with and "

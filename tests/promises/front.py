@@ -6,9 +6,8 @@ bound of 99 % of its errors at places without a warning. Scenes of an odd number
 all take over an hour.
 
 A pin that wears under strips of the disk errs at random, too, since each stage of its wear has
-other strips. Surface sampling includes this error, because it differs between realizations. Single
-errors of such scenes therefore have a wider bound. `moving_disk` judges their mean errors, which
-realizations share.
+other strips. The bound of such scenes contains the stated error by these positions, which
+`positions` judges. `moving_disk` judges their mean errors, which realizations share.
 
     python -m tests.promises.front
     python -m tests.promises.front --scenes 8
@@ -16,6 +15,7 @@ realizations share.
 
 import argparse
 import json
+import math
 import sys
 import tempfile
 import time
@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.answers.error import preset_error_of, preset_of
-from pipeline.constants import PRESET_BOUNDS
+from pipeline.constants import POSITION_LIMIT, PRESET_BOUNDS, RISE_EXPONENT
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import case_of, cases
 from tests.promises.truth import deciding_rise, known, verdicts
@@ -34,15 +34,15 @@ from tribo.constants import SLOWEST
 from tribo.simulation import forget_kernels
 
 PROMISED = "standard", "fine"
-BOUND_UNDER_STRIPS = 0.035
-"""Bound of 99 % of the errors of a preset at places of pins that wear under strips.
-
-It was set after the errors of 50 scenes were known: 99 % of them are within 3.3 % (`standard`) and
-3.0 % (`fine`). The largest, 5.5 and 7.0 %, are of a lay whose grooves are 0.43 of the window long.
-"""
 NUMBERS = 16
 _QUANTILE, _WARNED = 0.99, 0.06
 _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest", "CPU [s]"
+
+
+def bound_of(preset, under_strips):
+    """Bound of the critical velocities of a preset, with its part by positions of the strips."""
+    positions = POSITION_LIMIT / RISE_EXPONENT if under_strips else 0.0
+    return math.hypot(PRESET_BOUNDS[preset], positions)
 
 
 def dividing(scene, fidelity):
@@ -153,7 +153,7 @@ def judged(path, scenes, minutes):
         if others:
             summaries.append(summary(name, PRESET_BOUNDS[name], others))
         if at_rest:
-            summaries.append(summary(f"{name}, under strips", BOUND_UNDER_STRIPS, at_rest))
+            summaries.append(summary(f"{name}, under strips", bound_of(name, True), at_rest))
     return summaries, len(done)
 
 

@@ -1,9 +1,9 @@
 """Whether the stated error by positions of the disk holds, on pins that wear under its strips.
 
 Each scene is computed with its strips at several other positions. A rise may differ from their mean
-by the error that one realization states; 99 % of the rises must. Half of the scenes have a lay.
+by the error that one realization states; 95 % of the rises must. Half of the scenes have a lay.
 
-    python -m tests.promises.positions [--scenes N] [--preset NAME]
+    python -m tests.promises.positions [--scenes N] [--preset NAME ...]
 """
 
 import argparse
@@ -22,7 +22,7 @@ from tribo import PRESETS, QUANTILES, Grid, MeasuredRoughness, Wear, simulate
 from tribo.simulation import disk_positions, fit_elements, heat
 
 SHIFTS, STAGES = 6, 1000  # other positions of the strips, and stages between two of them
-MIN_HELD = 0.99
+MIN_HELD = 0.95  # the level of all bounds
 HEADS = "lengths [µm]", "angle", "N", "wear [m²/N]", "random [%]", "stated [%]", "held"
 
 
@@ -73,14 +73,11 @@ def stated(scene, state, velocity):
     return min(POSITION_SHARE * stdtrit(freedom, 0.975) * deviation, limit)
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="python -m tests.promises.positions", description=__doc__)
-    parser.add_argument("--scenes", type=int, default=30)
-    parser.add_argument("--preset", default="standard", choices=PRESETS)
-    options = parser.parse_args()
+def judged(preset, count):
+    """Table rows of `count` scenes by a preset, and whether the stated error held at each rise."""
     rows, is_held = [], []
-    for number in range(options.scenes):
-        scene, load, velocity, text = drawn(number, options.preset)
+    for number in range(count):
+        scene, load, velocity, text = drawn(number, preset)
         rises, state = rises_at_shifts(scene, load, velocity)
         # The mean includes each rise, so that its distance is too short by this factor.
         errors = np.abs(rises - rises.mean()) * np.sqrt(SHIFTS / (SHIFTS - 1))
@@ -88,9 +85,22 @@ def main():
         is_held += (errors <= bound).tolist()
         random = f"{100 * rises.std(ddof=1):.2f}", f"{100 * bound:.2f}"
         rows.append((*text, *random, f"{(errors <= bound).sum()} of {SHIFTS}"))
-    statement = f"`{options.preset}`: {np.mean(is_held):.1%} of {len(is_held)} rises"
-    text = f"{table(HEADS, rows)}\n\n{statement}"
-    return conclude("positions", text, bool(np.mean(is_held) >= MIN_HELD))
+    return rows, is_held
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.positions", description=__doc__)
+    parser.add_argument("--scenes", type=int, default=30)
+    parser.add_argument("--preset", nargs="*", default=["standard", "fine"], choices=PRESETS)
+    options = parser.parse_args()
+    tables, statements, is_right = [], [], True
+    for preset in options.preset:
+        rows, is_held = judged(preset, options.scenes)
+        tables.append(table(HEADS, rows))
+        statements.append(f"`{preset}` {np.mean(is_held):.1%} of {len(is_held)} rises")
+        is_right &= bool(np.mean(is_held) >= MIN_HELD)
+    statement = f"{', '.join(statements)}, on {options.scenes} scenes, half of them with a lay"
+    return conclude("positions", "\n\n".join([*tables, statement]), is_right)
 
 
 if __name__ == "__main__":
