@@ -19,7 +19,7 @@ from .recomputed import Recomputation, texts
 from .study import Study
 
 _POINTS = ((200.0, 3.5), (400.0, 2.25))  # N, m/s: near the boundary of `first_try`
-_SURFACES, _PINS = 8, 4  # surfaces of a window, and one pin for so many of them
+_SURFACES, _PINS = 8, 2  # surfaces of a window, and one pin for so many of them
 _RATES = ("1.2e-6 mm^3/(N m)", "1.2e-7 mm^3/(N m)")
 _RELIEF = {"pin.relief.depth": "2 um", "pin.relief.length": "0.3 mm"}
 _ENDS: Mapping[str, Mapping[str, Any]] = {
