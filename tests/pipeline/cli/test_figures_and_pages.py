@@ -1,6 +1,7 @@
 """Options of figures, and how pages are printed."""
 
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.answers.simulated_points import WarnedPoints
@@ -10,13 +11,14 @@ from pipeline.shipped import shipped_pages
 @pytest.fixture
 def drawn(monkeypatch):
     """List to which each call of `pipeline.plot` by a command adds its arguments."""
-    calls = []
+    calls, opened = [], xr.Dataset()
 
     def draw(ds, kind, out, **options):
-        calls.append((ds, kind, str(out), options))
+        assert ds is opened
+        calls.append((kind, str(out), options))
         return out
 
-    monkeypatch.setattr(pipeline, "open_sweep", lambda store: "judged")
+    monkeypatch.setattr(pipeline, "open_sweep", lambda store: opened)
     monkeypatch.setattr(pipeline, "plot", draw)
     monkeypatch.setattr(pipeline, "points_with_warnings", lambda ds: WarnedPoints())
     return calls
@@ -35,7 +37,7 @@ def drawn(monkeypatch):
 )  # fmt: skip
 def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look):
     assert irg("plot", "a/out.zarr", *words) == f"{out}\n"
-    assert drawn == [("judged", kind, out, look)]
+    assert drawn == [(kind, out, look)]
     assert irg("plot", "a/out.zarr", *words, "--json") == {"kind": kind, "file": out}
 
 
