@@ -71,7 +71,7 @@ def test_the_worn_volume_is_that_of_the_load_on_its_way(name, increments):
     scene = replace(scene, loading=LOADINGS[name], pixels=tribo.Grid((48, 1), (8e-6, 456e-6)))
     state = end(scene)
     expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
-    assert tribo.measures(scene, state)["mean_pressure"] == pytest.approx(expected, rel=1e-10)
+    assert tribo.measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
 
 
 def test_worn_depth_converges_at_second_order():
