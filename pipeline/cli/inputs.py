@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.answers.results import dataset_of
 from pipeline.answers.scene_wording import value_words
 from pipeline.cli.output import print_note
 from pipeline.messages import did_you_mean
@@ -120,6 +119,8 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:
     """Dataset of the command's store, at the values of entries in --at."""
+    from pipeline.answers.results import dataset_of  # imports xarray and Zarr
+
     ds = pipeline.open_sweep(options.store)
     for path, value in options.at.items():
         if path not in _CONDITION_OF:
