@@ -98,7 +98,7 @@ def margin(
     >>> answer["verdict"].attrs["flag_meanings"].split()[answer["verdict"].item()]
     'mild'
     >>> answer["governing_temperature"].round(1).item()
-    391.6
+    391.5
     """
     ds = dataset_of(ds, without_tests)
     if hasattr(load, "to_pandas") and not isinstance(load, xr.DataArray | xr.Dataset):

@@ -47,7 +47,7 @@ def compare_tests(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValue
     >>> import pipeline
     >>> tests = pipeline.compare_tests("results/first_try.zarr")
     >>> tests["load"].values.tolist(), tests["log_rise_ratio"].round(2).values.tolist()
-    ([750.0, 600.0, 400.0, 200.0], [0.03, -0.02, -0.1, -0.03])
+    ([750.0, 600.0, 400.0, 200.0], [0.03, -0.03, -0.1, -0.03])
     """
     case = cases_of(ds)[0]
     model = verdict_model(case, override_conditions(case.conditions, conditions))

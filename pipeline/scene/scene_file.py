@@ -215,7 +215,7 @@ def run_point(
     >>> point = pipeline.run_point(scene, "600 N", "1.5 m/s")
     >>> verdict = point.verdict(scene.conditions)
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
-    (False, '163 °C')
+    (False, '162 °C')
     """
     load_in_si = in_load_or_velocity("load", load)
     velocity_in_si = in_load_or_velocity("velocity", velocity)
