@@ -67,9 +67,13 @@ COUNT = 75  # random places in each scene
 
 
 def places(seed, count=COUNT):
-    """Random loads, velocities, friction coefficients and bulk temperatures."""
+    """Random loads, velocities, friction coefficients and bulk temperatures.
+
+    The bulk temperatures are multiples of 10 K: each needs its own posterior.
+    """
     rng = np.random.default_rng(seed)
     values = rng.uniform([200, 0.5, 0.07, 290], [750, 4.0, 0.16, 340], (count, 4)).T
+    values[3] = values[3].round(-1)
     names = *PLANE, "friction", "bulk_temperature"
     return {k: xr.DataArray(column, dims="place") for k, column in zip(names, values, strict=True)}
 
