@@ -23,7 +23,7 @@ from pipeline.answers.error import (
     finer_preset_error,
 )
 from pipeline.answers.evidence import prior_of
-from pipeline.answers.verdict_model import MILD, SEVERE, Places, VerdictModel
+from pipeline.answers.verdict_model import MILD, SEVERE, Rises, VerdictModel
 from pipeline.constants import RISE_EXPONENT, VERDICT_PROBABILITIES
 from tribo.types import Array, Indices, Mask
 
@@ -53,22 +53,22 @@ A finer preset leaves its own error.
 
 def remedies(model: VerdictModel, points: QueryPoints) -> Indices:
     """Sums of `Remedy` codes (k,) that would decide the verdicts on undecided points."""
-    places = model.places(points)
+    rises = model.rises(points)
     codes = np.zeros(points.load.shape, np.int16)
-    is_computable = _is_decided_without(model, points, places, [*_PARTS])
+    is_computable = _is_decided_without(model, points, rises, [*_PARTS])
     for combination in _combinations():
         rest = np.flatnonzero(is_computable & (codes == 0))
-        rest_points = points.take(rest), places.take(rest)
+        rest_points = points.take(rest), rises.take(rest)
         is_decided = _is_decided_without(model, *rest_points, combination)
         codes[rest[is_decided]] = sum(combination)
     if known := _with_known_input(model):
-        is_decided = np.isin(known.judge(points, places).verdict, (MILD, SEVERE))
+        is_decided = np.isin(known.judge(points, rises).verdict, (MILD, SEVERE))
         codes[is_decided & (codes == 0)] = Remedy.INPUT
-    judgement = model.judge(points, places)
+    judgement = model.judge(points, rises)
     is_within_error = ~(abs(judgement.log_ratio) > np.log1p(judgement.error))
     low, _, high = judgement.probabilities
     is_at_verdict = (low <= VERDICT_PROBABILITIES[0]) | (high >= VERDICT_PROBABILITIES[-1])
-    test = Remedy.TEST | np.where(is_within_error & is_at_verdict, _largest(places.errors), 0)
+    test = Remedy.TEST | np.where(is_within_error & is_at_verdict, _largest(rises.errors), 0)
     return np.where(codes == 0, test, codes).astype(np.int16)
 
 
@@ -89,14 +89,14 @@ def _combinations() -> list[tuple[Remedy, ...]]:
 
 
 def _is_decided_without(
-    model: VerdictModel, points: QueryPoints, places: Places, removed: Iterable[Remedy]
+    model: VerdictModel, points: QueryPoints, rises: Rises, removed: Iterable[Remedy]
 ) -> Mask:
     """True at points (k,) whose verdict is definite once remedies have `removed` errors."""
-    errors = places.errors.copy()
+    errors = rises.errors.copy()
     for remedy in removed:
         left = finer_preset_error(model.case.sweep) if remedy == Remedy.PRESET else 0.0
         errors[_PARTS[remedy]] = RISE_EXPONENT * left
-    verdicts = model.judge(points, places._replace(errors=errors)).verdict
+    verdicts = model.judge(points, rises._replace(errors=errors)).verdict
     return np.isin(verdicts, (MILD, SEVERE))
 
 

@@ -122,8 +122,8 @@ def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:
         return f"{value:g}"
     last = math.floor(math.log10(value)) - digits + 1
     parts, scale = (value * 10**-last, 10**-last) if last < 0 else (value / 10**last, 10.0**-last)
-    whole = math.floor(parts + 1e-9) if is_mild else math.ceil(parts - 1e-9)
-    return f"{whole / scale:.{max(-last, 0)}f}"
+    rounded_parts = math.floor(parts + 1e-9) if is_mild else math.ceil(parts - 1e-9)
+    return f"{rounded_parts / scale:.{max(-last, 0)}f}"
 
 
 def load_factor_texts(margins: xr.Dataset) -> Any:

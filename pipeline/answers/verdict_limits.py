@@ -70,8 +70,8 @@ def line_limits(
         keys = np.stack([line, lower, upper])[:, is_inside]
         brackets, inverse = np.unique(keys, axis=1, return_inverse=True)
         line_points = lines.take(brackets[0].astype(int))
-        found = _bisect(model, axis, verdict, line_points, brackets[1], brackets[2])
-        values[is_inside] = _rounded(found, brackets[1], verdict)[inverse.ravel()]
+        limits = _bisect(model, axis, verdict, line_points, brackets[1], brackets[2])
+        values[is_inside] = _rounded(limits, brackets[1], verdict)[inverse.ravel()]
     if verdict == SEVERE:
         sides = np.choose(sides, [Side.INSIDE, Side.BELOW, Side.ABOVE, *_NOWHERE])
     return Limits(values, sides.astype(np.int8))
@@ -165,10 +165,10 @@ def stretches(model: VerdictModel, points: QueryPoints) -> dict[int, Stretches]:
 
 def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -> Limits:
     """Mild limits of friction at k points, whose computed `critical` frictions are known."""
-    places = model.places(points)
+    rises = model.rises(points)
 
     def is_mild(friction: Array) -> Mask:
-        return np.asarray(model.judge(points._replace(friction=friction), places).verdict == MILD)
+        return np.asarray(model.judge(points._replace(friction=friction), rises).verdict == MILD)
 
     lower, upper = (critical * np.exp(sign * _LOG_FRICTIONS) for sign in (-1, 1))
     is_below, is_above = ~is_mild(lower), is_mild(upper)
@@ -181,7 +181,7 @@ def friction_limits(model: VerdictModel, points: QueryPoints, critical: Array) -
         is_lower = is_mild(middle)
         lower, upper = np.where(is_lower, middle, lower), np.where(is_lower, upper, middle)
     codes = (*map(int, _NOWHERE), int(Side.BELOW), int(Side.ABOVE))
-    is_nowhere = places.is_outside, np.isnan(critical)
+    is_nowhere = rises.is_outside, np.isnan(critical)
     sides = np.select((*is_nowhere, is_below, is_above), codes, int(Side.INSIDE))
     limits = np.where(sides == Side.INSIDE, _rounded(lower, first, MILD), np.nan)
     return Limits(limits, sides.astype(np.int8))

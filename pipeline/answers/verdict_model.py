@@ -75,10 +75,10 @@ def verdict_model(case: CaseResults, conditions: Conditions) -> VerdictModel:
 
 def _is_oil_of_scene(case: CaseResults, conditions: Conditions) -> bool:
     """True if `conditions` have the critical temperature of the scene, at which its tests count."""
-    own, critical = case.conditions.critical_temperature, conditions.critical_temperature
-    if own is None or critical is None:
+    of_scene, critical = case.conditions.critical_temperature, conditions.critical_temperature
+    if of_scene is None or critical is None:
         return critical is None or not case.sweep.base.critical_from_tests
-    return math.isclose(own, critical, rel_tol=1e-9)
+    return math.isclose(of_scene, critical, rel_tol=1e-9)
 
 
 def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions:
@@ -89,20 +89,20 @@ def conditions_of(case: CaseResults, overrides: Mapping[str, Any]) -> Conditions
     return conditions
 
 
-class Places(NamedTuple):
-    """What is known of operating points (k,), whatever their friction; NaN for invalid values."""
+class Rises(NamedTuple):
+    """Temperature rises at operating points (k,) at friction 1; NaN for invalid values."""
 
     load: Array
     velocity: Array
-    rise: Array  # ln(rise), NaN if unknown
+    log_rise: Array  # NaN if unknown
     errors: Array  # relative, by part (4, k)
     is_outside: Mask  # the film carries more load than the model allows
     is_film_unknown: Mask
 
-    def take(self, index: Any) -> Places:
+    def take(self, index: Any) -> Rises:
         """Points selected by `index`, which may be a mask."""
         columns: Any = (column[..., index] for column in self)
-        return Places(*columns)
+        return Rises(*columns)
 
 
 class Judgement(NamedTuple):
@@ -129,15 +129,15 @@ class VerdictModel:
         """Reason why the tests of the scene are left out, as text; empty if they count."""
         if not self.case.sweep.tests or self.evidence.rows:
             return ""
-        own = self.case.conditions.critical_temperature
-        if own is None:
+        critical = self.case.conditions.critical_temperature
+        if critical is None:
             return (
                 "the tests are left out: the scene infers its critical temperature from them, and "
                 "another one is given"
             )
         return (
             "the tests are left out: they hold for the critical temperature of the scene, "
-            f"{display(own, '°C')}"
+            f"{display(critical, '°C')}"
         )
 
     @functools.cached_property
@@ -192,30 +192,30 @@ class VerdictModel:
                 excess[is_member] = film(points.load[is_member], points.velocity[is_member])
         return np.nan_to_num(excess, nan=-1.0) > 0, np.isnan(excess)
 
-    def places(self, points: QueryPoints) -> Places:
-        """What is known of points (k,), whatever their friction."""
+    def rises(self, points: QueryPoints) -> Rises:
+        """Temperature rises at points (k,), at friction 1."""
         plane = np.stack([points.load, points.velocity])
         low, high = np.transpose([self.ranges["load"], self.ranges["velocity"]])[..., None]
         is_inside = ((low <= plane) & (plane <= high) & (plane > 0)).all(axis=0)
         is_valid = (np.isfinite(plane) & (plane > 0)).all(axis=0)
         load, velocity = np.where(is_valid, plane, np.nan)
-        rise = self.field(load, velocity)
+        log_rise = self.field(load, velocity)
         errors = rise_errors(self.specimen, self.preset_error, load, velocity)
         is_outside, is_film_unknown = self.films(points._replace(load=load, velocity=velocity))
-        return Places(
-            load, velocity, np.where(is_inside, rise, np.nan),
-            np.where(is_inside & ~np.isnan(rise), errors, np.nan), is_outside, is_film_unknown,
+        return Rises(
+            load, velocity, np.where(is_inside, log_rise, np.nan),
+            np.where(is_inside & ~np.isnan(log_rise), errors, np.nan), is_outside, is_film_unknown,
         )  # fmt: skip
 
-    def judge(self, points: QueryPoints, places: Places) -> Judgement:
-        """Verdicts on points (k,), which are at `places`."""
-        log_ratio = places.rise - self.limits(points)
-        error = total(places.errors)
+    def judge(self, points: QueryPoints, rises: Rises) -> Judgement:
+        """Verdicts on points (k,), which have these `rises`."""
+        log_ratio = rises.log_rise - self.limits(points)
+        error = total(rises.errors)
         probabilities = self._probabilities(log_ratio, error, points.bulk_temperature)
         verdict = np.select(
             (
-                np.isnan(places.rise),
-                places.is_outside,
+                np.isnan(rises.log_rise),
+                rises.is_outside,
                 probabilities[2] <= VERDICT_PROBABILITIES[0],
                 probabilities[0] >= VERDICT_PROBABILITIES[-1],
             ),
@@ -232,15 +232,15 @@ class VerdictModel:
 
     def verdicts(self, points: QueryPoints) -> Indices:
         """Codes of the verdicts on points (k,)."""
-        return self.judge(points, self.places(points)).verdict
+        return self.judge(points, self.rises(points)).verdict
 
     def points(self, points: QueryPoints) -> dict[str, Any]:
         """Answers on points by name, each (k,), except those along lines through them."""
-        places = self.places(points)
-        load, velocity, rise, errors, is_outside, is_film_unknown = places
-        verdict, ruled_out, probabilities, log_ratio, error = self.judge(points, places)
-        is_known = ~np.isnan(rise)
-        reasons = self._reasons(points, rise)
+        rises = self.rises(points)
+        load, velocity, log_rise, errors, is_outside, is_film_unknown = rises
+        verdict, ruled_out, probabilities, log_ratio, error = self.judge(points, rises)
+        is_known = ~np.isnan(log_rise)
+        reasons = self._reasons(points, log_rise)
         for code in (MILD, SEVERE):
             k = np.flatnonzero(ruled_out == code)
             reasons[k] = self.evidence.objections(VERDICTS[code], points.take(k))
@@ -248,7 +248,7 @@ class VerdictModel:
         flags += is_film_unknown * Flag.FILM_UNKNOWN
         has_no_verdict = is_outside | ~is_known
         low, probability, high = np.where(has_no_verdict, np.nan, probabilities)
-        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(rise)
+        rise_per_friction = (1 + self.conditions.added_rise_fraction) * np.exp(log_rise)
         temperature_rise = points.friction * rise_per_friction
         temperature = points.bulk_temperature + temperature_rise
         critical = known_critical_temperature(self.conditions)
@@ -297,7 +297,7 @@ class VerdictModel:
         codes = SIMULATED, EXTRAPOLATED
         return np.select((is_simulated, is_extrapolated), codes, INTERPOLATED)
 
-    def _reasons(self, points: QueryPoints, rise: Array) -> Any:
+    def _reasons(self, points: QueryPoints, log_rise: Array) -> Any:
         """Reasons for points without an answer; an empty text for points with one."""
         reasons, ranges = np.full(points.load.shape, "", object), self.ranges
         values = np.stack([points.load, points.velocity])
@@ -306,7 +306,7 @@ class VerdictModel:
         for k in np.flatnonzero(~is_inside).tolist():
             load, velocity = values[:, k].tolist()
             reasons[k] = outside_reason(self.case, ranges, load=load, velocity=velocity)
-        reasons[np.isnan(rise) & (reasons == "")] = _TOO_FEW
+        reasons[np.isnan(log_rise) & (reasons == "")] = _TOO_FEW
         return reasons
 
     def critical(self, axis: str, points: QueryPoints) -> dict[str, Any]:

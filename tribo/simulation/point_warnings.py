@@ -293,16 +293,17 @@ def _warn_hot_ends(scene: Scene, state: State) -> Iterator[Reason]:
     length = min(END_LENGTH, scene.pin.length / 2)
     contact, count = state.pressure > 0, round(length / scene.pin.length * len(state.pressure[0]))
     parts = slice(None), slice(count), slice(-count, None)
-    whole, *ends = (
+    pin_rise, *end_rises = (
         float(rise_exceeded(contact_quantiles(state.heat.rise[:, part], contact[:, part]), 0.1))
         for part in parts
         if contact[:, part].any()
     )
-    if max(ends, default=0.0) > (1 + HOT_END) * whole:
+    hottest = max(end_rises, default=0.0)
+    if hottest > (1 + HOT_END) * pin_rise:
         yield (
             WarningKind.HOT_ENDS,
             f"on the hottest tenth of its contact, an end of {1e3 * length:.2g} mm of the pin has "
-            f"a rise {100 * (max(ends) / whole - 1):.0f} % above that of the whole pin, by which "
+            f"a rise {100 * (hottest / pin_rise - 1):.0f} % above that of the whole pin, by which "
             "the verdict is given; wear becomes severe there first: relieve the ends, or let them "
             "wear",
         )
