@@ -103,7 +103,7 @@ def plot(
     if drawn_by:
         default_kind = drawn_by.rpartition("draw_")[2]
         kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
-    elif isinstance(ds, xr.Dataset) and "input" in ds.dims:  # of pipeline.sensitivity
+    elif isinstance(ds, xr.Dataset) and "log_rise_change" in ds:  # of pipeline.sensitivity
         default_kind = "sensitivities"
         kinds, inputs = {default_kind: draw_sensitivities}, (ds,)
     else:

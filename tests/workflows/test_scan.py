@@ -12,18 +12,30 @@ def test_the_shipped_scan_is_what_its_script_writes():
     np.testing.assert_array_equal(np.load(WORKFLOWS / "scan.npy"), make_scan())
 
 
-def test_answers_state_surface_sampling_by_the_areas_of_a_scan(tmp_path):
-    """The mean of three areas is known better than one, and is their mean."""
-    overrides = {"sweep.loads": ["600 N"], "sweep.velocities": ["0.8 m/s", "1.2 m/s"]}
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    overrides = {"sweep.loads": ["600 N", "750 N"], "sweep.velocities": ["0.8 m/s", "1.2 m/s"]}
     sweep = pipeline.load_scene("scan", overrides=overrides)
     assert [dict(case.name)["realization"] for case in sweep.cases] == [0, 1, 2]
-    pipeline.run_sweep(sweep, tmp_path / "scan.zarr", workers=1)
-    ds = pipeline.open_sweep(tmp_path / "scan.zarr")
+    store = tmp_path_factory.mktemp("scan") / "scan.zarr"
+    pipeline.run_sweep(sweep, store, workers=1)
+    return pipeline.open_sweep(store)
+
+
+def test_answers_state_surface_sampling_by_the_areas_of_a_scan(swept):
+    """The mean of three areas is known better than one, and is their mean."""
     point = {"load": "600 N", "velocity": "0.8 m/s"}
-    scan_answer = pipeline.margin(ds, **point)
-    area_answers = [pipeline.margin(ds.sel(realization=[area]), **point) for area in range(3)]
+    scan_answer = pipeline.margin(swept, **point)
+    area_answers = [pipeline.margin(swept.sel(realization=[area]), **point) for area in range(3)]
     errors = [float(answer["temperature_error_surface"]) for answer in area_answers]
     assert 0 < float(scan_answer["temperature_error_surface"]) < max(errors)
     rises = [float(answer["governing_temperature"]) for answer in area_answers]
     assert len({*rises}) == 3
     assert float(scan_answer["governing_temperature"]) == pytest.approx(np.mean(rises), abs=0.5)
+
+
+def test_a_sweep_of_a_scan_is_drawn_by_default_as_its_diagram(swept):
+    """Its store also has the measured heights, as inputs of the scene."""
+    axes = pipeline.plot(swept).axes[0]
+    assert axes.get_xlabel().startswith("sliding velocity")
+    assert axes.get_xlim() == (0.8, 1.2)
