@@ -47,6 +47,7 @@ _MAX_LOG_RATIO = 50.0  # larger sizes of ln(rise ratio), also infinite ones, are
 _ERROR_COLOUR = "#C8C8C8"  # band of the numerical error
 COMPUTED = "computed boundary, numerical error"
 """Label in legends."""
+_SAME_FRICTION = 0.006  # relative difference below which lines of two frictions lie on each other
 _MAX_LABELLED = 6  # most operating points that are labelled with their numbers
 
 QuantityLike = float | str | Iterable[float | str] | None
@@ -108,8 +109,8 @@ def _operating_points(load: QuantityLike, velocity: QuantityLike) -> list[Operat
     loads, velocities = _values_in_si("load", load), _values_in_si("velocity", velocity)
     if len(loads) != len(velocities):
         raise InputError(
-            f"{len(loads)} of load and {len(velocities)} of velocity cannot form pairs; give as "
-            "many of both"
+            f"loads ({len(loads)}) and velocities ({len(velocities)}) cannot be paired; give equal "
+            "numbers of both"
         )
     return [*zip(loads, velocities, strict=True)]
 
@@ -208,12 +209,13 @@ def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
 
     The heavy line is the answer: with tests, if there are any.
     """
-    legend, has_tests = Legend(), False
+    legend, has_tests, heavy_frictions = Legend(), False, np.array([])
     names = "probability", "log_rise_ratio", "temperature_margin", "temperature_error"
     in_model = margins[[*names, "critical_friction"]].where(margins["verdict"] != OUTSIDE)
     if margins.attrs["tests"]:
         excess = in_model["probability"] - VERDICT_PROBABILITIES[1]
         has_tests = _draw_zero(axes, excess, "boundary with tests", style.BOUNDARY)
+        heavy_frictions = _at_zero(excess.values, in_model["critical_friction"].values)
     if has_tests:
         legend["boundary with tests (50 %)"] = Line2D([], [], **style.BOUNDARY)
     log_ratio = in_model["log_rise_ratio"].clip(-_MAX_LOG_RATIO, _MAX_LOG_RATIO)
@@ -228,12 +230,17 @@ def _draw_lines(axes: Axes, case: CaseResults, margins: xr.Dataset) -> Legend:
             )  # fmt: skip
             band.set_gid("error")
         outline = [Stroke(linewidth=9, foreground=_ERROR_COLOUR), Normal()]
-        legend[COMPUTED] = Line2D([], [], path_effects=outline, **look)
+        legend[COMPUTED] = Line2D([], [], path_effects=outline, solid_capstyle="butt", **look)
     friction_band = case.sweep.base.friction_band
     if friction_band and friction_band[0] < friction_band[1]:
         look = {"color": GREY, "lw": style.THIN, "ls": "--"}
         drawn_friction = float(np.ravel(margins["friction"].values)[0])  # has its line already
-        frictions = [x for x in friction_band if not math.isclose(x, drawn_friction, rel_tol=1e-3)]
+        frictions = [
+            x
+            for x in friction_band
+            if not math.isclose(x, drawn_friction, rel_tol=1e-3)
+            and not (has_tests and np.median(abs(heavy_frictions / x - 1)) < _SAME_FRICTION)
+        ]
         are_drawn = [
             _draw_zero(axes, in_model["critical_friction"] - friction, "friction", look)
             for friction in frictions
@@ -257,6 +264,14 @@ def _draw_zero(axes: Axes, field: xr.DataArray, gid: str, look: Mapping[str, Any
     contour = axes.contour(velocities, loads, values, [0.0], colors=[look["color"]])
     contour.set(gid=gid, **line_properties)
     return True
+
+
+def _at_zero(field: Array, values: Array) -> Array:
+    """`values` on the contour on which `field` is 0, both (load, velocity), at each load."""
+    before, after = field[:, :-1], field[:, 1:]
+    is_crossing = before * after < 0
+    fraction = (before / np.where(is_crossing, before - after, 1.0))[is_crossing]
+    return values[:, :-1][is_crossing] * (1 - fraction) + values[:, 1:][is_crossing] * fraction
 
 
 def _name_regions(axes: Axes, margins: xr.Dataset) -> None:
@@ -292,7 +307,8 @@ def _name_side(axes: Axes, log_ratios: Array, verdict: int) -> None:
     axes.text(
         0.98 if is_severe else 0.02, 0.97 if is_severe else 0.03, text, transform=axes.transAxes,
         ha="right" if is_severe else "left", va="top" if is_severe else "bottom",
-        fontweight="bold", color=colour, gid="side", path_effects=style.HALO, zorder=3,
+        fontsize="small", fontweight="bold", color=colour, gid="side", path_effects=style.HALO,
+        zorder=3,
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -15,7 +16,7 @@ import pipeline
 from pipeline.answers.answer_frames import row_labels
 from pipeline.answers.answer_lines import conditions_lines
 from pipeline.answers.load_factors import load_factor_lines
-from pipeline.answers.results import sweep_of
+from pipeline.answers.results import cases_of, sweep_of
 from pipeline.answers.value_text import (
     attribute_texts,
     format_limit,
@@ -38,14 +39,23 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
 """Label and mark of a row by its verdict."""
 _USUAL_WIDTH = 8.0  # [in]
 _MAX_LABELS = 40  # most rows that are all labelled
+_HEADINGS = "probability\nof severe\nwear", "safety\nfactor of\nfriction"
+_COLUMN_WIDTH = 6.2  # of a column of numbers, over the size of the font
+_SIGNS = {"less than": "<", "more than": ">", "at least": "≥", "outside the model": "outside"}
+"""Shorter words for narrow columns."""
 
 
 @style.house_style
 def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     """Draw the temperature margin of each row of a sweep, with its label."""
+    if not cases_of(ds)[0].is_row:
+        raise InputError(
+            "the sweep has no rows, each with its own load; irg plot draws its diagram"
+        )
     margins = pipeline.margin(ds, **conditions)
     if len(margins.sizes) != 1:
-        raise InputError(f"rows under several conditions ({', '.join(map(str, margins.sizes))})")
+        names = ", ".join(map(str, margins.sizes))
+        raise InputError(f"cannot draw rows under several conditions ({names}); select one")
     return draw_rows(margins, style.as_text(sweep_of(ds).title))
 
 
@@ -53,9 +63,9 @@ def rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
 def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     """Draw operating points, an answer of `pipeline.margin` along one dimension, downwards.
 
-    The temperature margin has its numerical error; at the right stands the probability of severe
-    wear and the safety factor of friction. Rows with load factors have bars up to the mild ones.
-    The most critical row is bold.
+    The temperature margin has its numerical error; two columns at the right have the probability of
+    severe wear and the safety factor of friction. Rows with load factors have bars up to the mild
+    ones. The most critical row is bold.
     """
     margin, error = (margins[name].values for name in ("temperature_margin", "temperature_error"))
     if np.isnan(margin).all():
@@ -79,8 +89,9 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
         is_verdict = margins["verdict"].values == verdict
         if is_verdict.any():
             axes.plot(
-                margin[is_verdict], positions[is_verdict], ls="none", ms=7, label=label, **look
-            )
+                margin[is_verdict], positions[is_verdict], ls="none", label=label, clip_on=False,
+                ms=1.5 * rcParams["lines.markersize"], **look,
+            )  # fmt: skip
     critical_row = most_critical_row(margins)
     axes.set(
         xlim=(low - padding, high + padding), ylim=(len(names) - 0.5, -0.5),
@@ -88,15 +99,14 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     )  # fmt: skip
     panels, lines = [axes], [f"most critical: {names[critical_row]}", *load_factor_lines(margins)]
     if "mild_load_factor" in margins:
-        axes.set_xlabel("critical minus governing\ntemperature [K]")
+        axes.set_xlabel("critical minus\ngoverning\ntemperature [K]")
         panels.append(_draw_load_factors(axes, margins))
     _label_rows(axes, margins, labels, critical_row, panels[-1])
     for panel in panels:
         panel.axhspan(
             critical_row - 0.5, critical_row + 0.5, fc="none", ec=BLACK, lw=style.THIN, ls=":"
         )
-    style.write_title(axes, title)
-    lines.append("at the right: probability of severe wear, safety factor of friction")
+    style.write_title(figure, title)  # above the headings of the columns
     lines += conditions_lines(margins)
     lines += [f"model error: {text}" for text in attribute_texts(margins, "model_error")[:1]]
     lines += split_notes(attribute_texts(margins, "notes"))[:1]
@@ -120,20 +130,21 @@ def _draw_load_factors(axes: Axes, margins: xr.Dataset) -> Axes:
     for position, text, side in zip(positions, load_factor_texts(margins), sides, strict=True):
         is_above = side == Side.ABOVE
         panel.annotate(
-            text, (high if is_above else ends[position], position), (-4 if is_above else 4, 0),
-            textcoords="offset points", va="center", ha="right" if is_above else "left",
-            color="white" if is_above else BLACK, fontsize="small",
+            _with_signs(text), (high if is_above else ends[position], position),
+            (-4 if is_above else 4, 0), textcoords="offset points", fontsize="small", va="center",
+            ha="right" if is_above else "left", color="white" if is_above else BLACK,
+            path_effects=() if is_above else style.HALO,
         )  # fmt: skip
     panel.axvline(1.0, color=BLACK, lw=style.THIN, ls="--", zorder=0)
     panel.tick_params(labelleft=False)
-    panel.set(xlim=(0.0, 1.05 * high), xlabel="load over load of the row")
+    panel.set(xlim=(0.0, 1.05 * high), xlabel="load over load\nof the row")
     return panel
 
 
 def _label_rows(
     axes: Axes, margins: xr.Dataset, labels: Sequence[str], critical_row: int, last_panel: Axes
 ) -> None:
-    """Write labels at the left of rows, and probability and safety factor beside `last_panel`.
+    """Write labels at the left of rows, and the columns of numbers beside `last_panel`.
 
     Those of the most critical row are bold. Of many rows, only some are labelled.
     """
@@ -141,20 +152,45 @@ def _label_rows(
         np.arange(len(labels))[:: -(-len(labels) // _MAX_LABELS)], [critical_row]
     )
     ticks = axes.set_yticks(labelled_rows, [labels[row] for row in labelled_rows])
-    temperature_margins, probabilities, factors = (
-        margins[name].values.tolist()
-        for name in ("temperature_margin", "probability", "friction_safety_factor")
-    )
+    columns = dict(zip(_HEADINGS, _column_texts(margins), strict=True))
     for tick, row in zip(ticks, labelled_rows, strict=True):
-        weight = "bold" if row == critical_row else "normal"
-        tick.label1.set_fontweight(weight)
-        factor = format_limit(factors[row])
-        text = f"{probability_text(probabilities[row])}, {factor}" if factor else ""
+        tick.label1.set_fontweight("bold" if row == critical_row else "normal")
+    for column, (heading, texts) in enumerate(columns.items()):
+        offset = 4 + column * _COLUMN_WIDTH * rcParams["font.size"]
+        look: dict[str, Any] = {
+            "textcoords": "offset points", "annotation_clip": False, "fontsize": "small",
+        }  # fmt: skip
         last_panel.annotate(
-            "unknown" if np.isnan(temperature_margins[row]) else text, (1.0, row), (4, 0),
-            xycoords=("axes fraction", "data"), va="center", textcoords="offset points",
-            annotation_clip=False, fontsize="small", fontweight=weight,
-        )  # fmt: skip
+            heading, (1.0, 1.0), (offset, 3), xycoords="axes fraction", va="bottom", **look
+        )
+        for row in labelled_rows:
+            last_panel.annotate(
+                texts[row], (1.0, row), (offset, 0), xycoords=("axes fraction", "data"),
+                va="center", fontweight="bold" if row == critical_row else "normal", **look,
+            )  # fmt: skip
+
+
+def _column_texts(margins: xr.Dataset) -> tuple[list[str], list[str]]:
+    """Probability of severe wear and safety factor of friction of each row, as texts."""
+    probabilities, factors = (
+        margins[name].values.tolist() for name in ("probability", "friction_safety_factor")
+    )
+    is_unknown = np.isnan(margins["temperature_margin"].values)
+    factor_texts = [*map(format_limit, factors)]
+    probability_texts = [
+        "unknown" if unknown else _with_signs(probability_text(probability)) if factor else ""
+        for unknown, probability, factor in zip(
+            is_unknown, probabilities, factor_texts, strict=True
+        )
+    ]
+    return probability_texts, factor_texts
+
+
+def _with_signs(text: str) -> str:
+    """Text with signs in place of words, such as "< 1 %" for "less than 1 %"."""
+    for words, sign in _SIGNS.items():
+        text = text.replace(words, sign)
+    return text
 
 
 def most_critical_row(margins: xr.Dataset) -> int:

@@ -66,7 +66,7 @@ def draw_tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Figure:
     points = zip(tests["load"].values, tests["velocity"].values, strict=True)
     axes.set_yticks(range(len(ratios)), [f"{load:g} N, {speed:g} m/s" for load, speed in points])
     style.plain_numbers(axes)
-    axes.set(xlabel="computed rise ratio of the test")
+    axes.set(xlabel="← mild    computed rise ratio    severe →")
     title = style.as_text(sweep_of(ds).title)
     style.write_title(axes, f"{title}\ntests, each at its own conditions")
     caption = f"model error: {attribute_texts(comparison, 'model_error')[0]}"
@@ -147,7 +147,9 @@ def mark_tests(
                 mfc="white", mec=BLACK, clip_on=False, zorder=4, gid="test at the line's friction",
             )  # fmt: skip
             label = f"the same test at friction {model.conditions.friction:g}"
-            legend[label] = Line2D([], [], ls="none", marker="D", mfc="white", mec=BLACK)
+            legend[label] = Line2D(
+                [], [], ls="none", marker=TESTS[test.outcome][0], mfc="white", mec=BLACK
+            )
         outcomes.append(test.outcome)
         points.append((load, velocity))
     notes = ["faint: tests at another bulk temperature"] if has_faint else []

@@ -103,6 +103,10 @@ def _draw(ds: xr.Dataset, crossings: xr.Dataset) -> Figure:
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)
+    for text in axes.texts:  # away from the line of local wear
+        if text.get_gid() == "region" and text.get_text().startswith("severe"):
+            corner = axes.get_xlim()[1], axes.get_ylim()[1]
+            text.set_position(np.mean([text.get_position(), corner], axis=0))
     axes.plot(velocities[known], loads[known], color=GREEN, ls="-.", lw=1.8, gid="local wear")
     axes.annotate(
         "local wear" if known.any() else "local wear: mild throughout",

@@ -65,6 +65,15 @@ def test_the_frictions_measured_have_a_line_each():
     assert not any("at friction" in text for text in legend_texts)
 
 
+def test_no_friction_has_a_line_that_lies_on_the_boundary_with_tests():
+    early = [0.85 * float(synthetic.critical_velocity(load, LIMIT)) for load in LOADS]
+    tests = {"tests": tuple(map(bare_test, LOADS, early))}
+    velocity = pipeline.boundary(sweep(**tests))["critical_velocity_p50"].sel(load=400.0).item()
+    friction = pipeline.margin(sweep(**tests), 400.0, velocity)["critical_friction"].item()
+    assert friction > 0.103  # the boundary with tests is not the computed one
+    assert "computed at friction 0.08" in drawn(sweep(**tests, friction_band=(0.08, friction)))[1]
+
+
 def surfaces(*factors):
     several = [
         sweep(rise=lambda *point, factor=factor: factor * synthetic.rise(*point))

@@ -125,8 +125,8 @@ def test_each_row_is_at_its_margin_and_the_most_critical_one_is_bold(row_margins
     assert weights == ["normal", "normal", "bold", "normal"]
     texts = [text.get_text() for text in axes.texts]
     factors = row_margins["friction_safety_factor"].values
-    probabilities = "less than 1 %", "37 %", "more than 99 %"
-    expected = [
-        f"{p}, {format_limit(factor)}" for p, factor in zip(probabilities, factors[:3], strict=True)
+    probabilities = "< 1 %", "37 %", "> 99 %"
+    assert texts == [
+        *("probability\nof severe\nwear", *probabilities, "unknown"),
+        *("safety\nfactor of\nfriction", *map(format_limit, factors[:3]), ""),
     ]
-    assert texts == [*expected, "unknown"]
