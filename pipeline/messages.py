@@ -51,7 +51,7 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     longer = [name for name in known if len(typed) > 2 and name.startswith(typed)]
     anagrams = [name for name in known if sorted(name) == sorted(typed)]
     matches = with_ending or longer or anagrams
-    matches = matches or difflib.get_close_matches(typed, known, n=1, cutoff=0.67)
+    matches = matches or difflib.get_close_matches(typed, known, n=1, cutoff=0.66)
     return f' (did you mean "{known[matches[0]]}"?)' if matches else ""
 
 

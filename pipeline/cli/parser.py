@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import textwrap
 from collections.abc import Sequence
@@ -75,7 +76,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = whole_parser()
     words = [*(sys.argv[1:] if arguments is None else arguments)]
     _require_command_first(parser, words)
-    options = parser.parse_args(words)
+    options, unknown_words = parser.parse_known_args(words)
+    if unknown_words:
+        _refuse_word(options.parser, unknown_words[0])
     paths = {name: path for name, path in vars(options).items() if isinstance(path, Path)}
     out = paths.pop("output", None)
     with suppress(OSError):  # such as a name that is too long, which the command reports
@@ -84,10 +87,20 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return options
 
 
+def _refuse_word(parser: argparse.ArgumentParser, word: str) -> NoReturn:
+    """Refuse a word that a command does not know, by what to type."""
+    if word.startswith("-"):
+        hint = did_you_mean(word, re.findall(r"--[a-z-]+", parser.format_usage()))
+        parser.error(f"there is no option {quoted(word)}{hint}")
+    parser.error(f'{quoted(word)} is not expected; put text with a space in quotes, as in "400 N"')
+
+
 def _require_command_first(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Refuse options before the command, and an unknown command, by what to type."""
     commands = parser.get_default("commands")
-    if not words or words[0] in ("-h", "--help", "--version"):
+    if not words:
+        parser.error("a command is missing, such as irg run first_try")
+    if words[0] in ("-h", "--help", "--version"):
         return
     if words[0].startswith("-"):
         command = next((word for word in words if word in commands), "COMMAND")
@@ -261,7 +274,7 @@ def _add_commands_on_stores(commands: Any) -> None:
     plot.add_argument("-o", "--output", metavar="FILE.png", type=user_path,
         help="figure file; default: next to the store")
     _add_quantity(plot, "--width", "W", "8.5 cm",
-        "width of the figure; text shrinks less than the figure does")
+        "width of the figure; text keeps a readable size")
     plot.add_argument("--plain", action="store_true", help="omit title and caption")
     plot.add_argument("--log", action="store_true", help="draw the diagram on logarithmic axes")
     plot.add_argument("--dpi", metavar="DPI", type=values.count,
@@ -270,7 +283,7 @@ def _add_commands_on_stores(commands: Any) -> None:
     _add_load_and_velocity(plot, action="append", default=[])
 
     report = add_command(commands, "report", "pipeline.cli.store_commands:report",
-        "write a report to print and pass on: verdict, diagram, boundary, tests, errors, limits",
+        "write a printable report: verdict, diagram, boundary, tests, errors, limits",
         'results/scene.zarr --load "500 N" --velocity "2 m/s" -o report.html')
     _add_store(report)
     _add_load_and_velocity(report)

@@ -151,7 +151,7 @@ def _slip(error: str, content: bytes) -> str:
     is_in_braces = re.search(r"=\s*\{[^{}]*$", before) is not None
     if "hex value" in words or "Unescaped" in words:
         return f"line {number}: a backslash begins an escape; write / or put the text in '...'"
-    if words.startswith("Illegal character") or "Unterminated" in words:
+    if re.match("Illegal character|Unterminated|Expected \"'", words):
         return f"line {number}: a quote is not closed; write it at the end of the text"
     if table := re.search(r"Cannot (?:declare|mutate immutable namespace) \((.*?),?\)", words):
         name = ".".join(re.findall(r"'([^']*)'", table[1]))
@@ -162,6 +162,11 @@ def _slip(error: str, content: bytes) -> str:
         return f"line {number}: a table in braces stands on one line, without a comma at its end"
     if re.search(r"\d$", line[: max(column - 1, 0)]) and line[column - 1 : column] == ",":
         return f"line {number}: a number has a comma; write decimals with a point"
+    is_word = re.match(r"\s*[^\W\d]", line[max(column - 1, 0) :])
+    if is_word and (words == "Invalid value" or words.startswith("Expected newline")):
+        return f'line {number}: put text in quotes, such as "first_try" or "2 mm"'
+    if words.startswith("Expected '='"):
+        return f"line {number}: write = between a key and its value"
     if "Unclosed array" in words:
         return f"line {number}: a list has a comma between its values, and ] at its end"
     return ""

@@ -113,11 +113,15 @@ REFUSALS = {
                       "fidelity.increments is given twice"),
     "dry run from nowhere": (irg("run", "first_try", "-n", "--from", "no.zarr"), "no.zarr"),
     "dry run out of reach": (irg("run", "first_try", "-n", "--accuracy", "0.1%"),
-                             "accuracy is 0.1 %, and the preset fine errs by up to"),
+                             "accuracy is 0.1 %, and the preset fine may err by"),
     "a kind": (irg("plot", "a.zarr", "--kind", "row"), "invalid choice: 'row' (choose from "),
     "decimals": (irg("plot", "a.zarr", "--width", "8,5 cm"), "write decimals with a point"),
     "of another": (irg("status", "a.zarr", "--friction", "0.1"),
-                   "irg: unrecognized arguments: --friction 0.1; see irg --help"),
+                   'irg status: there is no option "--friction"; see irg status --help'),
+    "misspelt": (irg("boundary", "a.zarr", "--fricton", "0.1"),
+                 'there is no option "--fricton" (did you mean "--friction"?)'),
+    "no quotes": (irg("margin", "a.zarr", "400", "N"), '"400" is not expected; put text with a'),
+    "no command": (irg(), "irg: a command is missing, such as irg run first_try"),
     "both": (irg("run", "a.toml", "--workers", "2", "--scheduler", "tcp://a:1"), "not allowed"),
 }  # fmt: skip
 

@@ -84,6 +84,10 @@ def test_an_answer_of_the_program_is_read_as_points(tiny_store, tmp_path):
 SLIPS = {
     'title = "C:\\Users\\a"\n': "line 3: a backslash begins an escape",
     'title = "open\n': "line 3: a quote is not closed",
+    "title = 'open\n": "line 3: a quote is not closed",
+    "title = open\n": "line 3: put text in quotes",
+    "[pin]\nradius = 2 mm\n": "line 4: put text in quotes",
+    'title "a"\n': "line 3: write = between a key and its value",
     '[pin]\nradius = "2 mm"\n[pin]\n': r"line 5: \[pin\] occurs twice",
     'sweep = { loads = ["2 N"],\n velocities = ["1 m/s"] }\n': "a table in braces stands on one",
     "[friction]\ncoefficient = 0,1\n": "line 4: a number has a comma",
