@@ -260,7 +260,7 @@ def _effects_left_out(model: VerdictModel, is_varied: bool) -> Iterator[str]:
         yield "uncertain inputs"
     if not model.evidence.specimens:
         bias = 100 * model.evidence.prior.bias
-        yield f"a model bias beyond the assumed {bias:.3g} %, as no test confirms it"
+        yield f"errors beyond the assumed model bias of {bias:.3g} %, which no test confirms"
 
 
 def _severe_with_earlier_revolutions(model: VerdictModel, tracks: Mapping[str, Track]) -> str:

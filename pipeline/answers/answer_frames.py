@@ -27,8 +27,6 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.case_table import CASE
 
 _COMPUTED_RISE = "computed over allowable rise [%]"
-_TEST_FORMATS = {"governing temperature [°C]": ".0f", "leave-one-out probability [%]": ".2g"}
-"""Forms of computed numbers of tests, with no more digits than their errors allow."""
 _COMMON_ATTRIBUTES = ("conditions", "model_error", "not_included", "notes")
 _MARGIN_VARIABLES = (
     "verdict", "probability", "governing_temperature", "temperature_error", "temperature_margin",
@@ -171,8 +169,10 @@ def comparison_frame(comparison: xr.Dataset) -> pd.DataFrame:
     ]
     position = [*frame].index("governing temperature [°C]") + 1
     frame.insert(position, _COMPUTED_RISE, [text or None for text in percents])
-    for heading, form in _TEST_FORMATS.items():
-        frame[heading] = [None if np.isnan(x) else f"{x:{form}}" for x in frame[heading]]
+    heading = "governing temperature [°C]"  # to 1 K, since its error is larger
+    frame[heading] = [None if np.isnan(x) else f"{x:.0f}" for x in frame[heading]]
+    heading = _heading("loo_probability", comparison)
+    frame[heading] = [None if np.isnan(x) else probability_text(x) for x in frame[heading]]
     return frame.apply(_typed_texts)
 
 
@@ -253,7 +253,7 @@ def _heading(name: str, answer: xr.Dataset) -> str:
     if unit == "K" and not is_error:
         unit = "°C"
     if unit == "1":
-        unit = "%" if is_error or name == "loo_probability" else ""
+        unit = "%" if is_error else ""
     title = _HEADINGS.get(name, name.replace("_", " "))
     if name in ("mild_velocity", "mild_load") and "temperature_error" in answer:
         title = name.replace("_", " ")  # margins have both

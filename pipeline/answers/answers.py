@@ -82,14 +82,16 @@ def margin(
     Returns
     -------
     Dataset
-        The verdict on the next specimen, its probability, temperatures, numerical errors and their
-        parts; ``mild_load``, ``mild_velocity`` and ``mild_friction``, up to which the verdict is
-        mild, and their safety factors, these limits over the values of the point; the code
-        ``mild_…_side`` of a limit outside the sweep, which is NaN; computed critical velocity, load
-        and friction; flags, and ``decided_by``, what would decide an undecided verdict. Rows with
-        load factors have a ``mild_load_factor``; the row with the smallest ``governs``. Each has
-        ``units`` and ``long_name``, and codes ``flag_meanings``. Attributes state what applies to
-        all points.
+        ``verdict`` on the next specimen, a code: its word is ``flag_meanings.split()[code]``, as
+        below; ``probability`` of severe wear, and ``probability_low`` and ``probability_high`` by
+        the numerical error; ``governing_temperature``, ``temperature_margin`` and
+        ``temperature_error``, a 95 % bound, with its parts; ``mild_load``, ``mild_velocity`` and
+        ``mild_friction``, up to which the verdict is mild, and their safety factors, these limits
+        over the values of the point; the code ``mild_…_side`` of a limit outside the sweep, which
+        is NaN; computed critical velocity, load and friction; flags, and ``decided_by``, what would
+        decide an undecided verdict. Rows with load factors have a ``mild_load_factor``; the row
+        with the smallest ``governs``. Each has ``units`` and ``long_name``, and codes
+        ``flag_meanings``. Attributes state what applies to all points.
 
     Examples
     --------

@@ -204,7 +204,7 @@ class CaseResults:
                     np.broadcast_to(labels, values.shape)[is_other][0],
                     values[is_other][0],
                 )
-                reason = f"those at {name} {label:g} {UNITS[name]} are those of {value:g}"
+                reason = f"the values stored at {name} {label:g} {UNITS[name]} belong to {value:g}"
                 raise InputError(NOT_SIMULATED.format(reason))
 
     def sampling(self, conditions: Conditions) -> Array:

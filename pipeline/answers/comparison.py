@@ -88,8 +88,7 @@ def infer(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionValues]) -> x
     """Find the critical temperature of the lubricant from the tests of a scene.
 
     The prior of ln(critical − bulk temperature) is Student's t with 4 degrees of freedom and a
-    scale of 1, centred on ln(120 K). A critical temperature in the scene is
-    ignored.
+    scale of 1, centred on ln(120 K). A critical temperature in the scene is ignored.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """Critical temperature Tc of the lubricant, inferred from tests.
 
 The prior of ln(Tc − bulk temperature) is Student's t with 4 degrees of freedom and a scale of 1,
-about 120 K above the bulk temperature. At each Tc the y of every test is computed at the bulk
+centred on ln(120 K). At each Tc the y of every test is computed at the bulk
 temperature of this test, so the result does not depend on an initial guess. On the same rig Tc
 contains the model's bias; on another rig the bias is added.
 """

@@ -275,7 +275,9 @@ def _require_sweep(ds: xr.Dataset, sweep: Sweep) -> None:
     for name, swept in (("load", sweep.loads), ("velocity", sweep.velocities)):
         values = ds[name].values if name in ds.coords else np.array([])
         if values.dtype.kind not in "fiu" or not values.size or not np.isfinite(values).all():
-            raise InputError(f"the dataset has no finite {name}; keep its coordinates")
+            raise InputError(
+                f'the coordinate "{name}" is missing or not finite; keep it in the dataset'
+            )
         if name not in ds.dims:
             continue
         if (np.diff(values) <= LEAST_DISTANCE * values[1:]).any():

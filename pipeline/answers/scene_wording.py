@@ -141,7 +141,7 @@ def _describe_warning(warning: SceneWarning) -> str:
                 "increase window.pixels, or simulate several (sweep.realizations)"
             )
         case "no_wear":
-            return "none is given; an unworn contact stays narrow and gets hotter"
+            return "there is no table [wear]; an unworn contact stays narrow and runs hotter"
         case "far_test":
             load, velocity = values
             point = f"{load:g} N at {velocity:g} m/s"

@@ -103,7 +103,7 @@ def format_value(value: float, error: float) -> str:
 
 def format_error(error: float) -> str:
     """Write an error with two digits; empty if it is NaN."""
-    return f"{error:.2g}" if math.isfinite(error) else ""
+    return f"{float(f'{error:.2g}'):g}" if math.isfinite(error) else ""
 
 
 def format_limit(value: float, is_mild: bool = True, digits: int = 3) -> str:

@@ -64,7 +64,7 @@ def require_boundary(sweep: Sweep) -> None:
             if not case.critical_from_tests:
                 known_critical_temperature(case.conditions)
     if reason:
-        raise InputError(f"an accuracy needs a boundary, and there is none: {reason}")
+        raise InputError(f"--accuracy needs a boundary, and there is none: {reason}")
 
 
 def reason_surface_is_fixed(sweep: Sweep) -> str:
@@ -102,11 +102,13 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
     ]
     if suitable or errors[-1] < accuracy:
         return suitable[0] if suitable else candidates[-1]
-    subject = "the preset of the store" if before else "the preset fine"
-    statement = f"errs by up to {percent(errors[-1])}" if errors[-1] < 1 else "has no known error"
+    subject = "the store's preset" if before else "the preset fine"
+    statement = (
+        f"may err by {percent(errors[-1])}" if errors[-1] < 1 else "has no known error bound"
+    )
     advice = "set a larger --accuracy"
     if before:
-        advice = "set a larger --accuracy, or give another store by -o OUT.zarr"
+        advice = "set a larger --accuracy, or write to another store with -o OUT.zarr"
     raise InputError(f"accuracy is {percent(accuracy)}, and {subject} {statement}; {advice}")
 
 
@@ -234,8 +236,8 @@ class GoalOutcome(NamedTuple):
                 yield f"to reach it: {_ADVICE[largest]}"
             if surface and self.surface:
                 yield (
-                    f"surface sampling: up to ± {percent(self.surface)}, which is no part of the "
-                    f"goal, because {surface}"
+                    f"surface sampling: up to ± {percent(self.surface)}, which the goal does not "
+                    f"count, because {surface}"
                 )
         if self.loads_without_transition:
             loads = ", ".join(f"{load:g}" for load in self.loads_without_transition)

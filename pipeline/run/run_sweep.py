@@ -76,8 +76,8 @@ def run_sweep(
         Path of the store, which is created, resumed or extended. In a folder, all done points are
         read first; damaged ones are computed again.
     workers : int, optional
-        Number of processes; by default one for each core that this process may use. There are no
-        more than tasks.
+        Number of processes; by default one for each core that this process may use. Never more than
+        there are tasks.
     client : distributed.Client, optional
         Client of a Dask cluster to compute on instead. Its workers need this package, but no access
         to the store. A worker computes one point at a time, however many threads it has.

@@ -272,7 +272,8 @@ def roughness_of(
     if not isinstance(table, MeasuredSurfaceTable):
         if window.pixels == (1, 1):
             raise tribo.InputError(
-                "one pixel cannot be rough; give more window.pixels, or no table"
+                "a window of one pixel cannot be rough; increase window.pixels, or remove "
+                "[disk.roughness]"
             )
         lengths = correlation_lengths_of(table, window, faults)
         return tribo.SelfAffineRoughness(table.ra, table.hurst_exponent, lengths, table.seed)

@@ -60,7 +60,7 @@ def locked(folder: Path, progress: Report = silent) -> Iterator[Lock]:
                 problem = f"in use by {name}; if that has ended, delete {lock.path}"
                 raise StoreError(f"{folder} is {problem}")
             if not lock.is_in_place():
-                raise StoreError(f"{folder} was in use a moment ago; run the command again")
+                raise StoreError(f"another run has just released {folder}; run the command again")
             os.ftruncate(lock.descriptor, 0)
             holder = f"process {os.getpid()} on {socket.gethostname()}\n"
             os.pwrite(lock.descriptor, holder.encode(), 0)

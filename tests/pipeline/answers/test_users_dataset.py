@@ -109,7 +109,7 @@ REFUSED = {
     "reindex nearest": (lambda ds: ds.reindex(velocity=[0.6, 1.6], method="nearest"),
                         "velocity 0.6 is not in its sweep"),
     "sortby": (lambda ds: ds.sortby("velocity", ascending=False), "sort it"),
-    "rename": (lambda ds: ds.rename(velocity="speed"), "no finite velocity"),
+    "rename": (lambda ds: ds.rename(velocity="speed"), '"velocity" is missing or'),
     "rename variable": (lambda ds: ds.rename(rise_quantile="q"), "lacks rise_quantile"),
     "drop_vars": (lambda ds: ds.drop_vars("status"), "has no status"),
     "stack": (lambda ds: ds.stack(p=("load", "velocity")), "call ds.unstack() first"),

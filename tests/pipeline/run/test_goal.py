@@ -114,7 +114,7 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     (statement,) = (line for line in output.splitlines() if " reached: at most ± " in line)
     assert "surface" not in statement
     assert ", positions 1." in statement
-    assert "which is no part of the goal, because 2 seeds are listed" in output
+    assert "which the goal does not count, because 2 seeds are listed" in output
     assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in output
     assert done(out)[1].sum() == 1
 
@@ -132,7 +132,7 @@ def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
     for plain in (scene(), scene(**{"fidelity.preset": "fine", "sweep.realizations": 2})):
         with pytest.raises(pipeline.StoreMismatchError, match=r"irg run SCENE --accuracy 2\.5%"):
             pipeline.run_sweep(plain, small, workers=1)
-    with pytest.raises(InputError, match="preset of the store errs by up to"):
+    with pytest.raises(InputError, match="the store's preset may err by"):
         run(scene(), small, 0.009)
 
 

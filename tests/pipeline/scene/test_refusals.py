@@ -202,7 +202,7 @@ ENTRIES = {
     "like": (entry("oil", "vg33"), '"vg33" is not in the library'),
     "pixels": (entry("window.pixels", [480, 481]), "window.pixels: [480, 481] cannot be averaged"),
     "one pixel": (entry("window.pixels", [1, 1], **{"fidelity.pixels_per_element": 1}),
-                  "one pixel cannot be rough"),
+                  "a window of one pixel cannot be rough"),
     "crown": (entry("pin.shape", "crowned", without="pin.length"),
               "pin.crown_radius: missing; required for a crowned pin"),
     "no length": (lambda: scene(without="disk.roughness.correlation_length"),
