@@ -208,7 +208,8 @@ def run_point(
                 is_last = contact.index == load_steps[-1].index
                 states.append(_heated(fitted_scene, velocity, contact, is_last))
             progress(Progress(done=contact.index, total=load_steps[-1].index))
-        course = states[-1].course[: len(load_steps) - len(states)]  # may include the end
+        course = recorder.course if recorder else ()  # may include the end
+        course = course[: len(load_steps) - len(states)]
         rows = [*course, *map(values_at, states)]
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         film = _film_of(fitted_scene, states[-1]) if with_film else _NO_FILM

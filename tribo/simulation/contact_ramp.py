@@ -15,18 +15,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Container, Hashable, Iterator, Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tribo.errors import InputError, TriboError, require_instance, require_number, require_positive
 from tribo.loading import LoadStep, Stages
-from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
 from tribo.simulation.loading_step import advance, start
-from tribo.simulation.ramp_cache import PointMemo, RampCache, Reached, Recorder
+from tribo.simulation.ramp_cache import PointMemo, RampCache, Recorder, SharedStep
 from tribo.simulation.requested_state import refine_step, solve_positions
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -84,7 +82,8 @@ def contacts(
         Indices of further steps, `LoadStep.index`, whose states shall have `State.is_requested`.
     recorder : Recorder, optional
         Value to record after each increment of the ramp below `normal_load`, on the finest grid.
-        The last states with `State.is_requested` have the recorded values as `State.course`.
+        When all states were yielded, `Recorder.course` has the recorded values, and is empty
+        without wear.
 
     Yields
     ------
@@ -98,126 +97,183 @@ def contacts(
         If load or velocity is not allowed, or a contact does not reach its tolerance.
     """
     _check_arguments(scene, normal_load, velocity)
-    ramp_cache = RampCache() if ramp_cache is None else ramp_cache
     scene = fit_elements(scene, normal_load)
-    levels = tuple(scene.levels())
     load_steps = list(scene.load_steps(normal_load, requested))
+    levels, ramp_cache = tuple(scene.levels()), ramp_cache or RampCache()
+    point = _Point(levels, normal_load, velocity, requested, load_steps, ramp_cache, recorder)
     if not scene.wears:
-        for load_step in load_steps:
-            yield _independent_state(levels, normal_load, velocity, load_step)
-        return
-    has_stages = isinstance(scene.loading, Stages)
-    on_finest = range(MOST_STEPS + 1) if recorder and not has_stages else requested
-    advance_step = partial(_advance_shared, levels, velocity, on_finest)
-    key = mechanics(scene), velocity, scene.ramp_increment(normal_load), on_finest is requested
-    memo = ramp_cache.memo(contact_key(scene, normal_load, velocity, requested))
-    begin = start(scene)
-    if has_stages or (recorder and load_steps[-1].on_trunk):  # higher loads continue from the end
-        ramp = ramp_cache.reach(key, begin, load_steps, advance_step, recorder)
-        for reached, load_step in zip(ramp, load_steps, strict=True):
-            if reached.is_new and load_step is not load_steps[-1]:
-                yield reached.state
-        end = reached.state
-        if end.is_requested or not end.pressure.any():
-            end = end if has_stages else _with_positions(levels[-1], end, memo)
-            yield replace(end, course=reached.course)
+        yield from map(point.unworn_state, load_steps)
+    elif point.has_stages or (recorder and load_steps[-1].on_trunk):
+        yield from point.shared_states()  # higher loads continue from the end
+    else:
+        yield from point.states()
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """Arguments of `contacts`, with the load steps of the point and its scene on all grids."""
+
+    levels: tuple[Scene, ...]  # on ever finer grids
+    normal_load: float
+    velocity: float
+    requested: Container[int]
+    load_steps: Sequence[LoadStep]
+    ramp_cache: RampCache
+    recorder: Recorder | None
+
+    @property
+    def scene(self) -> Scene:
+        """The scene on the finest grid."""
+        return self.levels[-1]
+
+    @property
+    def has_stages(self) -> bool:
+        """True under load stages, all of whose steps are shared."""
+        return isinstance(self.scene.loading, Stages)
+
+    @property
+    def memo(self) -> PointMemo:
+        """Results of scenes that differ from this one in thermal constants only."""
+        key = contact_key(self.scene, self.normal_load, self.velocity, self.requested)
+        return self.ramp_cache.memo(key)
+
+    def unworn_state(self, load_step: LoadStep) -> State:
+        """State at a load step without wear, independent of earlier steps."""
+
+        def compute() -> State:
+            # Each load step starts from the unloaded state. With a guess from earlier steps,
+            # results would depend on the load steps at which a temperature is requested.
+            states = self._last_part(start(self.scene), load_step)
+            return self._solve_requested(*states, load_step, is_judged=True)
+
+        # The contact under a load does not depend on when the load is reached.
+        key = mechanics(self.scene), load_step.normal_load, self.normal_load
+        return self._later_state(unworn_contact(key, compute), load_step)
+
+    def shared_states(self) -> Iterator[State]:
+        """States of a point whose end higher loads pass through."""
+        for step, is_new in self._reach(self.load_steps):
+            if is_new and step.end.index != self.load_steps[-1].index:
+                yield step.end
+        end, memo = step.end, self.memo
+        if end.pressure.any() and not end.is_requested:  # not solved on the finest grid
+            yield from self.states()
             return
-    shared_steps = list(
-        itertools.takewhile(
-            lambda load_step: (
-                load_step.on_trunk
-                and load_step.normal_load < normal_load
-                and load_step.index not in requested
-            ),
-            load_steps,
+        if end.is_requested and self.scene.wears_by_strips and not self.has_stages:
+            if memo.shared_end is None:
+                memo.shared_end = solve_positions(self.scene, end)
+            end = memo.shared_end
+        yield end
+
+    def states(self) -> Iterator[State]:
+        """States of a point that leaves the shared ramp before its end."""
+        shared_steps = list(itertools.takewhile(self._is_shared, self.load_steps))
+        state = start(self.scene)
+        for step, is_new in self._reach(shared_steps):
+            state = step.history
+            if is_new:
+                yield step.end
+        memo = self.memo
+        if memo.ends is not None:
+            yield from memo.ends
+            return
+        ends = list[State]()
+        for end in self._final_states(state, self.load_steps[len(shared_steps) :]):
+            if end.is_requested:
+                ends.append(end)
+            yield end
+        if self.ramp_cache.has_room_for(ends):
+            memo.ends = ends
+
+    def _is_shared(self, load_step: LoadStep) -> bool:
+        """True for a step of all points at higher loads that requests no temperature."""
+        is_below = load_step.on_trunk and load_step.normal_load < self.normal_load
+        return is_below and load_step.index not in self.requested
+
+    @property
+    def _records_increments(self) -> bool:
+        return self.recorder is not None and not self.has_stages
+
+    def _reach(self, load_steps: Sequence[LoadStep]) -> Iterator[tuple[SharedStep, bool]]:
+        """Yield the shared steps up to the last of `load_steps`, and whether each is new."""
+        scene, records = self.scene, self._records_increments
+        increment = scene.ramp_increment(self.normal_load)
+        key = mechanics(scene), self.velocity, increment, records
+        return self.ramp_cache.reach(
+            key, start(scene), load_steps, self._advance_shared, self.recorder
         )
-    )
-    reached = Reached(begin, is_new=False)
-    for reached in ramp_cache.reach(key, begin, shared_steps, advance_step, recorder):
-        if reached.is_new:
-            yield reached.state
-    if memo.ends is not None:  # solved for a scene that differs only in thermal constants
-        yield from (replace(end, course=reached.course) for end in memo.ends)
-        return
-    before, final_states = reached.state.history or reached.state, list[State]()
-    for end in _final_states(
-        levels,
-        before,
-        load_steps[len(shared_steps) :],
-        normal_load,
-        velocity,
-        requested,
-    ):
-        if end.is_requested:
-            final_states.append(end)
-        yield replace(end, course=reached.course) if end.is_requested else end
-    if ramp_cache.has_room_for(final_states):
-        memo.ends = final_states
 
+    def _advance_shared(self, before: State, load_step: LoadStep) -> SharedStep:
+        """Compute a shared step on the coarsest grid and, if it is requested, on the finest."""
+        begin, after = self._last_part(before, load_step)
+        is_judged = load_step.bounds_hold
+        if not (is_judged or self._records_increments or load_step.index in self.requested):
+            return SharedStep(after, after)
+        try:
+            finest = self._solve_requested(begin, after, load_step, is_judged)
+        except TriboError:
+            if is_judged:
+                raise
+            # The ramp continues, since the ends of points do not need this contact.
+            return SharedStep(after, after)
+        # Arrays for a next step would take half of the memory.
+        return SharedStep(replace(finest, displacement=None, earlier=None), after)
 
-def _with_positions(scene: Scene, last: State, memo: PointMemo) -> State:
-    """The shared state `last` as the end of a point, with contacts at all positions of the disk."""
-    if not (last.is_requested and scene.wears_by_strips):
-        return last
-    if memo.shared_end is None:  # not solved for a scene that differs only in thermal constants
-        memo.shared_end = solve_positions(scene, last)
-    return memo.shared_end
-
-
-def _advance_shared(
-    levels: tuple[Scene, ...],
-    velocity: float,
-    requested: Container[int],
-    before: State,
-    load_step: LoadStep,
-) -> State:
-    """Compute a shared step on the coarsest grid and, if it is requested, on the finest."""
-    begin, after = _last_part(levels, velocity, before.history or before, load_step)
-    if not (load_step.bounds_hold or load_step.index in requested):
-        return after
-    try:
-        finest = _solve_requested(
-            levels, begin, after, load_step, velocity, is_judged=load_step.bounds_hold
-        )
-    except TriboError:
-        if load_step.bounds_hold:
-            raise
-        return after  # the ramp continues, since the ends of points do not need this contact
-    if finest.history is None:
-        return finest
-    # The ramp continues from the history. Arrays for a next step would take half of the memory.
-    return replace(finest, previous_pressure=after.previous_pressure, displacement=None)
-
-
-def _final_states(
-    levels: tuple[Scene, ...],
-    state: State,
-    load_steps: Sequence[LoadStep],
-    normal_load: float,
-    velocity: float,
-    requested: Container[int],
-) -> Iterator[State]:
-    """Yield the states after `state` at the last load steps of a point, shared by no other."""
-    is_worn, state_at_load = velocity != 0, None
-    for load_step in load_steps:
-        if load_step.holding and state_at_load and not is_worn:
-            is_requested = load_step is load_steps[-1] or load_step.index in requested
-            yield replace(
-                _later_state(state_at_load, load_step, velocity), is_requested=is_requested
-            )
-            continue
-        ends_hold = load_step is load_steps[-1]
-        before, state = _last_part(levels, velocity, state, load_step, ends_hold)
-        is_reached = load_step.normal_load == normal_load and not load_step.holding
-        if load_step is load_steps[-1] or is_reached or load_step.index in requested:
-            is_judged = load_step is load_steps[-1] or load_step.normal_load >= normal_load
-            requested_state = _solve_requested(
-                levels, before, state, load_step, velocity, is_judged
-            )
+    def _final_states(self, state: State, load_steps: Sequence[LoadStep]) -> Iterator[State]:
+        """Yield the states after `state` at the last load steps of a point, shared by no other."""
+        state_at_load = None
+        for load_step in load_steps:
+            is_end = load_step is load_steps[-1]
+            if load_step.holding and state_at_load and not self.velocity:
+                is_requested = is_end or load_step.index in self.requested
+                later_state = self._later_state(state_at_load, load_step)
+                yield replace(later_state, is_requested=is_requested)
+                continue
+            before, state = self._last_part(state, load_step, is_end)
+            is_reached = load_step.normal_load == self.normal_load and not load_step.holding
+            if not (is_end or is_reached or load_step.index in self.requested):
+                yield state
+                continue
+            is_judged = is_end or load_step.normal_load >= self.normal_load
+            requested_state = self._solve_requested(before, state, load_step, is_judged)
             state_at_load = requested_state if is_reached else state_at_load
             yield requested_state
-        else:
-            yield state
+
+    def _last_part(
+        self, before: State, load_step: LoadStep, ends_hold: bool = False
+    ) -> tuple[State, State]:
+        """States before and after the last part of a step to `load_step`, on the coarsest grid."""
+        scene, after, iterations = self.levels[0], before, 0
+        observed = len(self.levels) == 1 and not scene.wears_by_strips
+        for part in step_parts(scene, before, load_step, self.velocity, ends_hold):
+            begin, after = after, advance(scene, after, part, self.velocity, observed=observed)
+            iterations += after.iterations
+        return begin, replace(after, iterations=iterations)
+
+    def _solve_requested(
+        self, before: State, after: State, load_step: LoadStep, is_judged: bool
+    ) -> State:
+        """Repeat a step on the finest grid, so that the state at its end can get a temperature.
+
+        Under a pin that wears by strips of the disk, only the temperature of a step that verdicts
+        use (`is_judged`) is a mean over positions.
+        """
+        if not after.pressure.any():
+            return after
+        finest = refine_step(self.levels, before, after, load_step, self.velocity)
+        if is_judged or not self.scene.wears_by_strips:
+            finest = solve_positions(self.scene, finest)
+        return replace(finest, is_requested=True)
+
+    def _later_state(self, contact: State, load_step: LoadStep) -> State:
+        """The state `contact`, of equal load and without wear, at the time of a `load_step`."""
+        return replace(
+            contact,
+            time=load_step.time,
+            impulse=load_step.impulse,
+            index=load_step.index,
+            sliding_distance=abs(self.velocity) * load_step.time,
+        )
 
 
 def _check_arguments(scene: Scene, normal_load: float, velocity: float) -> None:
@@ -232,71 +288,3 @@ def _check_arguments(scene: Scene, normal_load: float, velocity: float) -> None:
             f"normal_load is {normal_load:g} N, but the window carries {scene.greatest_load:g}"
             f" N at most (its area times the hardness, {scene.hardness:g} Pa)"
         )
-
-
-def _last_part(
-    levels: tuple[Scene, ...],
-    velocity: float,
-    before: State,
-    load_step: LoadStep,
-    ends_hold: bool = False,
-) -> tuple[State, State]:
-    """States before and after the last part of a step to `load_step`, on the coarsest grid."""
-    scene, after, iterations = levels[0], before, 0
-    observed = len(levels) == 1 and not scene.wears_by_strips
-    for part in step_parts(scene, before, load_step, velocity, ends_hold):
-        begin, after = after, advance(scene, after, part, velocity, observed=observed)
-        iterations += after.iterations
-    return begin, replace(after, iterations=iterations)
-
-
-def _solve_requested(
-    levels: tuple[Scene, ...],
-    before: State,
-    after: State,
-    load_step: LoadStep,
-    velocity: float,
-    is_judged: bool,
-) -> State:
-    """Repeat a step on the finest grid, so that the state at its end can get a temperature.
-
-    Under a pin that wears by strips of the disk, only the temperature of a step that verdicts use
-    (`is_judged`) is a mean over positions.
-    """
-    if not after.pressure.any():
-        return after
-    finest = refine_step(levels, before, after, load_step, velocity)
-    if is_judged or not levels[-1].wears_by_strips:
-        finest = solve_positions(levels[-1], finest)
-    return replace(finest, is_requested=True)
-
-
-def _independent_state(
-    levels: tuple[Scene, ...],
-    normal_load: float,
-    velocity: float,
-    load_step: LoadStep,
-) -> State:
-    """State at `load_step` in a loading to `normal_load` [N], independent of earlier steps."""
-    scene = levels[-1]
-
-    def compute() -> State:
-        # Each load step starts from the unloaded state. With a guess from earlier steps, results
-        # would depend on the load steps at which a temperature is requested.
-        states = _last_part(levels, velocity, start(scene), load_step)
-        return _solve_requested(levels, *states, load_step, velocity, is_judged=True)
-
-    # The contact under a load does not depend on when the load is reached.
-    contact = unworn_contact((mechanics(scene), load_step.normal_load, normal_load), compute)
-    return _later_state(contact, load_step, velocity)
-
-
-def _later_state(contact: State, load_step: LoadStep, velocity: float) -> State:
-    """The state `contact`, of equal load and without wear, at the time of a `load_step`."""
-    return replace(
-        contact,
-        time=load_step.time,
-        impulse=load_step.impulse,
-        index=load_step.index,
-        sliding_distance=abs(velocity) * load_step.time,
-    )

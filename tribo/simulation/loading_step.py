@@ -14,7 +14,7 @@ from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
-from tribo.simulation.state import State
+from tribo.simulation.state import EarlierContact, State
 from tribo.simulation.step_wear import step_wear
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
@@ -40,8 +40,6 @@ def start(scene: Scene) -> State:
         index=0,
         iterations=0,
         residual=0.0,
-        previous_pressure=zero,
-        previous_load=0.0,
     )
 
 
@@ -118,10 +116,8 @@ def advance(
         index=load_step.index,
         iterations=iterations,
         residual=residual,
-        previous_pressure=state.pressure,
-        previous_load=state.normal_load,
         displacement=displacement,
-        previous_displacement=state.displacement,
+        earlier=EarlierContact(state.pressure, state.normal_load, state.displacement),
     )
 
 
@@ -218,12 +214,14 @@ def _extrapolate(state: State, normal_load: float) -> tuple[Array | None, Array 
     """Pressure [Pa] and displacement [m] at a load [N], extrapolated from two states, or None."""
     if state.normal_load == 0.0:
         return None, None
-    change, last_change = normal_load - state.normal_load, state.normal_load - state.previous_load
-    if state.previous_load == 0.0 or abs(change) >= MAX_EXTRAPOLATION * abs(last_change):
+    earlier = state.earlier
+    if earlier is None or earlier.normal_load == 0.0:
+        return state.pressure, None
+    change, last_change = normal_load - state.normal_load, state.normal_load - earlier.normal_load
+    if abs(change) >= MAX_EXTRAPOLATION * abs(last_change):
         return state.pressure, None
     ratio = change / last_change
-    pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)
-    if state.displacement is None or state.previous_displacement is None:
+    pressure = state.pressure + ratio * (state.pressure - earlier.pressure)
+    if state.displacement is None or earlier.displacement is None:
         return pressure, None
-    displacement_change = state.displacement - state.previous_displacement
-    return pressure, state.displacement + ratio * displacement_change
+    return pressure, state.displacement + ratio * (state.displacement - earlier.displacement)

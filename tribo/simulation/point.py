@@ -115,7 +115,7 @@ def stages_of(
     recorder = Recorder(("stages", scene, velocity), add_requested_heat)
     states = list(contacts(scene, normal_load, velocity, ramp_cache, recorder=recorder))
     # Without wear a stage depends on no other, and there is no course.
-    heated_states = states[-1].course or map(add_requested_heat, states)
+    heated_states = recorder.course or map(add_requested_heat, states)
     stage_states = [state for state in heated_states if state is not None]
     if edges := touched_edges(scene, states[-1]):
         raise InputError(

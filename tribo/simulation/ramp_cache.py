@@ -9,31 +9,31 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from tribo.loading import LoadStep
 from tribo.simulation.state import State
-from tribo.types import Array
 
 MOST_BYTES = 2**28
 """Default limit of the total size of the states in a cache [B]."""
 
 
-class Recorder(NamedTuple):
-    """Records a value of the state after each increment of a ramp, under a name."""
+@dataclass(slots=True, eq=False)
+class Recorder:
+    """Records a value of the state at the end of each increment of a ramp, under a name."""
 
     name: Hashable
     record: Callable[[State], Any]
+    course: tuple[Any, ...] = ()  # values along the ramp of the last point
 
 
-class Reached(NamedTuple):
-    """A step of a shared ramp: its state, and what was recorded at all steps up to it."""
+class SharedStep(NamedTuple):
+    """A step of a shared ramp."""
 
-    state: State
-    is_new: bool  # not cached before
-    course: tuple[Any, ...] = ()  # empty without a recorder
+    end: State  # on the finest grid if its temperature is requested
+    history: State  # from which the ramp continues, on the coarsest grid
 
 
 @dataclass(slots=True, eq=False)
@@ -50,9 +50,9 @@ class PointMemo:
 
 @dataclass(slots=True, eq=False)
 class _Trunk:
-    """States of a shared ramp (trunk) so far, or only the last state if they need much memory."""
+    """Steps of a shared ramp (trunk) so far, or only the last if their states need much memory."""
 
-    states: list[State] = field(default_factory=list)  # at the last increments
+    steps: list[SharedStep] = field(default_factory=list)  # of the last increments
     count: int = 0  # increments so far
     nbytes: int = 0
     records: dict[Hashable, list[Any]] = field(default_factory=dict)  # by name, one per increment
@@ -61,7 +61,7 @@ class _Trunk:
     @property
     def dropped(self) -> int:
         """Number of increments whose states were dropped, counted from the first."""
-        return self.count - len(self.states)
+        return self.count - len(self.steps)
 
     def clear_if_dropped(self, increments: int, recorded: int) -> None:
         """Forget all states and recorded values if a state that the caller needs was dropped.
@@ -70,16 +70,16 @@ class _Trunk:
         `recorded`, it needs the states after all later steps, too.
         """
         if increments and self.dropped >= min(increments, recorded + 1):
-            self.states, self.count, self.nbytes, self.records = [], 0, 0, {}
+            self.steps, self.count, self.nbytes, self.records = [], 0, 0, {}
 
-    def add(self, state: State, limit: int) -> None:
-        """Keep the state after the next step; drop older states if memory exceeds `limit` [B]."""
-        self.nbytes += sum(array.nbytes for array in _arrays(state))
-        self.states.append(state)
+    def add(self, step: SharedStep, limit: int) -> None:
+        """Keep the next step; drop older steps if their memory exceeds `limit` [B]."""
+        self.nbytes += _size(step)
+        self.steps.append(step)
         self.count += 1
         if self.nbytes > limit:
-            self.states = [state]
-            self.nbytes = sum(array.nbytes for array in _arrays(state))
+            self.steps = [step]
+            self.nbytes = _size(step)
 
 
 class RampCache:
@@ -119,21 +119,21 @@ class RampCache:
 
     def has_room_for(self, states: Sequence[State]) -> bool:
         """True if the size of `states` is at most the limit of all ramps together."""
-        return sum(array.nbytes for state in states for array in _arrays(state)) <= self._limit
+        return _size(states) <= self._limit
 
     def reach(
         self,
         key: Hashable,
         begin: State,
         load_steps: Sequence[LoadStep],
-        advance: Callable[[State, LoadStep], State],
+        advance: Callable[[State, LoadStep], SharedStep],
         recorder: Recorder | None = None,
-    ) -> Iterator[Reached]:
-        """Continue a cached ramp up to the last of its `load_steps`, and yield each of them.
+    ) -> Iterator[tuple[SharedStep, bool]]:
+        """Continue a cached ramp up to the last of its `load_steps`; yield its steps.
 
-        The ramp starts from the state `begin`, and is cached by `key`. `load_steps` are the ends of
-        its steps: times with their loads. `advance` computes a state from the state one step
-        earlier.
+        With each step it yields whether the step was computed now. The ramp starts from the state
+        `begin`, and is cached by `key`. `load_steps` are the ends of its steps: times with their
+        loads. `advance` computes a step from the history of the step before.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
@@ -142,17 +142,19 @@ class RampCache:
             recorded = len(trunk.records.get(recorder.name, ())) if recorder else len(load_steps)
             trunk.clear_if_dropped(len(load_steps), recorded)
             records: list[Any] = trunk.records.setdefault(recorder.name, []) if recorder else []
-            state = begin
+            step = SharedStep(begin, begin)
             for index, load_step in enumerate(load_steps, 1):
                 is_new = index > trunk.count
                 if is_new:
-                    state = advance(state, load_step)
-                    trunk.add(state, self._limit)
+                    step = advance(step.history, load_step)
+                    trunk.add(step, self._limit)
                 elif index > trunk.dropped:
-                    state = trunk.states[index - trunk.dropped - 1]
+                    step = trunk.steps[index - trunk.dropped - 1]
                 if recorder and len(records) < index:
-                    records.append(recorder.record(state))
-                yield Reached(state, is_new, tuple(records[:index]))
+                    records.append(recorder.record(step.end))
+                yield step, is_new
+            if recorder:
+                recorder.course = tuple(records[: len(load_steps)])
         self._drop_oldest()
 
     def _drop_oldest(self) -> None:
@@ -162,10 +164,12 @@ class RampCache:
                 size -= self._trunks.popitem(last=False)[1].nbytes
 
 
-def _arrays(state: State) -> Iterator[Array]:
-    """Arrays of a state, without the arrays that it shares with the state one step earlier."""
-    yield from (state.pressure, state.wear_depth, *state.passing)
-    if state.history is not None:
-        yield from _arrays(state.history)
-    if state.displacement is not None:
-        yield state.displacement
+def _size(states: Iterable[State]) -> int:
+    """Size of the arrays of states [B], without those that they share with a step before."""
+    arrays = {
+        id(array): array.nbytes
+        for state in states
+        for array in (state.pressure, state.wear_depth, state.displacement, *state.passing)
+        if array is not None
+    }
+    return sum(arrays.values())

@@ -42,7 +42,7 @@ def refine_step(
         return _solve_on_finest(finest, after)
     state = end_implicitly(levels[0], before, after, load_step, velocity)
     if finest.wears_by_strips:
-        return replace(_solve_on_finest(finest, state), history=after)
+        return _solve_on_finest(finest, state)
     wear_depth = _rewind(levels[0], before, state, load_step, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
@@ -54,7 +54,7 @@ def refine_step(
             displacement=None,
         )
         finer = advance(scene, start_state, load_step, velocity, pressure, scheme="implicit")
-        state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
+        state = replace(finer, iterations=state.iterations + finer.iterations)
     return state
 
 
@@ -88,8 +88,7 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
         iterations=after.iterations + contact.iterations,
         residual=max(after.residual, contact.residual),
         displacement=displacement,
-        previous_displacement=None,
-        history=after,
+        earlier=None,
     )
 
 
@@ -127,7 +126,6 @@ def end_implicitly(
         end,
         iterations=sum(state.iterations for state in states),
         residual=max(state.residual for state in states),
-        history=after.history or after,
     )
 
 
@@ -179,5 +177,4 @@ def solve_positions(scene: Scene, state: State) -> State:
         passing=tuple(contact.pressure for contact in contacts),
         iterations=state.iterations + iterations,
         residual=max(state.residual, *(contact.residual for contact in contacts)),
-        history=state.history or state,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -79,6 +79,14 @@ class Heat:
         return {"rise_quantile": self.rise_quantile, "mean_rise": self.mean_rise}
 
 
+class EarlierContact(NamedTuple):
+    """The contact one step earlier, with which the next contact is extrapolated."""
+
+    pressure: Array  # (nx, ny) [Pa]
+    normal_load: float  # on the whole pin [N]
+    displacement: Array | None  # elastic, due to `pressure`, (nx, ny) [m]; None if not known
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
     """The contact at one time of the loading.
@@ -105,26 +113,17 @@ class State:
     residual : float
         Largest relative violation of the conditions on the gap, among the contacts solved in the
         last step, or in its last part, on the finest grid; see `tribo.contact.ContactSolution`.
-    previous_pressure : ndarray, shape (nx, ny)
-        Contact pressure one step earlier [Pa], from which the next pressure is extrapolated.
-    previous_load : float
-        Load on the whole pin one step earlier [N].
-    displacement, previous_displacement : ndarray, shape (nx, ny), or None
-        Elastic displacement due to `pressure` and to `previous_pressure` [m]; None if not known.
+    displacement : ndarray, shape (nx, ny), or None
+        Elastic displacement due to `pressure` [m]; None if not known.
+    earlier : EarlierContact or None
+        The contact one step earlier; None if there is none, or no step follows.
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
         Temperature of the contact, if it was requested.
-    history : State or None
-        State from which the ramp continues, at the same time but on a coarse grid or without an
-        implicit end (see `tribo.simulation.requested_state`). None if the ramp continues from this
-        state.
     passing : tuple of ndarray, each of shape (nx, ny)
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
-    course : tuple
-        Values that a `tribo.simulation.Recorder` recorded at the shared steps of the ramp before
-        this state; empty unless `is_requested`.
 
     Examples
     --------
@@ -143,15 +142,11 @@ class State:
     index: int
     iterations: int
     residual: float
-    previous_pressure: Array
-    previous_load: float
     displacement: Array | None = None
-    previous_displacement: Array | None = None
+    earlier: EarlierContact | None = None
     is_requested: bool = False
     heat: Heat | None = None
-    history: State | None = None
     passing: tuple[Array, ...] = ()
-    course: tuple[Any, ...] = ()
 
     @property
     def speed(self) -> float:
