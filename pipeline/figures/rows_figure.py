@@ -75,7 +75,7 @@ def draw_rows(margins: xr.Dataset, title: str) -> Figure:
     labels = [textwrap.fill(name, letters_per_line) for name in names]
     lines_per_row = 1 + max(label.count("\n") for label in labels)
     positions = np.arange(len(names))
-    height = 1.6 + 0.32 * min(len(names), _MAX_LABELS) * lines_per_row
+    height = 2.2 + 0.32 * min(len(names), _MAX_LABELS) * lines_per_row
     figure, axes = style.canvas((_USUAL_WIDTH, height))
     axes.axvline(0.0, color=BLACK, label="critical temperature")
     low, high = min(0.0, np.nanmin(margin - np.nan_to_num(error))), max(0.0, np.nanmax(margin))
@@ -133,7 +133,6 @@ def _draw_load_factors(axes: Axes, margins: xr.Dataset) -> Axes:
             _with_signs(text), (high if is_above else ends[position], position),
             (-4 if is_above else 4, 0), textcoords="offset points", fontsize="small", va="center",
             ha="right" if is_above else "left", color="white" if is_above else BLACK,
-            path_effects=() if is_above else style.HALO,
         )  # fmt: skip
     panel.axvline(1.0, color=BLACK, lw=style.THIN, ls="--", zorder=0)
     panel.tick_params(labelleft=False)
