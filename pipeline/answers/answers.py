@@ -176,9 +176,12 @@ def _evaluate(
     """
     try:
         template, *arrays = xr.broadcast(load, velocity, *overrides.values())
-    except ValueError as error:
-        message = f"load, velocity and conditions do not fit together: {error}"
-        raise InputError(message) from None
+    except ValueError:
+        arrays_by_name = {"load": load, "velocity": velocity, **overrides}
+        sizes = (f"{name} has {array.size}" for name, array in arrays_by_name.items() if array.ndim)
+        raise InputError(
+            f"values cannot be paired: {', '.join(sizes)}; give equal numbers of each"
+        ) from None
     loads, velocities, *columns = (array.values.ravel() for array in (template, *arrays))
     rows = [*zip(*(c.tolist() for c in columns), strict=True)] or [()] * template.size
     of_row = {
@@ -299,7 +302,10 @@ def boundary(
     overrides, cases = condition_arrays(conditions), cases_of(ds)
     for name in PLANE:
         if name not in ds["status"].dims and cases[0].is_row:
-            raise InputError(f"each case has its own {name}, so there is no boundary")
+            raise InputError(
+                f"each case has its own {name}, so there is no boundary; pipeline.margin (irg "
+                "margin) judges each row"
+            )
         if name not in ds["status"].dims:
             value = f"{ds[name].item():g}"
             raise InputError(

@@ -133,7 +133,7 @@ REFUSALS = {
                "load is of polars; give load.to_pandas()"),
     "load alone": (margin(400.0), "give both a load and a velocity"),
     "no point": (margin(), "no operating point is given; give a load and a velocity"),
-    "unlike lengths": (of_unlike_lengths, "load, velocity and conditions do not fit together"),
+    "unlike lengths": (of_unlike_lengths, "paired: load has 2, friction has 3; give equal"),
     "empty": (margin([], 2.0), "load is empty; give at least one value"),
     "nested": (margin([[1.0]], 2.0), "load is a nested list; give a DataArray"),
     "unknown": (margin(fricton=0.1), "fricton is not a condition"),
