@@ -32,6 +32,7 @@ _CHOICES = {
 }  # fmt: skip
 """What a designer chooses by an input; by those of materials, the material."""
 _MAX_LOG_FACTOR = 4.0  # of the viscosity
+_ROUNDING = 2e-5  # changes below it, in ln and in percent, come from rounding
 _LONG_NAMES = {
     "sensitivity": "d ln(rise ratio) / d ln(input), or its change per K of a temperature",
     "curvature": "sum of the changes of ln(rise ratio) on both sides",
@@ -140,8 +141,8 @@ def sensitivity_frame(ds: xr.Dataset) -> pd.DataFrame:
 
 
 def _rounded(value: float, digits: int) -> float:
-    """The value with a number of significant digits, and 0 without a sign."""
-    return float(f"{value:.{digits}g}") + 0.0
+    """The value with a number of significant digits; 0, without a sign, below `_ROUNDING`."""
+    return 0.0 if abs(value) < _ROUNDING else float(f"{value:.{digits}g}") + 0.0
 
 
 def value_text(ds: xr.Dataset, path: str) -> str:

@@ -18,7 +18,7 @@ from pipeline.quantities import ROUNDING
 from pipeline.store.location import StoreError
 from pipeline.store.schema import PLANE
 from pipeline.sweep.case import CONDITION_ENTRIES, PATHS
-from pipeline.sweep.case_table import dimension_of
+from pipeline.sweep.case_table import CASE, dimension_of
 from pipeline.sweep.sweep import Sweep
 from pipeline.units import to_si
 from tribo import InputError
@@ -68,10 +68,15 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     return pipeline.load_scene(options.scene, options.preset, settings | conditions)
 
 
-def one_scene_in(options: argparse.Namespace) -> Sweep:
-    """Load the scene of a command that uses only one value of each varied entry."""
+def one_scene_in(options: argparse.Namespace, finds_row: bool = False) -> Sweep:
+    """Load the scene of a command that uses only one value of each varied entry.
+
+    A note names this value, except the row of a table if the command finds it (`finds_row`).
+    """
     sweep = scene_in(options)
     for column in sweep.case_table.chosen_columns:
+        if finds_row and column.name == CASE:
+            continue
         print_note(
             f"note: {column.name} varies in this scene; the scene's own value or the first one is "
             "used; choose another by --set"

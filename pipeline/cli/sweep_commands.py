@@ -146,10 +146,11 @@ def _next_steps(ds: xr.Dataset, store: str) -> list[Any]:
 def sensitivity(options: argparse.Namespace) -> Result:
     """Answer ``irg sensitivity``: what each input of a scene does to rise and critical velocity."""
     out = options.store_path or Path("results") / f"{options.scene.stem}-sensitivity.zarr"
-    scene, point = one_scene_in(options), values_in(options, "load", "velocity", "workers")
+    scene = one_scene_in(options, finds_row=True)
+    point = values_in(options, "load", "velocity", "workers")
     with output.run_line() as progress:
         ds = pipeline.sensitivity(scene, out=out, progress=progress, **point)
-    text = [*sensitivity_lines(ds), f"points: {out}"]
+    text = wrapped([*sensitivity_lines(ds), f"points: {out}"])
     return Result(text=text, frames=[sensitivity_frame(ds)], draw=partial(pipeline.plot, ds))
 
 
