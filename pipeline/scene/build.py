@@ -103,7 +103,7 @@ def build(entries: Entries, files: Files, faults: Faults) -> BuiltScene | None:
         "pixels": part("window", grid_of, tables.window, tables.pin),
         "motion": part("motion", motion_of, tables.motion, tables.pin, tables.disk),
         "wear": part("wear", wear_of, tables.wear),
-        "loading": part("loading", loading_of, tables.loading, tables.sweep.loads, files, faults),
+        "loading": part("loading", loading_of, tables.loading, tables.sweep.loads, files),
         "roughness": part(
             "disk.roughness", roughness_of, tables.disk.roughness, tables.window,
             tables.sweep.realizations, files, faults,
@@ -230,25 +230,16 @@ def wear_of(table: Archard) -> tribo.Wear:
 
 
 def loading_of(
-    table: RampTable | StagesTable | Record, loads: Sequence[float], files: Files, faults: Faults
+    table: RampTable | StagesTable | Record, loads: Sequence[float], files: Files
 ) -> Loading:
-    """The ramp, the stages up to the highest of `loads` [N], the record, or the ramp fitted to it.
-
-    A note on a fit is added to `faults`.
-    """
+    """The ramp, the stages up to the highest of `loads` [N], or the record."""
     if isinstance(table, RampTable):
         return tribo.Ramp(**set_entries(table))
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
     path = files.path("loading.file", table.file)
     times, record_loads = files.read_once(path, partial(_record, path, table))
-    record = tribo.MeasuredLoad(times, record_loads, table.reference_load)
-    if not table.fit:
-        return record
-    rate, onset = record.linear_fit()
-    onset = round(onset, 3) + 0  # without the sign of -0
-    faults.note("loading.file", f"fitted by {rate:.4g} N/s from {onset:g} s on")
-    return record.ramp()
+    return tribo.MeasuredLoad(times, record_loads, table.reference_load)
 
 
 def _record(path: Path, table: Record) -> tuple[Array, Array]:

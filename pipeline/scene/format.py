@@ -228,7 +228,6 @@ class StagesTable(Declared):
 class Record(TableFile):
     form = "record"
     reference_load: float | None = entry(Quantity("750 N"), _REFERENCE_LOAD, None)
-    fit: bool = entry(Flag(), "True to replace the record by a straight line through it.", False)
 
 class MotionTable(Declared):
     slide_roll_ratio: float = entry(Share(usual=USUAL["slide_roll_ratio"].ends),

@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.constants import EQUAL_TIME_LIMIT, FITTED_SHARES, LOAD_NOISE
 from tribo.errors import InputError, real_array, require_number, require_positive
-from tribo.loading.ramp import LoadStep, Ramp
+from tribo.loading.ramp import LoadStep
 from tribo.types import Array
 
 _MAX_COURSE_ROWS = 500  # rows that take about 20 kB in a store
@@ -182,10 +182,6 @@ class MeasuredLoad:
         F = np.interp(t, self.times, self.loads)
         rate = float(np.sum((t - t.mean()) * (F - F.mean())) / np.sum((t - t.mean()) ** 2))
         return rate, float(t.mean() - F.mean() / rate)
-
-    def ramp(self) -> Ramp:
-        """Ramp with the rate of the linear fit, up to the record's peak."""
-        return Ramp(self.linear_fit()[0], self.peak)
 
 
 @functools.lru_cache(maxsize=4)  # called for each scene of a sweep

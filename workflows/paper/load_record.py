@@ -35,11 +35,14 @@ def fig8(study: Study) -> Recomputation:
         raise InputError(f"the scene {sweep.name} must have a record, `file` under [loading]")
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
     rate, onset = record.linear_fit()
-    ramp = {"rate": f"{LOADING_RATE!r} N/s", "reference_load": f"{load!r} N"}
+    rates = {_FIT: rate, f"{LOADING_RATE:g} N/s": LOADING_RATE}
+    ramps = {
+        name: {"rate": f"{rate!r} N/s", "reference_load": f"{load!r} N"}
+        for name, rate in rates.items()
+    }
     loadings = {
         _RECORD: sweep,
-        _FIT: sweep.changed("loading.fit", True),
-        f"{LOADING_RATE:g} N/s": sweep.changed("loading", ramp),
+        **{name: sweep.changed("loading", ramp) for name, ramp in ramps.items()},
     }
     curves, runs = {}, {}
     for name in study.stages(loadings):

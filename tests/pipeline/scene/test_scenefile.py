@@ -140,12 +140,6 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     ramp, record = 'rate = "150 N/s"\nreference_load = "750 N"', 'file = "record.csv"'
     assert read((ramp, record)).scene.loading == tribo.MeasuredLoad(times, loads)
     record += '\nreference_load = "500 N"'
-    fitted = read((ramp, record + "\nfit = true"))
-    assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
-    (note,) = fitted.notes
-    assert note.path == "loading.file"
-    assert "fitted by" in note.words
-    assert "N/s" in note.words
     (fault,) = faults((ramp, record.replace("500", "900")))
     assert fault.startswith("loading.file: ")
     assert "reaches 800 N" in fault

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import PRESETS, MeasuredLoad, Ramp
+from tribo import PRESETS, MeasuredLoad
 
 TIMES = np.linspace(0.0, 8.0, 81)
 
@@ -59,7 +59,6 @@ def test_linear_fit_finds_the_rate_and_the_onset(noise):
     # 40 rows over 4 s: the slope's standard error is 2 N / (√40 · 1.17 s) = 0.27 N/s.
     assert rate == pytest.approx(150.0, abs=1e-9 + 4 * 0.27 * noise / 2)
     assert onset == pytest.approx(0.5, abs=1e-9 + 0.01 * noise)
-    assert record.ramp() == Ramp(rate, 740.0)
 
 
 def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
