@@ -260,13 +260,12 @@ class Field:
 
 LineOutcome = IntEnum(
     "LineOutcome",
-    "TRANSITION MILD SEVERE MILD_TO_HIGHEST SEVERE_FROM_LOWEST UNKNOWN OUTSIDE_MODEL NO_LINE",
+    "TRANSITION MILD SEVERE UNKNOWN OUTSIDE_MODEL",
     start=0,
 )
 """Codes of what happens along a line of rising velocity, or of rising load.
 
-Wear is mild (severe) over the whole sweep, or up to the highest (down to the lowest) simulated
-velocity or load.
+Wear is mild or severe over the whole sweep; unknown if too few of its points are done.
 """
 
 
@@ -310,14 +309,10 @@ class Lines(NamedTuple):
 
     def outcomes(self, ends: tuple[float, float]) -> Indices:
         """Codes of `LineOutcome` (k,); `ends` are the lowest and highest position in the sweep."""
-        reaches_first, reaches_last = self.low <= ends[0], self.high >= ends[1]
-        covers_sweep = np.where(self.is_severe, reaches_first, reaches_last)
+        covers_sweep = np.where(self.is_severe, self.low <= ends[0], self.high >= ends[1])
         uniform = np.where(self.is_severe, LineOutcome.SEVERE, LineOutcome.MILD)
-        partial = np.where(
-            self.is_severe, LineOutcome.SEVERE_FROM_LOWEST, LineOutcome.MILD_TO_HIGHEST
-        )
-        cases = np.isfinite(self.critical), np.isnan(self.low), covers_sweep
-        return np.select(cases, (LineOutcome.TRANSITION, LineOutcome.UNKNOWN, uniform), partial)
+        cases = np.isfinite(self.critical), covers_sweep
+        return np.select(cases, (LineOutcome.TRANSITION, uniform), LineOutcome.UNKNOWN)
 
 
 def film_field(case: CaseResults, bulk: float) -> Field | None:

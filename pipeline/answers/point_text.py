@@ -9,6 +9,7 @@ import xarray as xr
 
 from pipeline.answers.answer_lines import edge_warnings, not_included_lines
 from pipeline.answers.value_text import (
+    LINE_OUTCOMES,
     OUTSIDE,
     attribute_texts,
     code_text,
@@ -16,7 +17,6 @@ from pipeline.answers.value_text import (
     format_error,
     format_limit,
     format_variable,
-    outcome_texts,
     probability_text,
     verdict_text,
 )
@@ -152,12 +152,12 @@ def margin_facts(point: xr.Dataset) -> Iterator[tuple[str, str]]:
     for text in filter(None, attribute_texts(point, "uncertain_inputs")):
         yield "uncertain inputs", text
     for axis in ("velocity", "load"):
-        outcome = str(outcome_texts(point, axis)[()])
-        if not outcome:
-            continue
-        is_known = not math.isnan(point[f"critical_{axis}"].item())
-        value = f"{format_variable(point, f'critical_{axis}')} {UNITS[axis]}"
-        yield f"computed {axis}", f"severe from {value}" if is_known else outcome
+        outcome = str(code_text(point[f"outcome_along_{axis}"])[()])
+        if outcome == "transition":
+            value = format_variable(point, f"critical_{axis}")
+            yield f"computed {axis}", f"severe from {value} {UNITS[axis]}"
+        elif outcome in LINE_OUTCOMES:
+            yield f"computed {axis}", LINE_OUTCOMES[outcome]
         if axis == "velocity" and (velocity := format_variable(point, "critical_velocity_p50")):
             yield "with tests", f"{velocity} m/s (severe wear is 50 % probable)"
     if friction := limit_text(point, "friction"):

@@ -17,17 +17,12 @@ from pipeline.constants import MIN_STATED_PROBABILITY, RISE_EXPONENT
 OUTSIDE = (
     "outside the model: the oil film carries more than 20 % of the load, and wear may be severe"
 )
-_OUTCOMES = {
-    "transition": "transition",
+LINE_OUTCOMES = {
     "mild": "mild over the whole sweep",
     "severe": "severe over the whole sweep",
-    "mild to highest": "mild up to the highest simulated {axis}",
-    "severe from lowest": "severe down to the lowest simulated {axis}",
-    "unknown": "unknown because too few points are done",
     "outside the model": OUTSIDE,
-    "no line": "",
-    "": "",
 }
+"""Sentences on lines without a critical value."""
 _MAX_DIGITS = 4  # significant digits, however small the error is
 _DIGITS_WITHOUT_ERROR = 3  # significant digits if the error is unknown
 _TEMPERATURES = "governing_temperature", "temperature_margin"  # whose error is stated itself
@@ -44,13 +39,6 @@ def code_text(variable: xr.DataArray) -> Any:
 def verdict_text(point: xr.Dataset) -> str:
     """The verdict on one point, as text."""
     return str(code_text(point["verdict"])[()])
-
-
-def outcome_texts(answer: xr.Dataset, axis: str) -> Any:
-    """Outcome of each line along `axis`, as text; empty where there is no line."""
-    texts = {name: text.format(axis=axis) for name, text in _OUTCOMES.items()}
-    codes = code_text(answer[f"outcome_along_{axis}"])
-    return np.vectorize(texts.__getitem__, otypes=[object])(codes)
 
 
 def flag_names(variable: xr.DataArray, flags: int) -> list[str]:

@@ -331,7 +331,7 @@ class VerdictModel:
         outcomes = lines.outcomes(self.ranges[axis])
         outcomes = np.where(is_line_outside, LineOutcome.OUTSIDE_MODEL, outcomes)
         if len(nodes) == 1:
-            outcomes[:] = LineOutcome.NO_LINE
+            outcomes[:] = LineOutcome.UNKNOWN
         columns = {
             f"critical_{axis}": np.where(is_outside, np.nan, lines.critical),
             f"outcome_along_{axis}": outcomes.astype(np.int8),

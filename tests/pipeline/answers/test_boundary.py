@@ -13,7 +13,7 @@ from tests.helpers.synthetic import LOADS, VELOCITIES
 from tests.pipeline.test_film import filmed
 from tribo.simulation.lubrication import find_lubrication
 
-TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 5
+TRANSITION, MILD, SEVERE, UNKNOWN = 0, 1, 2, 3
 
 
 @pytest.fixture(scope="module")
