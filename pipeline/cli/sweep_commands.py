@@ -32,7 +32,7 @@ from tribo import Fidelity, InputError
 def _require_possible_run(options: argparse.Namespace) -> None:
     """Refuse a goal out of reach, and a store to copy from that is not there, before a run."""
     from pipeline.progress import silent
-    from pipeline.run.goal import GoalRun
+    from pipeline.run.goal import GoalPlan
     from pipeline.store.create import find_sweep
     from pipeline.store.store import opened
 
@@ -40,7 +40,7 @@ def _require_possible_run(options: argparse.Namespace) -> None:
         opened(options.source)
     if options.accuracy is not None:
         out = options.output or Path("results") / f"{options.scene.stem}.zarr"
-        GoalRun(scene_in(options), find_sweep(out), options.accuracy, silent)
+        GoalPlan(scene_in(options), find_sweep(out), options.accuracy, silent)
 
 
 def run(options: argparse.Namespace) -> Result:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -20,14 +20,12 @@ from pipeline.answers.error import (
     total,
 )
 from pipeline.answers.results import ascending, cases_of
-from pipeline.answers.verdict_model import VerdictModel, verdict_model
+from pipeline.answers.verdict_model import verdict_model
 from pipeline.arguments import in_share
 from pipeline.progress import Progress, Report
 from pipeline.run.search import MOST_REALIZATIONS, Goal, Search
 from pipeline.scene.entries import entry_at
-from pipeline.store.dataset import store_dataset
 from pipeline.store.schema import DONE, FAILED
-from pipeline.store.store import Store
 from pipeline.sweep.case import known_critical_temperature
 from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.user_laws import UserSurface
@@ -112,11 +110,12 @@ def with_preset_for(sweep: Sweep, before: Sweep | None, accuracy: float) -> Swee
     raise InputError(f"accuracy is {percent(accuracy)}, and {subject} {statement}; {advice}")
 
 
-class GoalRun:
-    """A run until the boundary of each scene of a sweep has at most the relative error `accuracy`.
+class GoalPlan:
+    """Chooses points until the boundary of each scene of a sweep has at most an error.
 
-    `before` is the sweep of the store, if there is one. The attribute `sweep` has the preset and
-    the realizations needed; `is_fixed` is True if no further realizations can be simulated.
+    `accuracy` is this error, relative, and `before` the sweep of the store, if there is one. The
+    attribute `sweep` has the preset, velocities and realizations needed; `is_fixed` is True if no
+    further realizations can be simulated.
     """
 
     def __init__(
@@ -149,60 +148,44 @@ class GoalRun:
         if not self.is_fixed:
             self.sweep = chosen.with_realizations(max(*realizations, _LEAST_REALIZATIONS))
 
-    @property
-    def _seeds(self) -> tuple[int, ...]:
-        return tuple(map(int, self.sweep.case_table.axes.get("realization", (0,))))
-
-    def next_points(self, store: Store) -> list[Point]:
+    def ask(self, ds: xr.Dataset) -> list[Point]:
         """Points to compute next, of the first realization if it needs any; empty at the end.
 
-        `sweep` gets the realizations that these points need, or further velocities if the search
-        needs these first.
+        `ds` is the store's present state. `sweep` gets the realizations that these points need, or
+        further velocities if the search needs these first.
         """
-        cases = cases_of(ascending(store_dataset(store)))
         points, count, new_velocities = list[tuple[Point, int]](), 0, set[float]()
-        has_seeds, sweep_seeds = "realization" in self.sweep.case_table.axes, self._seeds
-        seeds = (
-            sweep_seeds
-            if self.is_fixed
-            else range(sweep_seeds[0], sweep_seeds[0] + MOST_REALIZATIONS)
-        )
-        for case, search in searches(cases, self.accuracy, self.is_fixed, len(seeds)):
-            indices = search.next_points()
-            new_velocities |= {*search.next_velocities()}
+        seeds = self.sweep.case_table.axes.get("realization", ())
+        available = [*map(int, seeds or (0,))]
+        if not self.is_fixed:
+            available = [available[0] + number for number in range(MOST_REALIZATIONS)]
+        for case in cases_of(ascending(ds)):
+            search = search_of(case, self.accuracy, self.is_fixed, len(available))
+            indices, velocities = search.ask()
+            new_velocities |= {*velocities}
             count = max([count, *(index.realization + 1 for index in indices)])
             for realization, load, velocity in indices:
                 coordinates = float(search.loads[load]), float(search.velocities[velocity])
-                seed = (("realization", seeds[realization]),) if has_seeds else ()
+                seed = (("realization", available[realization]),) if seeds else ()
                 points.append((Point(*coordinates, (*case.name, *seed)), realization))
-        if count > len(sweep_seeds) and not self.is_fixed:
+        if count > len(seeds or (0,)) and not self.is_fixed:
             # More than needed now, because extending the store takes as long as some points.
             self.sweep = self.sweep.with_realizations(min(MOST_REALIZATIONS, count + count // 2))
         if new_velocities and not points:
-            velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
-            self.sweep = replace(self.sweep, velocities=velocities)
+            all_velocities = tuple(sorted({*self.sweep.velocities, *new_velocities}))
+            self.sweep = replace(self.sweep, velocities=all_velocities)
         first_points = [point for point, realization in points if not realization]
         return first_points or [point for point, _ in points]
 
 
-def searches(
-    cases: Iterable[CaseResults],
-    accuracy: float,
-    is_fixed: bool,
-    realizations: int = MOST_REALIZATIONS,
-) -> Iterator[tuple[CaseResults, Search]]:
-    """The search of each case of a store in its present state."""
-    for case in cases:
-        model = verdict_model(case, case.sweep.conditions)
-        yield case, search_of(model, Goal(accuracy, realizations, not is_fixed))
-
-
-def search_of(model: VerdictModel, goal: Goal) -> Search:
-    """The search of one case, with the rises and errors of its answers."""
-    case, specimen = model.case, model.specimen
-    first = case.log_rises(model.conditions)[0] + specimen.mean.offset - model.limit
+def search_of(
+    case: CaseResults, accuracy: float, is_fixed: bool, realizations: int = MOST_REALIZATIONS
+) -> Search:
+    """The search of one case of a store in its present state."""
+    model, goal = verdict_model(case, case.conditions), Goal(accuracy, realizations, not is_fixed)
+    first = case.log_rises(model.conditions)[0] + model.specimen.mean.offset - model.limit
     tried = np.isin(case.status, (DONE, FAILED))
-    return Search(specimen, model.limit, model.preset_error, first, tried, goal)
+    return Search(model.specimen, model.limit, model.preset_error, first, tried, goal)
 
 
 class GoalOutcome(NamedTuple):
@@ -247,7 +230,8 @@ class GoalOutcome(NamedTuple):
 def goal_outcomes(ds: xr.Dataset, accuracy: float, is_fixed: bool) -> list[GoalOutcome]:
     """Largest error of each case of a dataset."""
     outcomes = list[GoalOutcome]()
-    for case, search in searches(cases_of(ds), accuracy, is_fixed):
+    for case in cases_of(ds):
+        search = search_of(case, accuracy, is_fixed)
         loads, crosses = search.loads, np.isfinite(search.critical)
         totals = total(np.delete(search.errors, SURFACE, axis=0) if is_fixed else search.errors)
         worst = int(np.argmax(np.where(crosses, np.nan_to_num(totals, nan=np.inf), -np.inf)))

@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from dask.system import cpu_count
 from distributed import Client
 
@@ -18,11 +19,12 @@ from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import with_variants
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.drive import Tally, TaskQueue, compute, notebook_progress
-from pipeline.run.goal import GoalRun
+from pipeline.run.goal import GoalPlan
 from pipeline.run.watch import Watch
 from pipeline.scene.scene_file import sweep_of
 from pipeline.scene.variants import expected_variants
 from pipeline.store.create import enlarged, find_sweep, versions, writing
+from pipeline.store.dataset import store_dataset
 from pipeline.store.location import PathLike
 from pipeline.store.points import copy_points
 from pipeline.store.resume import changes_in_words
@@ -131,7 +133,7 @@ def run_sweep(
     require_free_names(sweep)  # before a folder is made
     require_stored_classes(sweep)
     expected_variants(sweep)  # raises for an uncertain input that cannot be varied
-    goal = None if accuracy is None else GoalRun(sweep, find_sweep(out), accuracy, report)
+    goal = None if accuracy is None else GoalPlan(sweep, find_sweep(out), accuracy, report)
     return run_planned(
         sweep, out, goal, workers, progress, client=client, patience=patience,
         dashboard=dashboard, retry_failed=retry_failed, source=source,
@@ -146,12 +148,12 @@ class PointsBeside:
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
 
-    def next_points(self, _: Store) -> list[Point]:
+    def ask(self, _: xr.Dataset) -> list[Point]:
         """No point."""
         return []
 
 
-Plan = GoalRun | PointsBeside
+Plan = GoalPlan | PointsBeside
 """What chooses the points of a run."""
 
 
@@ -247,7 +249,7 @@ def _with_next_points(store: Store, plan: Plan, tally: Tally) -> Store:
     """The store with the next points of a plan as pending, enlarged for further realizations."""
     while True:
         sweep = plan.sweep
-        points = plan.next_points(store)
+        points = plan.ask(store_dataset(store))
         if is_larger := plan.sweep is not sweep:
             store = enlarged(store, plan.sweep)
             store.leave_out_pending()

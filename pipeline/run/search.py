@@ -132,16 +132,11 @@ class Search:
         parts = [INTERPOLATION, *by_realizations]
         return np.asarray(np.sqrt(np.square(self.errors[parts]).sum(axis=0)))
 
-    def next_points(self) -> list[PointIndex]:
-        """Points to compute next; empty if the goal is reached or cannot be reached."""
-        return self._needs[0]
+    def ask(self) -> tuple[list[PointIndex], list[float]]:
+        """Points to compute next, or velocities [m/s] that the sweep needs before any.
 
-    def next_velocities(self) -> list[float]:
-        """Velocities [m/s] to add to the sweep; if there are any, `next_points` is empty."""
-        return self._needs[1]
-
-    @cached_property
-    def _needs(self) -> tuple[list[PointIndex], list[float]]:
+        Both are empty if the goal is reached or cannot be reached.
+        """
         last = len(self.loads) - 1
         has_points, has_several = (self._has_realization.sum(axis=0) > n for n in (0, 1))
         loads: set[int] = set()

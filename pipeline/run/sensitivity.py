@@ -13,7 +13,7 @@ from pipeline.answers.sensitivity_answer import sensitivity_answer
 from pipeline.arguments import in_count, in_load_or_velocity, typed_arguments
 from pipeline.progress import Progress, Report, silent
 from pipeline.run.boundary_variants import governing_row
-from pipeline.run.goal import reason_surface_is_fixed, require_boundary, searches
+from pipeline.run.goal import reason_surface_is_fixed, require_boundary, search_of
 from pipeline.run.run_sweep import PointsBeside, run_planned, run_sweep
 from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.scene.variants import variants_of
@@ -149,7 +149,8 @@ def _critical_velocity(sweep: Sweep, out: PathLike, workers: int | None, report:
     require_boundary(sweep)
     (load,) = sweep.loads
     run_sweep(sweep, out, workers, accuracy=_SEARCH_ERROR, progress=report)
-    _, search = next(searches(cases_of(out), _SEARCH_ERROR, is_fixed=True))
+    (case,) = cases_of(out)
+    search = search_of(case, _SEARCH_ERROR, is_fixed=True)
     velocity = float(search.critical[search.loads == load][0])
     if not np.isfinite(velocity):
         raise InputError(

@@ -23,7 +23,7 @@ from pipeline.arguments import typed_arguments
 from pipeline.constants import RISE_EXPONENT
 from pipeline.frames import frame_of, lines_of
 from pipeline.progress import Progress, Report, silent
-from pipeline.run.goal import goal_outcomes, reason_surface_is_fixed, require_boundary, searches
+from pipeline.run.goal import goal_outcomes, reason_surface_is_fixed, require_boundary, search_of
 from pipeline.run.run_sweep import run_sweep
 from pipeline.scene.scene_file import SceneLike, sweep_of
 from pipeline.store.location import PathLike
@@ -134,7 +134,8 @@ def trade(
 
 def _planes(sweep: Sweep, out: PathLike, report: Report) -> Iterator[MeasuredCost]:
     """The whole plane of one realization by each preset."""
-    _, search = next(searches(cases_of(out), 1.0, bool(reason_surface_is_fixed(sweep))))
+    case = next(iter(cases_of(out)))
+    search = search_of(case, 1.0, bool(reason_surface_is_fixed(sweep)))
     specimen, field = search.specimen, search.specimen.field
     crosses = np.isfinite(search.critical) & (specimen.realizations > 0)
     loads, critical = field.loads[crosses], search.critical[crosses]

@@ -54,9 +54,11 @@ class Told:
 
     def ask(self):
         """Points to compute next; empty at the end."""
-        while more := self.now.next_velocities():
-            self._grow(more)
-        return self.now.next_points()
+        points, velocities = self.now.ask()
+        while velocities:
+            self._grow(velocities)
+            points, velocities = self.now.ask()
+        return points
 
     def _grow(self, more):
         """Insert velocities without results."""
