@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import pkgutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, Unpack
@@ -18,9 +17,10 @@ from pipeline.arguments import in_si, typed_arguments
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.rows_figure import rows
-from pipeline.figures.study_figures import draw_sensitivities
+from pipeline.figures.study_figures import draw_sensitivities, draw_trade
 from pipeline.figures.tests_figure import draw_tests
 from pipeline.paths import FIGURES, writable_path
+from pipeline.run.trade import Trade
 from pipeline.store.schema import PLANE
 from tribo import InputError
 
@@ -97,12 +97,12 @@ def plot(
     >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
     'diagram.svg'
     """
-    drawn_by, scene = getattr(ds, "drawn_by", None), ""  # of the result of a study
-    kinds, inputs, default_kind = dict[str, Callable[..., Figure]](KINDS), tuple[Any, ...](), ""
+    kinds, inputs = dict[str, Callable[..., Figure]](KINDS), tuple[Any, ...]()
     kind_options: dict[str, Any] = {**options}
-    if drawn_by:
-        default_kind = drawn_by.rpartition("draw_")[2]
-        kinds, inputs = {default_kind: pkgutil.resolve_name(drawn_by)}, (ds,)
+    default_kind, scene = "", ""
+    if isinstance(ds, Trade):
+        default_kind = "trade"
+        kinds, inputs = {default_kind: draw_trade}, (ds,)
     elif isinstance(ds, xr.Dataset) and "log_rise_change" in ds:  # of pipeline.sensitivity
         default_kind = "sensitivities"
         kinds, inputs = {default_kind: draw_sensitivities}, (ds,)

@@ -1,8 +1,4 @@
-"""Figures of studies: computing time against error, sensitivities to inputs.
-
-`pipeline.plot` finds the figure of a study by its attribute ``drawn_by``, that of a dataset by its
-dimension ``input``.
-"""
+"""Figures of studies: computing time against error, sensitivities to inputs."""
 
 from __future__ import annotations
 

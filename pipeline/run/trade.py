@@ -11,7 +11,6 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 import pandas as pd
@@ -50,7 +49,6 @@ class MeasuredCost:
 class Trade:
     """Measured processor time and error of the boundary of a scene."""
 
-    drawn_by: ClassVar = "pipeline.figures.study_figures:draw_trade"
     title: str  #: Title of the scene.
     runs: tuple[MeasuredCost, ...]  #: Runs with a goal, each on the points of those before.
     #: The whole plane by each preset; its time is that of one point.
